@@ -30,7 +30,7 @@ from rl_tui.runs.library import listing
 from rl_tui.runs.measures import MEASURES
 from rl_tui.screen.glossary.glossary import BOOK, figure_text
 from rl_tui.screen.glossary.glossary import glossary as terms
-from rl_tui.screen.keys.action import Action, Group, Place
+from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.registry import ACTIONS
 from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
 from rl_tui.studies.sweeps.cell import MEASURES as SWEEP_MEASURES
@@ -42,7 +42,7 @@ from rl_tui.worlds.files.catalogue import shipped_folder
 FOLDER = Path(__file__).parent
 BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 PLACES = {
-    Place.CATALOGUE: "catalogue",
+    Place.CATALOGUE: "start screen",
     Place.LESSONS: "lessons",
     Place.PLAYGROUND: "playground",
     Place.EVERY: "everywhere",
@@ -52,9 +52,9 @@ PICTURES = {
     "playground.svg": ("screenshot", _LAKE, "--keys", "wait:20000"),
     "microscope.svg": ("screenshot", _LAKE, "--keys", "wait:60000,d"),
     "lesson.svg": ("screenshot", "--lesson", "q-by-hand", "--keys", ".,.,.,.,y,1,.,A,-,2,enter,1"),
-    "drawing.svg": ("screenshot", "maze", "--keys", "wait:3000,C,right,right,H,s,down,number_sign"),
+    "drawing.svg": ("screenshot", "maze", "--keys", "wait:3000,w,d,right,right,H,s,down,number_sign"),
     "figure-8.2.svg": ("figure", "8.2"),
-    "own-code.svg": ("screenshot", "--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,F"),
+    "own-code.svg": ("screenshot", "--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,a,f"),
 }
 
 
@@ -90,12 +90,11 @@ def drawn(picture: str) -> str:
 
 
 def keys() -> str:
-    """Return the keys, a table for each heading of the help panel."""
+    """Return the keys, a table for each menu and each group of other keys."""
     parts = []
-    for group in Group:
-        rows = [_key_row(action) for action in ACTIONS if action.group == group]
-        if rows:
-            parts += [f"### {group}", _table(("key", "name", "where", "what it does"), rows)]
+    for heading in dict.fromkeys(action.heading for action in ACTIONS):
+        rows = [_key_row(action) for action in ACTIONS if action.heading == heading]
+        parts += [f"### {heading}", _table(("key", "name", "where", "what it does"), rows)]
     return "\n\n".join(parts)
 
 

@@ -78,9 +78,9 @@ def crash(folder: Path, session: Path | None, chance: random.Random) -> Crash:
 def act(terminal: PseudoTerminal, lane: BranchingRun, chance: random.Random) -> Iterator[Seen]:
     """Press keys: a step, a step back, or a change and a step; yield what came of each."""
     for _ in range(chance.randint(1, 25)):
-        keys = chance.choice(["s", "s", "ts", "b" if lane.run.step > 1 else "s"])
+        keys = chance.choice(["s", "s", "ats", "b" if lane.run.step > 1 else "s"])
         stands = []
-        if keys == "ts":
+        if keys == "ats":
             lane.apply(SetParameter("ties", "first"))
             stands.append(stand_of(lane.record))  # it may be kept before the step is done
         if keys == "b":

@@ -49,8 +49,9 @@ QUICK: Final = (
 )  # loops that the other tests compile
 SIZES: Final = ((80, 24), (120, 40), (60, 18), (200, 60), (20, 5))
 KEYS: Final = [
-    *("wait:60", "v", "v", "v", "v", "v", "m", "escape", "f", "f", "f", "f", "f", "escape", "a"),
-    *("escape", "h", "e", "b", "B", "t", "space", "space", "?", "escape", "p", "escape"),
+    *("wait:60", "v", "v", "v", "v", "v", "w", "m", "escape", "f", "f", "f", "f", "f", "escape"),
+    *("a", "a", "escape", "w", "h", "e", "b", "B", "a", "t", "space", "space", "?", "escape", "a", "p"),
+    "escape",
 ]
 
 

@@ -25,10 +25,14 @@ os.environ["RL_TUI_KIOSK"] = "1"
 from seams import on_screen, tap
 
 from rl_tui.commands.line.screen import MOST_DATA, confine, enter_kiosk
+from rl_tui.screen.keys.action import MENUS
 
-DIALOGS = ("m", "j", "o", "u", "a", "p", "n", "i", "g", "question_mark", "ctrl+p", "c")
+DIALOGS = (
+    *("w m", "m b", "a o", "u", "a a", "a p", "r s", "r i", "m g", "question_mark", "ctrl+p", "c s"),
+    *MENUS,
+)
 _TOLD = 2
-LANES = ("c", "down", "enter")
+LANES = ("c", "a", "down", "enter")
 
 
 def memory() -> tuple[float, float]:
@@ -50,8 +54,8 @@ async def abuse(rounds: int) -> None:
         await tap(pilot, "down", "down", "enter")
         _tell("the playground")
         for number in range(rounds):
-            for key in DIALOGS:
-                await pilot.press(key)
+            for keys in DIALOGS:
+                await pilot.press(*keys.split())
                 await _to_playground(pilot)
             await pilot.press("y", *("1", "2") * 20, "y")
             for _ in range(5):
@@ -61,12 +65,12 @@ async def abuse(rounds: int) -> None:
                 await _to_playground(pilot)
             await pilot.press("plus", "plus", "plus", "plus", "plus", "plus", "plus", "plus", "space")
             await asyncio.sleep(0.5)
-            await pilot.press("a", "down", "enter")
+            await pilot.press("a", "a", "down", "enter")
             await _to_playground(pilot)
             await pilot.press("space", "B", "B", "space")
             await _to_playground(pilot)
             if number % 5 == 4:
-                await pilot.press("right_square_bracket")
+                await pilot.press("w", "right_square_bracket")
             if number % _TOLD == 0:
                 _tell(f"after {number + 1} rounds")
         _tell("at the end")

@@ -40,8 +40,8 @@ KEYS: Final = (
     ("speed", "+", r"▶ max"),
     ("slider", "\x1b[C", r"α .* 0\.110"),
     ("slider", "\x1b[D", r"α .* 0\.100"),
-    ("help", "?", r"─ Help ─"),
-    ("close help", "\x1b", r"^(?!.*(─ Help ─|q: close ─))"),
+    ("help", "?", r"Words  Pages"),
+    ("close help", "\x1b", r"^(?!.*(Words  Pages|esc: close ─))"),
 )
 
 

@@ -116,7 +116,7 @@ async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002
 async def switch(pilot: Pilot[UserError], algorithm: str) -> None:
     """Let ``algorithm`` take over, with keys."""
     pilot.app.set_focus(None)
-    await press(pilot, "a")
+    await press(pilot, "a", "a")
     await choose(pilot, algorithm)
 
 

@@ -60,14 +60,14 @@ _LONGEST: Final = 16  # bytes of such a sequence
 # What is typed in a minute: keys, and how long they are given. Space pauses and runs on.
 KEYS: Final = (
     *((" ", 0.5), ("v", 0.3), ("b", 0.5), ("bbb", 0.5), (" ", 0.5)),
-    *(("1", 0.3), ("\x1b[C", 0.3), ("\x1b[D", 0.3), ("vvv", 0.5), ("?", 0.7), ("\x1b", 0.7), ("m", 0.7)),
-    *(("\x1b", 0.7), ("a", 0.7), ("\x1b", 0.7), ("u", 0.7), ("\x1b", 0.7), ("d", 0.7), ("d", 0.5)),
-    *(("f", 0.5), ("f", 0.5), ("j", 0.7), ("\x1b", 0.7), ("\x10", 0.7), ("\x1b", 0.7)),
+    *(("1", 0.3), ("\x1b[C", 0.3), ("\x1b[D", 0.3), ("vvv", 0.5), ("?", 0.7), ("\x1b", 0.7), ("wm", 0.7)),
+    *(("\x1b", 0.7), ("aa", 0.7), ("\x1b", 0.7), ("u", 0.7), ("\x1b", 0.7), ("d", 0.7), ("d", 0.5)),
+    *(("f", 0.5), ("f", 0.5), ("mb", 0.7), ("\x1b", 0.7), ("\x10", 0.7), ("\x1b", 0.7)),
 )
 # Now and then: to another scenario and back, where the run begins anew, and on with two runs side by side
 ELSEWHERE: Final = (
-    *(("]", 2.0), (" " + FULL_SPEED, 2.0), ("[", 2.0), (" " + FULL_SPEED, 2.0)),
-    *(("c", 1.0), ("\r", 1.0), ("\x1b[B\r", 5.0), ("l", 1.0), ("c", 1.0), ("\x1b[3~", 1.0), ("\x1b", 0.7)),
+    *(("w]", 2.0), (" " + FULL_SPEED, 2.0), ("w[", 2.0), (" " + FULL_SPEED, 2.0)),
+    *(("ca", 1.0), ("\x1b[B\r", 5.0), ("cl", 1.0), ("cc", 1.0), ("\x1b[3~", 1.0), ("\x1b", 0.7)),
 )
 ELSEWHERE_EVERY: Final = 3  # minutes
 

@@ -42,15 +42,17 @@ def test_nothing_is_written_whatever_is_typed(tmp_path: Path) -> None:
         terminal.wait_for("no sessions are kept here: this is a kiosk")
         terminal.press("\x1b[B\x1b[B\r")
         terminal.wait_for("paused|preparing")
-        terminal.press("w")
-        terminal.wait_for("no session is kept here: this is a kiosk")
-        terminal.press("x")
-        terminal.wait_for("nothing is written here: this is a kiosk")
+        terminal.press("m")
+        terminal.wait_for("go to…")
+        assert "save…" not in terminal.screen
+        assert "export…" not in terminal.screen
+        terminal.press("sx\x1b[27u")  # nothing that writes is in the menu
+        terminal.wait_until(lambda: "go to…" not in terminal.screen)
         terminal.press("\x1a")  # ctrl+z
         terminal.press("\x10")  # ctrl+p
-        terminal.wait_for("find an action")
+        terminal.wait_for("a few letters of anything")
         terminal.press("export")
-        terminal.wait_for("Nothing found")
+        terminal.wait_for("Nothing has a word that begins so")
         terminal.press("\x11")  # ctrl+q quits from wherever one is
         assert terminal.wait_for_end() == 0
     assert tree(tmp_path) == before

@@ -51,7 +51,7 @@ def test_all_is_drawn_again_when_the_terminal_has_another_size() -> None:
             terminal.resize(*size)
             terminal.wait_until(
                 lambda: (
-                    "#" not in terminal.screen and "paused" in terminal.screen and "? help" in terminal.screen
+                    "#" not in terminal.screen and "paused" in terminal.screen and "? keys" in terminal.screen
                 )
             )
             rows = terminal.screen.split("\n")

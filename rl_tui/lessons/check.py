@@ -35,14 +35,10 @@ if TYPE_CHECKING:
 # What a page may highlight
 
 
+PERMANENT: Final = ("world", "table", "curve", "timeline", "budget", "controls", "last_step")
+"""The ids of the panels that no key opens: what a page may have in view, or leave out."""
 SPOTLIGHTS: Final = (
-    "world",
-    "table",
-    "curve",
-    "timeline",
-    "budget",
-    "controls",
-    "last_step",
+    *PERMANENT,
     "microscope",
     "many_seeds",
     "discount",
@@ -67,13 +63,26 @@ def page_findings(
     """Yield what is wrong with spotlights, predictions and questions. ``raw`` is the file without figures."""
     for number, page in enumerate(lesson.pages):
         where: Location = ("pages", number)
-        if page.spotlight is not None and page.spotlight not in SPOTLIGHTS:
-            expected = f"the id of a panel: {', '.join(SPOTLIGHTS)}{near(page.spotlight, SPOTLIGHTS)}"
-            yield Finding((*where, "spotlight"), shown(page.spotlight), expected)
+        yield from _panel_findings(lesson, page, where)
         if page.asked is not None:
             kind = "prediction" if page.prediction is not None else "question"
             written = raw["pages"][number][kind].get("answer")
             yield from _ask_findings(page.asked, written, (*where, kind), figures, quick=quick)
+
+
+def _panel_findings(lesson: Lesson, page: Page, where: Location) -> Iterator[Finding]:
+    """Yield the names of ``page`` that are no panel, and a spotlight on a panel that is not in view."""
+    named = () if page.panels is None else page.panels
+    spotlight = () if page.spotlight is None else (page.spotlight,)
+    for key, panels, known in (("spotlight", spotlight, SPOTLIGHTS), ("panels", named, PERMANENT)):
+        for panel in panels:
+            if panel not in known:
+                expected = f"the id of a panel: {', '.join(known)}{near(panel, known)}"
+                yield Finding((*where, key), shown(panel), expected)
+    in_view = lesson.panels_of(page.id)
+    if page.spotlight in PERMANENT and in_view is not None and page.spotlight not in in_view:
+        expected = "a panel in view: add it to panels"
+        yield Finding((*where, "spotlight"), shown(page.spotlight), expected)
 
 
 def _ask_findings(

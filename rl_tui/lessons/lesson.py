@@ -68,6 +68,12 @@ class Lesson:
         """Return the place of a page, from 0; 0 where there is none of this id."""
         return next((number for number, page in enumerate(self.pages) if page.id == page_id), 0)
 
+    def panels_of(self, page_id: str) -> frozenset[str] | None:
+        """Return the ids of the panels in view on a page, None: all."""
+        before = self.pages[: self.number_of(page_id) + 1]
+        named = next((page.panels for page in reversed(before) if page.panels is not None), None)
+        return None if named is None else frozenset(named)
+
     def setup_of(self, page_id: str) -> str:
         """Return the name of the setup in force on a page: its own, or that of the page before it."""
         setup = next(iter(self.setups))

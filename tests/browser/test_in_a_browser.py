@@ -87,7 +87,7 @@ async def test_it_is_the_same_app(browser: Chromium, server: Served, tmp_path: P
     await tab.wait_for(r"Q\*, exact")
     await tab.resize((800, 600))
     await until(lambda: tab.emulator.columns < 100, "the terminal to follow the window")
-    await tab.wait_for(r"\? help\Z")  # in the last corner
+    await tab.wait_for(r"\? keys\Z")  # in the last corner
     await move_the_first_slider(tab)
 
     await tab.press("q")

@@ -162,13 +162,13 @@ def test_near_commands_are_suggested() -> None:
 @pytest.mark.parametrize(
     ("word", "said"),
     [
-        ("export", "the key x: rl-tui play ("),
-        ("explain", "the key ? (help): rl-tui play ("),
-        ("ATLAS", "the key S: rl-tui play ("),
-        ("heatmap", "the key S (atlas): rl-tui play ("),
-        ("restart", "the key r (reset): rl-tui play ("),
-        ("findings", "the key F: rl-tui watch SCRIPT.py ("),
-        ("hint", "the key H: rl-tui learn ("),
+        ("export", "the key m x: rl-tui play ("),
+        ("explain", "the key t y (why): rl-tui play ("),
+        ("ATLAS", "the key t s (settings map): rl-tui play ("),
+        ("heatmap", "the key t s (settings map): rl-tui play ("),
+        ("restart", "the key r r (the same): rl-tui play ("),
+        ("findings", "the key a f: rl-tui watch SCRIPT.py ("),
+        ("hint", "the key h: rl-tui learn ("),
         ("delete", "the key del: rl-tui ("),
     ],
 )

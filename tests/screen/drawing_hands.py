@@ -150,7 +150,7 @@ class Keys(Hands):
     _at: Cell = (0, 0)
 
     async def begin(self) -> None:
-        await press(self.pilot, "C")
+        await press(self.pilot, "w", "d")
         await self.pilot.press("down", "up")  # from here on the cursor stays where it is put
 
     async def _go(self, cell: Cell) -> None:
@@ -209,7 +209,7 @@ class Mouse(Hands):
         view, keys = self._view, self.pilot.app.screen.query_one(KeyLine)
         await self.pilot.click(view, offset=(5, 2))
         await settle(self.pilot)
-        await self.pilot.click(keys, offset=(keys.render_line(0).text.index("draw the world"), 0))
+        await self.pilot.click(keys, offset=(keys.render_line(0).text.index("edit the world"), 0))
         await settle(self.pilot)
         self._look()
 

@@ -118,12 +118,12 @@ class Learner:
 
     async def set_up(self) -> None:
         """Set the run of the page up again."""
-        await self.keys("N")
+        await self.keys("r", "p")
         if isinstance(self.pilot.app.screen, Confirm):
             await self.keys("enter")
         assert self.now.counters.step == 0
         setup = judged_task(self.lesson, self.record.page).setup
-        assert self.now.recipe == setup, "N has brought other settings back"
+        assert self.now.recipe == setup, "r p has brought other settings back"
 
     async def set(self, name: str, value: float | str) -> None:
         """Give the setting ``name`` its ``value`` by keys: a slider where it has one, else a dialog."""
@@ -133,12 +133,12 @@ class Learner:
             return
         sliders = [each.parameter.name for each in playground(self.pilot).query(Slider)]
         if name in (ALGORITHM, "policy"):
-            await self.keys("a" if name == ALGORITHM else "p")
+            await self.keys("a", "a" if name == ALGORITHM else "p")
             await choose(self.pilot, str(value))
         elif name == "ties":
-            await self.keys("t")
+            await self.keys("a", "t")
         elif name == "initial_q":
-            await self.keys("i")
+            await self.keys("r", "i")
             await self.type(_written(value))
         elif name in sliders and not isinstance(value, str):
             if self._is_manual:
@@ -151,7 +151,7 @@ class Learner:
         assert (agent.algorithm if name == ALGORITHM else agent.hyperparameters.value(name)) == value
 
     async def _set_option(self, name: str, value: float | str) -> None:
-        await self.keys("o")
+        await self.keys("a", "o")
         await choose(self.pilot, name)
         if PARAMETERS[name].range is None or isinstance(value, str):
             await choose(self.pilot, str(value))
@@ -177,7 +177,7 @@ class Learner:
 
     async def sweep(self, phase: str) -> None:
         """Run to the end of a sweep of policy iteration."""
-        await self.keys("E" if phase == "evaluation" else "I")
+        await self.keys("a", phase[0])
 
     async def run_to(self, step: int) -> None:
         """Let the agent go on until ``step``, or until it is done."""
@@ -209,7 +209,7 @@ class Learner:
         for name, value in _in_order(attempt.settings):
             await self.set(name, value)
         if attempt.settings:
-            await self.keys("r")
+            await self.keys("r", "r")
         for entry in map(read_change, attempt.changes):
             await self._change(entry)
         if attempt.episodes is not None:

@@ -57,5 +57,5 @@ async def test_the_key_of_ties_says_in_which_order_the_first_counts_where_anothe
 ) -> None:
     for scenario, order in (("frozenlake", "← ↓ → ↑"), ("cliff", "")):
         async with on_screen(make_app(scenario), notifications=True) as pilot:
-            await press(pilot, "t")
+            await press(pilot, "a", "t")
             assert notes(pilot.app)[-1].endswith(order or "is taken")

@@ -1,59 +1,87 @@
+"""The table of actions: its keys, its words, and what derives from it."""
+
 from __future__ import annotations
+
+from collections import Counter
 
 import pytest
 from conftest import MakeApp
-from seams import on_screen
+from seams import on_screen, playground, press, snapshot
 from textual.actions import parse
 
 from rl_tui.screen.frame.key_line import fitting
-from rl_tui.screen.keys.action import Action, Place
+from rl_tui.screen.keys.action import MENUS, Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import ACTIONS, actions_of
-from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.playground.playground import Playground
 
-PLAYGROUND_KEYS = {
-    *("C", "R", "A", "full_stop", "comma", "H", "N", "space", "z", "T", "W", "Y", "S", "s", "e", "E"),
-    *("I", "plus", "equals_sign", "minus", "underscore", "r", "v", "V", "a", "t", "i", "n", "1", "2"),
-    *("3", "4", "p", "o", "f", "L", "number_sign", "m", "h", "b", "B", "g", "j", "u", "k", "K", "y", "D"),
-    *("c", "l", "w", "x", "left_square_bracket", "right_square_bracket", "question_mark", "slash"),
-    *("ctrl+p", "ctrl+c", "ctrl+l", "ctrl+z", "escape", "q"),
+PLACES = [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND]
+SINGLE_KEYS = {
+    *("space", "s", "e", "b", "B", "plus", "equals_sign", "minus", "underscore", "u", "1", "2", "3", "4"),
+    *("left", "right", "up", "down", "j", "k", "home", "end"),
+    *("v", "d", "f", "y", *MENUS, "slash", "question_mark", "q", "escape"),
+    *("ctrl+p", "ctrl+c", "ctrl+l", "ctrl+z"),
 }
+LESSON_KEYS = {"R", "A", "full_stop", "comma", "h"}
+MOVING = set("jkq?/")  # in a menu these move, close, show keys and find
+LONGEST_HELP = 76  # characters: what a menu has room for
+PAIRS = {("b", "B")}
 
 
 def usual(place: Place) -> list[Action]:
-    """What can be done without a lesson."""
-    return [each for each in actions_of(place) if not each.of_lesson]
+    """What can be done without a lesson and without a watched program."""
+    return [each for each in actions_of(place) if not each.of_lesson and not each.of_program]
 
 
-def hints(place: Place, width: int, *without: str) -> list[str]:
-    shown, _ = fitting([each for each in usual(place) if each.id not in without], width)
+def hints(width: int) -> list[str]:
+    shown, _ = fitting(usual(Place.PLAYGROUND), width)
     return [" ".join(action.key_hint) for action in shown]
 
 
-def line_width(place: Place, width: int) -> int:
-    shown, gap = fitting(usual(place), width)
+def line_width(width: int) -> int:
+    shown, gap = fitting(usual(Place.PLAYGROUND), width)
     return 1 + sum(len(" ".join(action.key_hint)) for action in shown) + gap * (len(shown) - 1)
 
 
-def test_the_playground_has_exactly_its_keys() -> None:
-    opening = {row.opened_by.key for row in PANELS if row.opened_by is not None}
-    assert {
-        key for action in actions_of(Place.PLAYGROUND) for key in action.keys
-    } == PLAYGROUND_KEYS | opening
+def single(actions: list[Action]) -> set[str]:
+    return {key for action in actions if not action.menu for key in action.key.split(",")}
 
 
-@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND])
+def test_the_playground_has_few_single_keys_and_all_else_is_in_a_menu() -> None:
+    assert single(usual(Place.PLAYGROUND)) == SINGLE_KEYS
+    of_lesson = [each for each in actions_of(Place.PLAYGROUND) if each.of_lesson]
+    assert single(of_lesson) == LESSON_KEYS
+    paths = [action.key for action in ACTIONS if action.menu]
+    assert len(paths) == len(set(paths)) >= 40
+    assert {action.menu for action in ACTIONS if action.menu} == set(MENUS)
+
+
+@pytest.mark.parametrize("place", PLACES)
 def test_no_key_does_two_things(place: Place) -> None:
-    keys = [key for action in actions_of(place) for key in action.keys]
-    assert len(keys) == len(set(keys))
+    keys = Counter(key for action in actions_of(place) for key in action.keys)
+    assert [key for key, count in keys.items() if count > 1] == []
+
+
+def test_a_capital_letter_means_what_its_small_letter_means() -> None:
+    keys = single(usual(Place.PLAYGROUND))
+    assert {(key.lower(), key) for key in keys if len(key) == 1 and key.isupper()} == PAIRS
+
+
+@pytest.mark.parametrize("menu", MENUS)
+def test_a_menu_is_small_and_its_rows_are_short(menu: str) -> None:
+    rows = [action for action in ACTIONS if action.menu == menu]
+    assert len([row for row in rows if not row.of_program]) <= 10
+    assert not MOVING & {row.letter for row in rows}
+    assert all(len(row.help) <= LONGEST_HELP for row in rows)
 
 
 def test_every_action_has_a_name_of_its_own_and_says_what_it_does() -> None:
     assert len({action.id for action in ACTIONS}) == len(ACTIONS)
-    assert all(action.help.endswith(".") and action.shown and action.label for action in ACTIONS)
+    assert all(action.help.endswith((".", "…")) and action.shown for action in ACTIONS)
+    assert all(1 <= len(action.label.split()) <= 2 for action in ACTIONS)
 
 
-@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND])
+@pytest.mark.parametrize("place", PLACES)
 async def test_every_action_can_be_done_on_its_screen(make_app: MakeApp, place: Place) -> None:
     app = make_app("student" if place is Place.PLAYGROUND else None)
     async with on_screen(app) as pilot:
@@ -69,6 +97,15 @@ async def test_every_action_can_be_done_on_its_screen(make_app: MakeApp, place: 
                 assert hasattr(app.screen, f"action_{method}"), action.id
 
 
+async def test_what_cannot_be_done_says_why_in_a_clause(make_app: MakeApp) -> None:
+    async with on_screen(make_app("bandit")) as pilot:
+        refused = {each.id: each.refused for each in playground(pilot).actions if each.refused}
+        alone = {"lanes.compare", "lanes.next_lane", "lanes.one_lane", "lanes.end"}
+        assert alone | {"view.numbers", "run.evaluate", "until.clear_breakpoints"} <= refused.keys()
+        assert not {"run.step", "agent.choose_policy", "board.many_seeds"} & refused.keys()
+        assert all(why == why.strip(" .") for why in refused.values())
+
+
 def test_bindings_carry_id_description_and_tooltip() -> None:
     for binding in bindings_of(actions_of(Place.PLAYGROUND)):
         assert binding.id
@@ -76,30 +113,39 @@ def test_bindings_carry_id_description_and_tooltip() -> None:
         assert binding.tooltip
 
 
-def test_the_key_line_drops_whole_entries_and_keeps_help() -> None:
-    assert hints(Place.PLAYGROUND, 80, "run.evaluate", "lanes.next_lane", "lanes.one_lane") == [
-        "space run",
-        "s step",
-        "e episode",
-        "+ − speed",
-        "b B back",
-        "v layer",
-        "d dissect",
-        "? help",
-    ]
-    assert hints(Place.PLAYGROUND, 80) == [
-        "space run",
-        "s step",
-        "e episode",
-        "E I eval, improve",
-        "+ − speed",
-        "b B back",
-        "? help",
-    ]
-    assert hints(Place.PLAYGROUND, 22) == ["space run", "? help"]
-    assert hints(Place.PLAYGROUND, 1) == ["? help"]
+def test_the_key_line_drops_whole_entries_and_keeps_the_key_of_all_keys() -> None:
+    least = ["space run", "s step", "e episode", "b back"]
+    assert hints(60) == [*least, "v view", "? keys"]
+    assert hints(80) == [*least, "v view", "a agent", "w world", "? keys"]
+    more = ["+ − speed", "v view", "d microscope", "a agent", "w world", "t tools", "c compare"]
+    assert hints(120) == [*least, *more, "? keys"]
+    assert hints(22) == ["space run", "? keys"]
+    assert hints(1) == ["? keys"]
 
 
 @pytest.mark.parametrize("width", range(7, 200))
 def test_the_key_line_fits(width: int) -> None:
-    assert line_width(Place.PLAYGROUND, width) <= width
+    assert line_width(width) <= width
+
+
+async def test_without_a_focus_arrows_go_through_time_and_into_the_world(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake")) as pilot:
+        for key, step in (("right", 1), ("right", 2), ("left", 1), ("end", 2), ("home", 0)):
+            await press(pilot, key)
+            assert snapshot(pilot).counters.step == step, key
+        await press(pilot, "j")
+        assert pilot.app.focused is playground(pilot).board.world
+        before = playground(pilot).board.table.cursor_pair
+        await press(pilot, "escape", "tab", "tab", "j")
+        assert playground(pilot).board.table.cursor_pair != before
+
+
+async def test_one_stray_key_neither_quits_nor_leaves(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with on_screen(app) as pilot:
+        await press(pilot, "s", "q", "escape", "v", "q")
+        assert app.is_running
+        assert isinstance(app.screen, Playground)
+        await pilot.press("q")
+        await pilot.pause()
+        assert not app.is_running

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from conftest import MakeApp
 from seams import notes, on_screen, screen_text, tap
-from textual.command import CommandPalette
 from textual.geometry import Region
 from textual.widgets import LoadingIndicator
 
@@ -17,7 +16,7 @@ from rl_tui.live.player import Player
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.display import Display
-from rl_tui.screen.app.palette_entries import ActionProvider, palette_name
+from rl_tui.screen.app.find import FindScreen, entries_on, found_by
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.catalogue.catalogue import CatalogueScreen
 from rl_tui.screen.keys.action import Place
@@ -76,7 +75,7 @@ async def test_it_can_be_quit_before_anything_is_ready(make_app: MakeApp) -> Non
     assert app.return_code == 0
 
 
-async def test_the_theme_changes_colours_and_the_palette_finds_and_does_the_actions_of_the_screen(
+async def test_the_theme_changes_colours_and_the_actions_of_the_screen_are_found_and_done(
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("student", theme="dark")) as pilot:
@@ -89,19 +88,17 @@ async def test_the_theme_changes_colours_and_the_palette_finds_and_does_the_acti
         assert screen.board.table.look.palette == pilot.app.look.palette
         heading = next(iter(screen.board.controls.render_lines(Region(0, 0, 5, 1))[0]))
         assert (heading.text, heading.style.color) == ("Agent", pilot.app.look.palette.strong.color)
-        provider = ActionProvider(screen)
-        offered = [hit.display async for hit in provider.discover()]
-        there = [action for action in actions_of(Place.PLAYGROUND) if not action.of_lesson]
-        assert offered == [*map(palette_name, there), "Theme"]
-        found = [hit async for hit in provider.search("step")]
-        best = max(found, key=lambda hit: hit.score)
-        assert str(best.match_display) == "Step (s)"
-        await best.command()
+        there = [each for each in actions_of(Place.PLAYGROUND) if not (each.of_lesson or each.of_program)]
+        offered = [entry.keys for entry in entries_on(screen) if entry.kind == "action"]
+        assert offered == [action.shown for action in there if action.id != "find"]
+        best = found_by("step", entries_on(screen))[0]
+        assert (best.name, best.keys) == ("Step", "s")
+        await pilot.press("slash", *"step", "enter")
         await settle(pilot)
         assert screen.snapshot
         assert screen.snapshot.counters.step == 1
         await pilot.press("ctrl+p")
-        assert isinstance(pilot.app.screen, CommandPalette)
+        assert isinstance(pilot.app.screen, FindScreen)
 
 
 def test_an_unknown_theme_is_refused_with_the_known_ones() -> None:

@@ -1,4 +1,4 @@
-"""? says what the word under the mouse, or the panel in focus, means; elsewhere it is the help."""
+"""? explains the word under the mouse; elsewhere it shows the keys, then the words of the panel in focus."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from rl_tui.runs.recipe import SwitchAlgorithm
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.glossary import NUMBER, GlossaryScreen
 from rl_tui.screen.frame.help import Explained, HelpScreen
+from rl_tui.screen.frame.key_sheet import KeySheet
 from rl_tui.screen.frame.number_here import number_of_pair, number_of_state
 from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.kit.layers import Layer
@@ -53,24 +54,15 @@ async def point_at(pilot: Pilot[UserError], panel: str, text: str) -> None:
     raise AssertionError(f"{text} is not there")
 
 
-async def test_with_no_word_pointed_at_it_is_the_help_which_has_a_key_to_the_glossary(
-    make_app: MakeApp,
-) -> None:
+async def test_with_no_word_pointed_at_it_shows_the_keys(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "question_mark")
-        assert isinstance(pilot.app.screen, HelpScreen)
-        await press(pilot, "slash")
-        assert isinstance(pilot.app.screen, GlossaryScreen)
-        await press(pilot, "escape")
-        assert isinstance(pilot.app.screen, HelpScreen)
-        await press(pilot, "escape")
         alpha, table = slider(pilot.app, "alpha"), playground(pilot).board.panel("table")
         thumb = alpha.render_line(0).text.index("●"), 0
         for panel, place in ((alpha, thumb), (table, (20, 12))):  # no sign of the map, and beside all words
             assert isinstance(pilot.app.screen, Playground)
             await pilot.hover(panel, offset=place)
             await press(pilot, "question_mark")
-            assert isinstance(pilot.app.screen, HelpScreen), panel
+            assert isinstance(pilot.app.screen, KeySheet), panel
             await press(pilot, "escape")
 
 
@@ -80,7 +72,7 @@ async def test_what_is_in_focus_lists_its_words_and_typing_searches_all(
     size: tuple[int, int], make_app: MakeApp
 ) -> None:
     async with on_screen(make_app("student"), size) as pilot:
-        await press(pilot, "tab", "question_mark")
+        await press(pilot, "tab", "question_mark", "question_mark")
         assert listed(pilot) == [NUMBER, *TERMS["world"]]
         await press(pilot, "down", "down")
         assert glossary()[TERMS["world"][1]].text in told(pilot)
@@ -94,13 +86,13 @@ async def test_what_is_in_focus_lists_its_words_and_typing_searches_all(
         assert told(pilot) == "nothing found"
         await press(pilot, "escape")
         assert isinstance(pilot.app.screen, Playground)
-        await press(pilot, "2", "question_mark")
+        await press(pilot, "2", "question_mark", "question_mark")
         assert listed(pilot)[0] == "gamma", "the slider comes first"
         assert set(TERMS["controls"]) <= set(listed(pilot))
         assert glossary()["gamma"].text in told(pilot)
         assert glossary()["gamma"].book in told(pilot)
         await press(pilot, "question_mark")
-        assert isinstance(pilot.app.screen, HelpScreen), "a second question mark goes on to it"
+        assert isinstance(pilot.app.screen, HelpScreen), "another question mark goes on to it"
         await press(pilot, "escape")
         assert isinstance(pilot.app.screen, Playground)
 
@@ -113,7 +105,7 @@ async def test_the_word_or_number_under_the_mouse_comes_before_the_focus(make_ap
         assert listed(pilot) == ["td-error", *(each for each in TERMS[LAST_STEP] if each != "td-error")]
         await press(pilot, "escape")
         await point_at(pilot, LAST_STEP, "reward")
-        await press(pilot, "2", "question_mark")
+        await press(pilot, "2", "question_mark", "question_mark")
         assert listed(pilot)[0] == "reward"
         assert "gamma" in listed(pilot), "what is in focus is asked about too"
         await press(pilot, "escape", "escape")
@@ -128,7 +120,7 @@ async def test_the_word_or_number_under_the_mouse_comes_before_the_focus(make_ap
         await press(pilot, "question_mark")
         assert listed(pilot)[0] == NUMBER
         assert "in state 6:" in told(pilot)
-        await press(pilot, "escape", "right", "question_mark")
+        await press(pilot, "escape", "right", "question_mark", "question_mark")
         assert "in state 0" in told(pilot), "the cursor was moved since"
         await press(pilot, "escape")
         await pilot.hover(table, offset=(14, 5))
@@ -137,17 +129,17 @@ async def test_the_word_or_number_under_the_mouse_comes_before_the_focus(make_ap
 
 
 @pytest.mark.parametrize("heights", HEIGHTS)
-async def test_the_help_of_the_catalogue_begins_at_its_beginning_and_slash_opens_the_whole_glossary(
+async def test_the_pages_of_the_start_screen_begin_at_their_beginning_and_words_list_the_whole_glossary(
     make_app: MakeApp, heights: tuple[int, int]
 ) -> None:
     async with on_screen(make_app(None), (100, 40)) as pilot:
         for height in heights:
             await pilot.resize_terminal(100, height)
-            await tap(pilot, "question_mark")
+            await tap(pilot, "question_mark", "3")
             assert isinstance(pilot.app.screen, HelpScreen)
             assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0, height
             await tap(pilot, "escape")
-        await tap(pilot, "slash")
+        await tap(pilot, "question_mark", "2")
         assert isinstance(pilot.app.screen, GlossaryScreen)
         assert listed(pilot) == list(glossary())
         await tap(pilot, "slash", *"alpha")
@@ -159,24 +151,22 @@ async def test_the_help_of_the_catalogue_begins_at_its_beginning_and_slash_opens
 @pytest.mark.parametrize(
     "ascii_only", [False, pytest.param(True, marks=pytest.mark.exhaustive("other characters"))]
 )
-async def test_the_help_begins_at_its_beginning_with_the_panels_and_titles_stand_apart_from_their_text(
+async def test_the_pages_begin_at_their_beginning_and_titles_are_apart_from_their_text(
     make_app: MakeApp, ascii_only: bool, heights: tuple[int, int]
 ) -> None:
     async with on_screen(make_app("student", ascii=ascii_only), (100, 40)) as pilot:
         for height in heights:
             await pilot.resize_terminal(100, height)
-            await press(pilot, "question_mark")
+            await press(pilot, "question_mark", "3")
             assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0, height
             pages = pilot.app.screen.query(Explained)
             lines = [page.render_line(y).text for page in pages for y in range(page.size.height)]
-            first_words = [line.split(" ")[0] for line in lines]
-            assert first_words.index("Panels") < first_words.index("Run")
             titles = {row.title for row in PANELS if not row.of_lesson}
             assert titles <= {line[:14].strip() for line in lines}
             assert [line for line in lines if line[:2] == "  " and line[13:14].strip()] == []
             await press(pilot, "escape")
         screen, notes = playground(pilot), "\n\n".join(["A paragraph of notes."] * 40)
-        page = HelpScreen(screen.look, screen.actions[:2], (), notes)  # only the notes make it scroll
+        page = HelpScreen(screen.look, (), notes)  # only the notes make it scroll
         await pilot.app.push_screen(page)
         await settle(pilot)
         while not page.query("Markdown"):
@@ -190,15 +180,13 @@ async def test_the_help_begins_at_its_beginning_with_the_panels_and_titles_stand
 async def test_the_number_under_the_cursor_is_explained_first(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
         await train(pilot, 400)
-        now = await press(pilot, "h", "tab", "tab", "home", "question_mark")
+        now = await press(pilot, "w", "h", "tab", "tab", "home", "question_mark", "question_mark")
         assert listed(pilot)[0] == NUMBER
         visits = f"{int(now.agent.visits[0]):,} visit"
         for part in ("study in state Class", visits, "exact Q* here is"):
             assert part in told(pilot)
-        await press(pilot, "escape", "v", "question_mark")
+        await press(pilot, "escape", "v", "question_mark", "question_mark")
         assert "Exact" in told(pilot)
-        await press(pilot, "escape", "slash")
-        assert listed(pilot) == list(glossary()), "all of it, wherever the cursor is"
 
 
 @pytest.mark.parametrize("layer", list(Layer))
@@ -246,7 +234,7 @@ async def test_a_word_on_a_border_is_a_word_and_figures_say_the_limits_of_this_w
         await press(pilot, "question_mark")
         assert listed(pilot)[0] == "terminal"
         await press(pilot, "escape")
-        await tap(pilot, "slash", *"return")
+        await tap(pilot, "question_mark", "question_mark", *"return")
         assert listed(pilot)[0] == "return"
         assert "time limit of 100 steps" in " ".join(told(pilot).split())
         assert "undiscounted" in told(pilot)
@@ -256,9 +244,9 @@ async def test_of_two_lanes_a_number_says_whose_it_is(make_app: MakeApp) -> None
     async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await train(pilot, 500)
         await order(pilot, AddLane((SwitchAlgorithm("sarsa"),)))
-        await press(pilot, "tab", "question_mark")
+        await press(pilot, "tab", "question_mark", "question_mark")
         assert "lane 1" in str(pilot.app.screen.query_one(OptionList).options[0].prompt)
         assert "Q-learning" in told(pilot)
-        await press(pilot, "escape", "tab", "question_mark")
+        await press(pilot, "escape", "tab", "question_mark", "question_mark")
         assert "lane 2" in str(pilot.app.screen.query_one(OptionList).options[0].prompt)
         assert "SARSA" in told(pilot)

@@ -120,10 +120,10 @@ async def test_escape_leaves_the_run_as_it_is_and_enter_opens_that_of_a_cell(mak
     async with on_screen(make_app("student"), notifications=True) as pilot:
         before = playground(pilot.app)
         first = snapshot(pilot.app).recipe
-        await press(pilot, "S", "left", "escape")
+        await press(pilot, "t", "s", "left", "escape")
         await settle(pilot)
         assert playground(pilot.app) is before
-        await press(pilot, "S")
+        await press(pilot, "t", "s")
         await settle(pilot)
         assert isinstance(pilot.app.screen, AtlasDialog)
         text = screen_text(pilot.app)
@@ -141,5 +141,5 @@ async def test_escape_leaves_the_run_as_it_is_and_enter_opens_that_of_a_cell(mak
 @pytest.mark.screen
 async def test_where_there_is_none_it_says_why(make_app: MakeApp) -> None:
     async with on_screen(make_app("blackjack"), notifications=True) as pilot:
-        await press(pilot, "S")
+        await press(pilot, "t", "s")
         assert any("stepped for real" in note for note in notes(pilot.app))

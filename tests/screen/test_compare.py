@@ -8,7 +8,7 @@ import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, showing
 from sample_worlds import bandit_world, lake_world
-from seams import choose, notes, on_screen, playground, show, snapshot
+from seams import choose, notes, on_screen, playground, screen_text, show, snapshot
 from snapshots import changed
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
@@ -23,6 +23,7 @@ from rl_tui.screen.dialogs.choice import Choice
 from rl_tui.screen.dialogs.compare_lanes import INSTEAD_OF, Compare
 from rl_tui.screen.dialogs.dialog import Prompt
 from rl_tui.screen.dialogs.lane_changes import lane_changes, what_may_differ
+from rl_tui.screen.playground.actions.lanes import ONE_RUN
 from rl_tui.worlds.files.catalogue import find
 
 LAKE, ARMS = lake_world().space, bandit_world().space
@@ -105,7 +106,7 @@ async def test_the_last_branches_of_the_run_can_be_lanes_once_the_world_is_there
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
         sent = await beside(pilot, 1, monkeypatch)
         show(playground(pilot), changed(snapshot(pilot), timeline=Timeline((first, *forks), 6)))
-        await pilot.press("c")
+        await pilot.press("c", "b")
         listed = rows(pilot)
         at = listed.index("Another lane, a branch of this run")
         assert listed[at + 1].strip() == "branch 3: ε 0.03 from step 3 · to step 703"
@@ -114,7 +115,7 @@ async def test_the_last_branches_of_the_run_can_be_lanes_once_the_world_is_there
         await choose(pilot, "branch-5")
         assert sent == [AddBranch(5)]
         playground(pilot).link.snapshot = None
-        await pilot.press("c")
+        await pilot.press("c", "s")
         assert not isinstance(pilot.app.screen, Compare), "nothing is asked without a world"
 
 
@@ -123,7 +124,7 @@ async def test_it_lists_the_lanes_and_what_may_be_different(
 ) -> None:
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
         sent = await beside(pilot, 3, monkeypatch)
-        await pilot.press("c")
+        await pilot.press("c", "c")
         assert isinstance(pilot.app.screen, Compare)
         listed = rows(pilot)
         assert listed[0].split() == ["lane", "algorithm", "step", "last", "100", "greedy"]
@@ -138,11 +139,11 @@ async def test_it_lists_the_lanes_and_what_may_be_different(
         await pilot.press("up", "enter")
         assert sent == [ChooseLane(0)]
         assert not pilot.app.screen.query(OptionList)
-        await pilot.press("c", "down", "delete")
+        await pilot.press("c", "c", "down", "delete")
         assert sent[1:] == [DropLane(2)]
-        await pilot.press("c", "up", "backspace")
+        await pilot.press("c", "c", "up", "backspace")
         assert sent[2:] == [DropLane(0)]
-        await pilot.press("c", "enter", "l")  # the one that is shown already, then the next
+        await pilot.press("c", "c", "enter", "c", "l")  # the one that is shown already, then the next
         assert sent[3:] == [ChooseLane(2)]
 
 
@@ -152,20 +153,21 @@ async def test_one_run_is_compared_with_what_is_chosen(
     app = make_app("frozenlake-slippery")
     async with on_screen(app, notifications=True) as pilot:
         sent = await beside(pilot, 1, monkeypatch)
-        await pilot.press("l")
-        assert notes(pilot.app)[-1] == "there is one run only; c opens a second one beside it"
-        await pilot.press("c")
+        for key in "lc":
+            await pilot.press("c", key)
+            assert f"Not now: {ONE_RUN}." in screen_text(pilot.app)
+            await pilot.press("escape")
+        await pilot.press("c", "s")
         await pilot.press("up", "delete")
         assert notes(pilot.app)[-1] == "the only run cannot be ended; esc leaves it"
         await choose(pilot, "with-alpha")
         assert isinstance(app.screen, Prompt)
         app.screen.query_one(Input).value = "0.5"
         await pilot.press("enter")
-        await pilot.press("c")
-        await choose(pilot, "with-algorithm")
+        await pilot.press("c", "a")
         assert isinstance(app.screen, Choice)
         await choose(pilot, "sarsa")
-        await pilot.press("c")
+        await pilot.press("c", "s")
         await choose(pilot, "with-initial_q")
         assert "starts again" not in str(app.screen.query_one(".hint", Static).render())
         await pilot.press("5", "enter")
@@ -174,7 +176,7 @@ async def test_one_run_is_compared_with_what_is_chosen(
             AddLane((SwitchAlgorithm("sarsa"),)),
             AddLane((SetParameter("initial_q", 5.0),)),
         ]
-        await pilot.press("c")
+        await pilot.press("c", "s")
         await choose(pilot, "with-gamma")
         await pilot.press("enter")  # the value in force
         assert len(sent) == 3
@@ -186,7 +188,7 @@ async def test_in_a_narrow_terminal_each_lane_keeps_to_its_row_and_four_are_the_
 ) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         await beside(pilot, 4, monkeypatch)
-        await pilot.press("c")
+        await pilot.press("c", "c")
         listed = rows(pilot)
         assert listed[1].split() == ["1", "α", "0.1", "150,000", ".500", ".730"]
         width = pilot.app.screen.query_one(OptionList).scrollable_content_region.width
@@ -201,12 +203,12 @@ async def test_in_a_narrow_terminal_each_lane_keeps_to_its_row_and_four_are_the_
 async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
     async with on_screen(make_app("bandit", ascii=True)) as pilot:
         sent = await beside(pilot, 2, monkeypatch)
-        await pilot.press("c")
+        await pilot.press("c", "c")
         assert rows(pilot)[1].split()[-1] == "-"
         assert "-: hidden until h." in " ".join(rows(pilot))
         assert all(row.isascii() for row in rows(pilot))
-        await pilot.press("escape", "h")
+        await pilot.press("escape", "w", "h")
         assert sent == [HideAnswer(is_hidden=False)]
         show(playground(pilot), changed(snapshot(pilot), is_hidden=False))
-        await pilot.press("c")
+        await pilot.press("c", "c")
         assert rows(pilot)[1].split()[-1] == ".730"

@@ -315,7 +315,7 @@ async def test_it_follows_the_cursor_and_its_keys_choose_a_flip_and_go_beyond_it
     async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         board = playground(pilot).board
         panel = board.discount
-        await press(pilot, "G")
+        await press(pilot, "t", "g")
         assert "Q* of state 0" in panel.head
         board.world.focus()
         await press(pilot, "right", "right")
@@ -335,10 +335,10 @@ async def test_it_follows_the_cursor_and_its_keys_choose_a_flip_and_go_beyond_it
         assert snapshot(pilot).exact_answer.expected_return == pytest.approx(panel.chosen.expected_return[0])
         await press(pilot, "v")
         assert "worst to best" in screen_text(pilot.app)
-        await press(pilot, "G")
+        await press(pilot, "t", "g")
         assert "earns" not in screen_text(pilot.app)
         board.table.focus()
-        await press(pilot, "down", "G")
+        await press(pilot, "down", "t", "g")
         assert "Q* of state 1" in panel.head, "the cursor of the table counts as well"
 
 
@@ -346,17 +346,17 @@ async def test_while_the_answer_is_hidden_nothing_is_shown_and_a_planner_has_fli
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await press(pilot, "G", "2")
+        await press(pilot, "t", "g", "2")
         assert HIDDEN in screen_text(pilot.app)
         assert "earns" not in screen_text(pilot.app)
         assert UNICODE.flip not in screen_text(pilot.app)
-        await press(pilot, "h")
+        await press(pilot, "w", "h")
         assert "earns 0 below, 7.5 above" in screen_text(pilot.app)
         assert UNICODE.flip in screen_text(pilot.app)
-        await press(pilot, "G")
+        await press(pilot, "t", "g")
         assert "earns" not in screen_text(pilot.app)
         await switch(pilot, "value-iteration")
-        await press(pilot, "G", "s")
+        await press(pilot, "t", "g", "s")
         assert "earns 0 below" in screen_text(pilot.app)
 
 
@@ -369,5 +369,5 @@ async def test_while_the_answer_is_hidden_nothing_is_shown_and_a_planner_has_fli
 )
 async def test_where_there_are_none_the_panel_says_why(scenario: str, said: str, make_app: MakeApp) -> None:
     async with on_screen(make_app(scenario), (120, 40)) as pilot:
-        await press(pilot, "G")
+        await press(pilot, "t", "g")
         assert said in screen_text(pilot.app)

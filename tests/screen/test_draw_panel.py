@@ -1,4 +1,4 @@
-"""The panel of tools: what stands in it, its sliders, and that all of it is in the palette too."""
+"""The panel of tools: what stands in it, its sliders, and that all of it is found by its name too."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rl_tui.common import limits
 from rl_tui.common.errors import UserError
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.app import RlTuiApp
-from rl_tui.screen.app.palette_entries import ActionProvider
+from rl_tui.screen.app.find import entries_on, found_by
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_line import KeyLine
@@ -55,10 +55,10 @@ def strokes(pilot: Pilot[UserError]) -> int:
     return len(snapshot(pilot).timeline.current.journal)
 
 
-async def palette(pilot: Pilot[UserError], query: str) -> dict[str, str]:
-    """What the palette finds for ``query``: names and sentences."""
-    hits = [hit async for hit in ActionProvider(pilot.app.screen).search(query)]
-    return {str(hit.match_display): str(hit.help) for hit in hits}
+def found(pilot: Pilot[UserError], query: str) -> dict[str, str]:
+    """The keys of the actions that are found for ``query``, else their names, and their sentences."""
+    entries = found_by(query, entries_on(pilot.app.screen))
+    return {each.keys or each.name: each.sentence for each in entries if each.kind == "action"}
 
 
 @pytest.mark.exhaustive(
@@ -72,7 +72,7 @@ async def test_every_tool_and_every_number_is_on_screen(
 ) -> None:
     async with on_screen(make_app(scenario, ascii=ascii_only), size) as pilot:
         assert not pilot.app.screen.query_one(ToolList).is_on_screen
-        await press(pilot, "C")
+        await press(pilot, "w", "d")
         glyphs, text = ASCII if ascii_only else UNICODE, screen_text(pilot.app)
         tools = (*TOOLBOXES[type(snapshot(pilot).world.drawing)]().tools, *ALWAYS)
         for tool in tools:
@@ -88,7 +88,7 @@ async def test_every_tool_and_every_number_is_on_screen(
         assert not pilot.app.screen.query_one(ToolList).is_on_screen
 
 
-async def test_tools_are_taken_by_a_click_from_the_palette_and_by_quick_keys(make_app: MakeApp) -> None:
+async def test_tools_are_taken_by_a_click_by_their_names_and_by_quick_keys(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         tools, look = pilot.app.screen.query_one(ToolList), playground(pilot).look
 
@@ -97,8 +97,8 @@ async def test_tools_are_taken_by_a_click_from_the_palette_and_by_quick_keys(mak
             focus = look.palette.focus.bgcolor
             return [each.text.strip() for each in pieces if each.style and each.style.bgcolor == focus]
 
-        assert "Pick up (,)" not in await palette(pilot, "pick up")
-        await press(pilot, "C")
+        assert "," not in found(pilot, "pick up")
+        await press(pilot, "w", "d")
         assert standing_out() == ["# wall"]
         await Mouse(pilot).tool("H hole")
         await settle(pilot)
@@ -107,7 +107,7 @@ async def test_tools_are_taken_by_a_click_from_the_palette_and_by_quick_keys(mak
         assert playground(pilot).focused is playground(pilot).board.world, "keys draw as before"
         await press(pilot, "right")
         for tool in (*TOOLBOXES[Grid]().tools, *ALWAYS):
-            assert tool.help in (await palette(pilot, tool.label)).values(), tool
+            assert tool.help in found(pilot, tool.label).values(), tool
         await pilot.app.screen.run_action("do(\"editing.use('H')\")")
         await settle(pilot)
         assert map_drawn(pilot).lines[0] == "SH.."
@@ -122,9 +122,9 @@ async def test_drawing_is_found_by_words_and_a_fast_drag_is_one_stroke_without_g
     make_app: MakeApp, size: tuple[int, int]
 ) -> None:
     async with on_screen(make_app("maze"), size) as pilot:
-        for word in ("edit", "map", "wall", "paint", "draw the world"):
-            assert "Draw the world (C)" in await palette(pilot, word), word
-        assert "C draw" not in pilot.app.screen.query_one(KeyLine).render_line(0).text
+        for word in ("map", "wall", "paint", "draw", EDITING.label):
+            assert EDITING.shown in found(pilot, word), word
+        assert EDITING.shown not in pilot.app.screen.query_one(KeyLine).render_line(0).text
         hands = Mouse(pilot)
         await hands.begin()  # by the key line, once the world has focus
         view = playground(pilot).board.world
@@ -145,7 +145,7 @@ async def test_drawing_is_found_by_words_and_a_fast_drag_is_one_stroke_without_g
 
 async def test_numbers_are_typed_and_what_cannot_be_is_refused_in_words(make_app: MakeApp) -> None:
     async with on_screen(make_app("maze"), (120, 40)) as pilot:
-        await press(pilot, "C")
+        await press(pilot, "w", "d")
         await tap(pilot, "3", "enter", *"1.2", "enter")
         assert notes(pilot.app)[-1] == "noise stays 0: 1.2 is not a number from 0 to 1"
         assert slider(pilot.app, "noise").has_focus
@@ -163,7 +163,7 @@ async def test_numbers_are_typed_and_what_cannot_be_is_refused_in_words(make_app
 
 async def test_noise_is_refused_on_slippery_ice_in_words(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
-        await press(pilot, "C", "3", "right")
+        await press(pilot, "w", "d", "3", "right")
         assert not strokes(pilot)
         assert notes(pilot.app)[-1].startswith("noise stays 0: ")
         assert slider(pilot.app, "noise").value == 0.0
@@ -184,12 +184,12 @@ async def test_what_cannot_be_drawn_is_dim_with_the_reason(
     make_app: MakeApp, scenario: str, reason: str
 ) -> None:
     async with on_screen(make_app(scenario), (240, 40)) as pilot:
-        sentence = (await palette(pilot, "draw the world"))["Draw the world (C)"]
+        sentence = found(pilot, EDITING.label)[EDITING.shown]
         assert sentence.startswith("Not here: ")
         assert reason in sentence
-        assert f"C {EDITING.label}" not in pilot.app.screen.query_one(KeyLine).render_line(0).text
-        await press(pilot, "C")
-        assert reason in notes(pilot.app)[-1]
+        assert EDITING.shown not in pilot.app.screen.query_one(KeyLine).render_line(0).text
+        await press(pilot, "w", "d")
+        assert f"Not now: {playground(pilot).editing.refused}." in screen_text(pilot.app)
 
 
 async def test_a_rectangle_is_marked_copied_and_moved_by_the_mouse(make_app: MakeApp) -> None:
@@ -221,7 +221,7 @@ async def test_of_a_graph_one_outcome_is_changed_by_the_mouse_and_a_state_goes_w
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await press(pilot, "C", "up", "u")  # Phone
+        await press(pilot, "w", "d", "up", "u")  # Phone
         assert graph_drawn(pilot).states == ("Class", "Pass", "Sleep")
         await press(pilot, "z")
         assert graph_drawn(pilot).states == ("Class", "Pass", "Phone", "Sleep")
@@ -260,7 +260,7 @@ async def test_a_graph_without_places_gets_those_of_the_picture() -> None:
     async with on_screen(app, (120, 40)) as pilot:
         before = snapshot(pilot).world.drawing
         assert isinstance(before, Graph)
-        await press(pilot, "C", "comma", "V")
+        await press(pilot, "w", "d", "comma", "V")
         after = snapshot(pilot).world.drawing
         assert isinstance(after, Graph)
         moved = [each for each in range(len(before.places)) if before.places[each] != after.places[each]]
@@ -270,7 +270,7 @@ async def test_a_graph_without_places_gets_those_of_the_picture() -> None:
 
 async def test_arms_are_drawn_by_the_mouse(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit"), (120, 40)) as pilot:
-        await press(pilot, "C")
+        await press(pilot, "w", "d")
         hands = Mouse(pilot)
         before = arms_drawn(pilot).means
         await hands.wheel(slider(pilot.app, "std"), (1, 0), 2)
@@ -295,7 +295,7 @@ def in_kiosk(scenario: str) -> RlTuiApp:
 async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rl_tui.worlds.editing.grid_draft.MOST_CELLS", 17)
     async with on_screen(in_kiosk("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "C", "right", "H")
+        await press(pilot, "w", "d", "right", "H")
         assert map_drawn(pilot).lines[0] == "SH.."
         screens = len(pilot.app.screen_stack)
         await press(pilot, "w")
@@ -326,6 +326,6 @@ async def test_limits_of_size_hold_for_states_and_arms(
     assert getattr(limits, name) > most
     monkeypatch.setattr(f"rl_tui.worlds.editing.{limit}", most)
     async with on_screen(in_kiosk(scenario), (120, 40)) as pilot:
-        await press(pilot, "C", *keys)
+        await press(pilot, "w", "d", *keys)
         assert not strokes(pilot)
         assert f"{most}" in screen_text(pilot.app)

@@ -62,7 +62,7 @@ async def set_action(pilot: Pilot[UserError], state: str, action: str, does: str
 @pytest.mark.exhaustive("draws a whole graph key by key")
 async def test_the_student_evening_is_drawn_from_a_blank_graph_by_keys() -> None:
     async with on_screen(app_of_template("mdp"), (120, 40)) as pilot:
-        await press(pilot, "C", "down", "up")
+        await press(pilot, "w", "d", "down", "up")
         for source, name in (("Start", "Class"), ("Class", "Phone"), ("Class", "Pass"), ("Phone", "Sleep")):
             await go_to(pilot, source)
             await press(pilot, "i")

@@ -61,7 +61,7 @@ async def click_cell(pilot: Pilot[UserError], cell: int) -> None:
 async def test_a_lake_is_drawn_by_keys_alone_and_by_the_mouse_alone(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         before = digest(pilot)
-        await press(pilot, "C", "down", "right", "full_stop", "number_sign", "z", "z")
+        await press(pilot, "w", "d", "down", "right", "full_stop", "number_sign", "z", "z")
         assert digest(pilot) == before, "undone"
         await press(pilot, "full_stop", "H")
         assert digest(pilot) == before, "the hole is where it was"
@@ -70,7 +70,7 @@ async def test_a_lake_is_drawn_by_keys_alone_and_by_the_mouse_alone(make_app: Ma
         await press(pilot, "escape")
         assert snapshot(pilot).editor.draft is None
         strokes = len(snapshot(pilot).timeline.current.journal)
-        await press(pilot, "C")
+        await press(pilot, "w", "d")
         await click_cell(pilot, 2)
         assert lines(pilot)[0] == "S.#."
         assert len(snapshot(pilot).timeline.current.journal) == strokes + 1, "one stroke, one entry"
@@ -80,7 +80,7 @@ async def test_a_rectangle_is_copied_and_filled_and_rewards_are_typed_and_counte
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "C", "down", "m", "right", "y", "down", "down", "p")
+        await press(pilot, "w", "d", "down", "m", "right", "y", "down", "down", "p")
         assert lines(pilot)[3] == "H.HG"
         await press(pilot, "m", "right", "right", "number_sign")
         assert lines(pilot)[3] == "H###"
@@ -97,7 +97,7 @@ async def test_without_a_start_it_is_a_draft_and_the_last_step_of_another_world_
 ) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         before = digest(pilot)
-        shown = await press(pilot, "C", "full_stop")
+        shown = await press(pilot, "w", "d", "full_stop")
         assert shown.editor.unfinished
         assert digest(pilot) == before
         shown = await press(pilot, "s")
@@ -114,7 +114,7 @@ async def test_without_its_start_a_graph_says_what_is_missing_until_another_stat
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
-        shown = await press(pilot, "C", "u")
+        shown = await press(pilot, "w", "d", "u")
         assert "Not yet: no start" in screen_text(pilot.app)
         assert title(shown)[0].startswith("Not a world yet: no start")
         shown = await press(pilot, "right", "S")
@@ -125,7 +125,7 @@ async def test_while_arms_are_drawn_the_legend_has_their_true_means_and_drift_is
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("bandit-drifting"), (120, 40)) as pilot:
-        await press(pilot, "C")
+        await press(pilot, "w", "d")
         drawing = screen_text(pilot.app)
         assert "true mean" in drawing
         assert "best arm" in drawing
@@ -135,12 +135,12 @@ async def test_while_arms_are_drawn_the_legend_has_their_true_means_and_drift_is
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.exhaustive("a size"))])
 async def test_a_lane_of_another_world_stands_beside(make_app: MakeApp, size: tuple[int, int]) -> None:
     async with on_screen(make_app("frozenlake"), size) as pilot:
-        await press(pilot, "s", "s", "s", "C", "i", "escape", "s", "b", "b", "t")
+        await press(pilot, "s", "s", "s", "w", "d", "i", "escape", "s", "b", "b", "a", "t")
         shown = await press(pilot, "s")
         assert len(shown.timeline.branches) == 2
         playground(pilot).lanes.link.send(AddBranch(0))
         await settle(pilot)
-        shown = await press(pilot, "s", "l", "s")
+        shown = await press(pilot, "s", "c", "l", "s")
         assert shown.beside.world.space.states != shown.world.space.states
         board = playground(pilot).board
         first, second = (board.query_one(f"#{each}", GridView) for each in ("world", "world-beside"))
@@ -161,14 +161,14 @@ async def test_after_a_save_r_starts_again_in_the_world_that_was_drawn_and_asks_
     path = tmp_path / "mine.toml"
     path.write_text("[grid]\nmap = '''\nS...G\n'''\n", encoding="utf-8")
     async with on_screen(make_app(str(path))) as pilot:
-        await press(pilot, "C", "right", "H", "w", "enter", "escape", "s")
+        await press(pilot, "w", "d", "right", "H", "w", "enter", "escape", "s")
         assert "SH..G" in path.read_text(encoding="utf-8")
         drawn = digest(pilot)
-        await press(pilot, "r")
+        await press(pilot, "r", "r")
         assert (digest(pilot), snapshot(pilot).counters.step) == (drawn, 0)
         assert not isinstance(pilot.app.screen, Choice)
         path.write_text("[grid]\nmap = '''\nS..G\n'''\n", encoding="utf-8")
-        await press(pilot, "s", "r")
+        await press(pilot, "s", "r", "r")
         assert isinstance(pilot.app.screen, Choice)
 
 
@@ -178,7 +178,7 @@ async def test_what_no_action_can_do_is_refused_but_a_strange_name_comes_through
     make_app: MakeApp, name: str
 ) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await press(pilot, "C", "enter", "enter")
+        await press(pilot, "w", "d", "enter", "enter")
         for text in REFUSED:
             pilot.app.screen.query_one(Input).value = text
             shown = await press(pilot, "enter")

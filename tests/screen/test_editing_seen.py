@@ -46,7 +46,7 @@ async def test_every_stroke_is_seen_before_it_is_in_force_and_the_cursor_keeps_i
     make_app: MakeApp, size: tuple[int, int]
 ) -> None:
     async with on_screen(make_app("frozenlake"), size) as pilot:
-        shown = await press(pilot, "C", "full_stop")
+        shown = await press(pilot, "w", "d", "full_stop")
         assert "╱" in drawn(pilot)
         if size == (120, 40):  # else there is no room for signs behind the mode
             assert "╱ drawn" in screen_text(pilot.app), "the sign is explained"
@@ -73,7 +73,7 @@ async def test_every_stroke_is_seen_before_it_is_in_force_and_the_cursor_keeps_i
 
 async def test_the_cursor_keeps_its_arm(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit"), (120, 40)) as pilot:
-        await press(pilot, "C")
+        await press(pilot, "w", "d")
         assert isinstance(world(pilot), ArmsView)
         world(pilot).put_cursor(3)
         await press(pilot, "i")
@@ -89,7 +89,7 @@ async def two_lanes(pilot: Pilot[UserError], *strokes: str) -> Snapshot:
     """Lead a lane in the world as it was, and beside it the one in which ``strokes`` were drawn."""
     await settle(pilot)
     await train(pilot, 2_000)
-    await press(pilot, "C", *strokes, "escape", "b", "t")
+    await press(pilot, "w", "d", *strokes, "escape", "b", "a", "t")
     await train(pilot, 2_000)
     playground(pilot).lanes.link.send(AddBranch(0))
     await settle(pilot)
@@ -135,13 +135,13 @@ async def test_maps_of_one_size_are_compared_by_cell_and_have_a_cursor_in_common
 async def test_graphs_are_compared_by_name_and_the_cursor_keeps_its_state(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         await train(pilot, 500)
-        shown = await press(pilot, "C")
+        shown = await press(pilot, "w", "d")
         world(pilot).put_cursor(shown.world.space.state_names.index("Pass"))
         # a new state that is mentioned first gets a number of its own before it
         edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":-9}'
         await order(pilot, DrawWorld(read_edits(edit)))
         assert snapshot(pilot).world.space.state_names[world(pilot).cursor or 0] == "Pass"
-        await press(pilot, "escape", "b", "t")
+        await press(pilot, "escape", "b", "a", "t")
         await train(pilot, 200)
         playground(pilot).lanes.link.send(AddBranch(0))
         await settle(pilot)

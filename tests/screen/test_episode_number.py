@@ -32,12 +32,12 @@ async def test_every_step_of_an_episode_and_its_end_and_where_one_goes_to_it(
                 await press(pilot, "s")
                 assert numbers_of(pilot) == {expected}
         await train(pilot, 200)
-        await press(pilot, "b", "g")
+        await press(pilot, "b", "m", "g")
         await tap(pilot, *"e999", "enter")  # which is not there
         end = snapshot(pilot).timeline.current.end
         assert snapshot(pilot).counters.step == end
         assert [f"step {end}" in note and "space" in note for note in notes(pilot.app)] == [True]
-        await press(pilot, "g")
+        await press(pilot, "m", "g")
         await tap(pilot, *"e12", "enter")
         assert notes(pilot.app) == []
         assert numbers_of(pilot) == {"12"}
@@ -57,7 +57,7 @@ async def test_an_episode_given_up_the_first_reward_and_sweeps_of_a_planner_have
         await switch(pilot, "value-iteration")
         await switch(pilot, "q-learning")
         assert numbers_of(pilot) == {"1"}
-        await press(pilot, "r", "u", "enter")  # until the next reward, which ends the episode
+        await press(pilot, "r", "r", "u", "enter")  # until the next reward, which ends the episode
         assert numbers_of(pilot) == {"247"}
         now = snapshot(pilot)
         assert now.counters.episodes == 247

@@ -40,7 +40,7 @@ async def press(pilot: Pilot[UserError], *keys: str) -> None:
 
 
 async def choose(pilot: Pilot[UserError], kind: str) -> None:
-    await press(pilot, "x")
+    await press(pilot, "m", "x")
     options = pilot.app.screen.query_one(OptionList)
     while options.highlighted_option is None or options.highlighted_option.id != kind:
         await press(pilot, "down")
@@ -80,11 +80,11 @@ async def test_of_two_lanes_the_one_shown_is_exported_and_named(make_app: MakeAp
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         await train(pilot, 300)
         first = shown(pilot)
-        await press(pilot, "x")
+        await press(pilot, "m", "x")
         assert pilot.app.screen.query_one("#box").border_title == "Export"
         await press(pilot, "escape")
         await order(pilot, AddLane((SetParameter("alpha", 0.5),)))
-        await press(pilot, "x")
+        await press(pilot, "m", "x")
         both = shown(pilot)
         number = both.run_group.shown + 1
         assert pilot.app.screen.query_one("#box").border_title == f"Export · lane {number} of 2"
@@ -95,7 +95,7 @@ async def test_of_two_lanes_the_one_shown_is_exported_and_named(make_app: MakeAp
 
 async def test_tables_and_the_picture_are_those_that_are_shown(make_app: MakeApp, folder: Path) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
-        await press(pilot, "x")
+        await press(pilot, "m", "x")
         assert isinstance(pilot.app.screen, Choice)
         option = pilot.app.screen.query_one(OptionList).get_option("returns")
         assert option.disabled
@@ -143,7 +143,7 @@ async def test_the_command_has_what_was_changed_and_can_be_copied_or_written(
     app = make_app("frozenlake", seed=3)
     async with on_screen(app, notifications=True) as pilot:
         await train(pilot, 40)
-        await press(pilot, "t")
+        await press(pilot, "a", "t")
         await train(pilot, 10)
         await choose(pilot, "command")
         assert isinstance(app.screen, CommandLine)
@@ -181,7 +181,7 @@ async def test_a_bandit_warns_of_its_true_means_and_what_takes_long_can_be_broke
             raise
 
     async with on_screen(make_app("bandit")) as pilot:
-        await press(pilot, "x")
+        await press(pilot, "m", "x")
         assert "true means" in str(pilot.app.screen.query_one(OptionList).get_option("script").prompt)
         await press(pilot, "escape")
         answers: list[str | None] = []

@@ -131,7 +131,7 @@ async def test_the_marks_come_with_the_focus_and_a_key_turns_the_policy(make_app
         await press(pilot, "2")
         assert slider(pilot.app, "gamma").marks == (), "the student's answer is hidden at first"
         assert snapshot(pilot).answers.flips.state is FlipState.NOT_ASKED
-        shown = await press(pilot, "h")
+        shown = await press(pilot, "w", "h")
         assert slider(pilot.app, "gamma").marks == (QUARTER,)
         assert UNICODE.flip in screen_text(pilot.app)
         assert len(before) == len(screen_text(pilot.app))
@@ -146,10 +146,10 @@ async def test_the_marks_come_with_the_focus_and_a_key_turns_the_policy(make_app
 
 async def test_of_discount_one_flip_is_marked_and_all_while_the_panel_is_open(make_app: MakeApp) -> None:
     async with on_screen(make_app("discount"), (120, 40)) as pilot:
-        await press(pilot, "G")
+        await press(pilot, "t", "g")
         assert len(slider(pilot.app, "gamma").marks) == 14
         assert screen_text(pilot.app).count(UNICODE.side_flip) > 10
-        await press(pilot, "G")
+        await press(pilot, "t", "g")
         assert [round(mark.value, 12) for mark in slider(pilot.app, "gamma").marks] == [0.518845036131]
 
 

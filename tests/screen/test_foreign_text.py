@@ -109,14 +109,14 @@ async def test_the_playground_and_its_dialogs_show_them_as_they_are(foreign: Sce
         text = await press(pilot, *"sssss")
         assert TITLE[:20] in text
         assert "[red]go[/]" in text
-        text = await press(pilot, "m")
+        text = await press(pilot, "w", "m")
         assert HERE in text
         assert THERE[:8] in text
         await press(pilot, "escape", "y", "1", "2", "y")
-        assert GO in await press(pilot, "j")
-        for key in "kucdoayx":
+        assert GO in await press(pilot, "m", "b")
+        for keys in ("tb", "u", "cs", "d", "ao", "aa", "y", "mx"):
             await press(pilot, "escape")
-            await press(pilot, key)
+            await press(pilot, *keys)
         assert app.is_running
 
 

@@ -349,11 +349,11 @@ def test_all_states_have_their_numbers_or_none(size: tuple[int, int], shows_acti
 async def test_a_key_shows_state_numbers_on_every_map_until_it_is_pressed_again(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake")) as pilot:
         assert STATE_NUMBERS not in screen_text(pilot.app)
-        await press(pilot, "number_sign")
+        await press(pilot, "w", "n")
         assert STATE_NUMBERS in screen_text(pilot.app)
-        await press(pilot, "right_square_bracket", "number_sign", "left_square_bracket")
+        await press(pilot, *"w]wnw[")
         assert STATE_NUMBERS in screen_text(pilot.app)
-        await press(pilot, "number_sign")
+        await press(pilot, "w", "n")
         assert STATE_NUMBERS not in screen_text(pilot.app)
 
 

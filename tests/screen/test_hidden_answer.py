@@ -94,21 +94,21 @@ async def test_what_a_person_hides_or_has_seen_is_hidden_in_the_neighbouring_sce
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("cliff")) as pilot:
-        assert is_secret(await press(pilot, "h"))
+        assert is_secret(await press(pilot, "w", "h"))
         ids = [scenario.id for scenario in scenarios()]
         there = ids[ids.index("cliff") + 2]
-        shown = await press(pilot, "right_square_bracket", "right_square_bracket")
+        shown = await press(pilot, *"w]w]")
         assert (shown.recipe.scenario.id, is_secret(shown)) == (there, True)
-        shown = await press(pilot, "h", "left_square_bracket")
+        shown = await press(pilot, *"whw[")
         assert not is_secret(shown), "as the scenario says"
     async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "m")
+        await press(pilot, "w", "m")
         assert ANSWER_KEY in screen_text(pilot.app)
-        assert not is_secret(await press(pilot, "h"))
+        assert not is_secret(await press(pilot, "w", "h"))
         assert ANSWER_KEY not in screen_text(pilot.app), "the numbers of the model are shown while it is open"
         assert "6.3415" in screen_text(pilot.app)
-        await press(pilot, "escape", "left_square_bracket")
-        assert is_secret(await press(pilot, "right_square_bracket")), "what was seen is hidden elsewhere"
+        await press(pilot, "escape", "w", "[")
+        assert is_secret(await press(pilot, "w", "]")), "what was seen is hidden elsewhere"
 
 
 async def test_nothing_is_hidden_where_there_is_no_exact_answer(make_app: MakeApp) -> None:
@@ -124,7 +124,7 @@ async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back
         assert table.shown_layer is Layer.OPTIMAL
         before = screen_text(pilot.app)
         assert OPTIMAL in before
-        hidden = await press(pilot, "h")
+        hidden = await press(pilot, "w", "h")
         assert is_secret(hidden)
         world = playground(pilot).board.world
         assert world is not None
@@ -133,8 +133,8 @@ async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back
             assert "···" in text
             assert "1.00" not in text
         assert f"{OPTIMAL}  " not in screen_text(pilot.app)
-        assert is_secret(await press(pilot, "r", "e"))
-        await press(pilot, "h")
+        assert is_secret(await press(pilot, "r", "r", "e"))
+        await press(pilot, "w", "h")
         assert table.shown_layer is Layer.OPTIMAL
         assert f"{OPTIMAL}  " in screen_text(pilot.app)
         assert not notes(pilot.app)
@@ -144,5 +144,5 @@ async def test_a_spent_budget_has_nothing_to_hide(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit"), notifications=True) as pilot:
         spent = await train(pilot, 5_000)
         assert spent.playback.phase is Phase.SPENT
-        assert not is_secret(await press(pilot, "h"))
-        assert notes(pilot.app) == ["the budget is spent: nothing is hidden until r starts again"]
+        assert not is_secret(await press(pilot, "w", "h"))
+        assert f"Not now: {playground(pilot).view.why_not('hide_answer')}." in screen_text(pilot.app)

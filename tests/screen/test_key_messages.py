@@ -7,21 +7,17 @@ from collections.abc import AsyncIterator
 
 import pytest
 from conftest import MakeApp
-from seams import click, notes, on_screen, playground, press, snapshot, tap, train
-from textual.command import CommandPalette
-from textual.containers import VerticalScroll
+from seams import click, notes, on_screen, playground, press, snapshot, train
 from textual.events import MouseDown
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.player import Player
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.app.palette_entries import ActionProvider, palette_name
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.catalogue.catalogue import CatalogueScreen
 from rl_tui.screen.dialogs.choice import Choice
 from rl_tui.screen.dialogs.dialog import QuitQuestion
-from rl_tui.screen.frame.help import HelpScreen
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import key_at
 from rl_tui.screen.playground.playground import Playground
@@ -58,55 +54,22 @@ async def test_a_message_goes_with_a_click_and_with_the_scenario_but_what_was_wr
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
-        await press(pilot, "l")
+        await press(pilot, "A")
         assert len(notes(pilot.app)) == 1
         pilot.app.post_message(MouseDown(None, 60, 5, 0, 0, 1, False, False, False))
         await pilot.pause()
         assert notes(pilot.app) == []
         await press(pilot, "s", "escape")
         assert len(notes(pilot.app)) == 1
-        await tap(pilot, "right_square_bracket")
+        await press(pilot, "w", "right_square_bracket")
         assert notes(pilot.app) == []
         playground(pilot).notify("written: somewhere")
-        await press(pilot, "s", "a")
+        await press(pilot, "s", "a", "a")
         assert notes(pilot.app) == ["written: somewhere"], "beyond the next key"
         behind = playground(pilot).query("ToastRack").first()
         assert not behind.display, "not behind a dialog"
         await press(pilot, "escape")
         assert behind.display
-
-
-# The palette
-
-
-async def test_the_palette_finds_what_a_word_of_it_begins_with_or_shows_the_keys(
-    make_app: MakeApp,
-) -> None:
-    found = {
-        "edit": ["Draw the world (C)"],
-        "in cells": ["Q in cells (V)"],
-        "xyzzy": [],
-        "alg": ["Algorithm (a)"],
-        "fast": ["Faster (+)"],
-        "undo": ["Step back (b)"],
-        "epsilon": ["Options (o)"],
-        "third sl": ["Third slider (3)"],
-        "?": ["Help (?)"],
-    }
-    async with on_screen(make_app("student")) as pilot:
-        known = {palette_name(action) for action in playground(pilot).actions}
-        provider = ActionProvider(pilot.app.screen)
-        for query, first in found.items():
-            hits = sorted([hit async for hit in provider.search(query)], key=lambda hit: -hit.score)
-            names = [str(hit.match_display) for hit in hits]
-            assert [name for name in names if name in known][: len(first) or None] == first, query
-            assert len(names) >= 1, query
-        await pilot.press("ctrl+p", *"xyzzy")
-        assert isinstance(pilot.app.screen, CommandPalette)
-        await tap(pilot, "enter")
-        assert isinstance(pilot.app.screen, HelpScreen)
-        keys = pilot.app.screen.query_one("#every-key")
-        assert keys.region.y == pilot.app.screen.query_one(VerticalScroll).region.y
 
 
 # What is written on a border
@@ -151,7 +114,7 @@ async def test_the_keys_of_a_dialog_answer_clicks_on_its_border_and_those_after_
     app = make_app("student")
     async with on_screen(app) as pilot:
         for hint, seed in (("esc", 0), ("enter", 7)):
-            await press(pilot, "n", "7")
+            await press(pilot, "r", "s", "7")
             box = app.screen.query_one("#box")
             keys = str(box.border_subtitle)
             column = box.region.right - 3 - len(keys) + keys.index(hint)
@@ -164,7 +127,7 @@ async def test_the_keys_of_a_dialog_answer_clicks_on_its_border_and_those_after_
         await press(pilot, "escape")
         assert isinstance(app.screen, Playground)
         assert snapshot(pilot).counters.step == 3
-        await pilot.press("i", "ctrl+c")
+        await pilot.press("r", "i", "ctrl+c")
         assert isinstance(app.screen, QuitQuestion)
         await pilot.press(key)
         await pilot.pause()
@@ -180,7 +143,7 @@ async def test_keys_typed_before_there_is_a_world_go_to_the_dialog_they_open(
 ) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("s", "s", "g", "1", "enter", "a", "s")
+        await pilot.press("s", "s", "m", "g", "1", "enter", "a", "a", "s")
         is_typed.set()
         await settle(pilot)
         await pilot.pause()
@@ -197,7 +160,7 @@ async def test_escape_is_never_held_back(make_app: MakeApp, monkeypatch: pytest.
     monkeypatch.setattr(Player, "snapshots", never)
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("g", "e", "escape")
+        await pilot.press("m", "e", "escape")
         assert isinstance(app.screen, CatalogueScreen)
 
 

@@ -12,9 +12,10 @@ from textual.widgets import Static
 from rl_tui.live.snapshot import Phase
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.app import PATIENCE, Idleness, RlTuiApp
-from rl_tui.screen.app.palette_entries import ActionProvider, palette_name
+from rl_tui.screen.app.find import entries_on
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.key_line import fitting
+from rl_tui.screen.frame.menu_strip import MenuStrip
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.registry import ACTIONS, actions_of
 from rl_tui.screen.playground.playground import Playground
@@ -41,20 +42,19 @@ def test_the_key_line_has_none_of_it(width: int) -> None:
     assert not {each.id for each in shown} & FOR_THE_OWNER
 
 
-async def test_the_palette_offers_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_search_and_menu_offer_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     async with on_screen(kiosk("student")) as pilot:
-        names = {str(hit.display) async for hit in ActionProvider(pilot.app.screen).discover()}
-        offered = [each for each in actions_of(Place.PLAYGROUND | Place.KIOSK) if not each.of_lesson]
-        assert names == {palette_name(each) for each in offered} | {"Theme"}
-        assert {ActionProvider} == pilot.app.COMMANDS, "Textual's own, such as its screenshot, are not there"
-        await tap(pilot, "s")
-        for key, line in (
-            ("w", "no session is kept here: this is a kiosk"),
-            ("x", "nothing is written here: this is a kiosk"),
-            ("escape", "esc again goes to the catalogue; this run is then gone"),
-        ):
-            await tap(pilot, key)
-            assert notes(pilot.app) == [line]
+        keys = {entry.keys for entry in entries_on(pilot.app.screen) if entry.kind == "action"}
+        offered = actions_of(Place.PLAYGROUND | Place.KIOSK)
+        assert keys < {each.shown for each in offered if not each.of_lesson}
+        assert not keys & {each.shown for each in ACTIONS if each.for_the_owner}
+        await tap(pilot, "s", "m")
+        assert isinstance(pilot.app.screen, MenuStrip)
+        assert not {row.id for row in pilot.app.screen.menu.rows} & FOR_THE_OWNER
+        await tap(pilot, "s", "x")
+        assert isinstance(pilot.app.screen, MenuStrip), "no row has these letters"
+        await tap(pilot, "escape", "escape")
+        assert notes(pilot.app) == ["esc again goes to the start screen; this run is then gone."]
         stopped = []
         monkeypatch.setattr("os.kill", lambda *args: stopped.append(args))
         await pilot.app.run_action("suspend_process")

@@ -19,8 +19,8 @@ from rl_tui.screen.panels.controls.slider import Slider
 
 
 async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:
-    """Press c, choose what is to be different, and type or choose its value."""
-    await press(pilot, "c")
+    """Press c s, choose what is to be different, and type or choose its value."""
+    await press(pilot, "c", "s")
     assert isinstance(pilot.app.screen, Compare)
     await choose(pilot, f"with-{name}")
     if pilot.app.screen.query(Input):
@@ -41,7 +41,7 @@ async def test_a_branch_becomes_a_lane_from_the_journal_and_from_compare(make_ap
         await press(pilot, "B", "3", "right")
         pilot.app.set_focus(None)
         await train(pilot, 100)
-        for keys in (["j", "up", "c"], ["c", "up", "enter"]):
+        for keys in (["m", "b", "up", "c"], ["c", "b", "up", "enter"]):
             here = snapshot(pilot).counters.step
             shown = await press(pilot, *keys)
             assert [lane.step for lane in shown.run_group.lanes] == [here, here]
@@ -49,7 +49,7 @@ async def test_a_branch_becomes_a_lane_from_the_journal_and_from_compare(make_ap
             assert first.name.startswith("branch 2: ε 0.11 from step ")
             assert second.name == "branch 1"
             assert "branch 1" in curve_text(pilot)
-            await press(pilot, "c", "down", "delete")
+            await press(pilot, "c", "c", "down", "delete")
             assert snapshot(pilot).run_group.lanes == ()
 
 
@@ -73,10 +73,10 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
 
         await press(pilot, "v")  # no table is in view here: the worlds turn
         assert [board.panel(each).drawn_layer for each in (WORLD, beside(WORLD))] == [Layer.OPTIMAL] * 2
-        await press(pilot, "z", "v", "v")
+        await press(pilot, "c", "o", "v", "v")
         assert board.table.heading == "▸1 · Q of α 0.1 − Q of α 0.5"
 
-        shown = await press(pilot, "l")
+        shown = await press(pilot, "c", "l")
         assert shown.run_group.shown == 1
         assert shown.agent.hyperparameters.alpha == 0.5
         assert np.array_equal(shown.agent.q, shown.run_group.lanes[1].q)
@@ -91,7 +91,7 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert shown.run_group.lanes[1].hyperparameters.alpha == shown.agent.hyperparameters.alpha != 0.5
         pilot.app.set_focus(None)
 
-        await press(pilot, "c", "delete")  # the cursor starts on the one shown
+        await press(pilot, "c", "c", "delete")  # the cursor starts on the one shown
         shown = snapshot(pilot)
         assert shown.run_group.lanes == ()
         assert shown.agent.hyperparameters.alpha == 0.1
@@ -110,16 +110,16 @@ async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> No
             "α 0.5",
             "ties first",
         ]
-        await press(pilot, "l")
+        await press(pilot, "c", "l")
         playground(pilot).agent.set_parameter("alpha", 0.1)
         await settle(pilot)
         assert [lane.hyperparameters.alpha for lane in snapshot(pilot).run_group.lanes] == [0.1, 0.1, 0.1]
-        await press(pilot, "l", "t")
+        await press(pilot, "c", "l", "a", "t")
         assert [lane.hyperparameters.ties for lane in snapshot(pilot).run_group.lanes] == ["random"] * 3
-        await press(pilot, "c", "up", "delete")  # the one before the one shown
+        await press(pilot, "c", "c", "up", "delete")  # the one before the one shown
         shown = snapshot(pilot)
         assert (len(shown.run_group.lanes), shown.run_group.shown) == (2, 1)
-        await press(pilot, "l")
+        await press(pilot, "c", "l")
         assert snapshot(pilot).run_group.shown == 0
 
 
@@ -137,6 +137,6 @@ async def test_four_lanes_fit_every_screen(make_app: MakeApp) -> None:
                 assert all(f"{number} " in text for number in range(1, 5)), "one row has room for numbers"
             else:
                 assert named == (2 if size == (80, 24) else 4)  # a name a row
-            await press(pilot, "c")
+            await press(pilot, "c", "c")
             assert pilot.app.screen.query_one("#box").size.height <= size[1]
             await press(pilot, "escape")

@@ -221,7 +221,7 @@ def test_the_scale_of_values_gets_wider_whatever_layer_is_shown() -> None:
 async def test_a_map_of_every_action_begins_with_their_values(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (160, 50)) as pilot:
         board = playground(pilot).board
-        await press(pilot, "v", "v", "V")
+        await press(pilot, "v", "v", "w", "a")
         assert board.wanted_layer is Layer.Q
         assert board.world is not None
         assert board.world.shows_actions

@@ -161,14 +161,14 @@ async def test_a_key_hides_captions_and_legends_and_shows_them_again(make_app: M
         assert all(CAPTIONS[each] in title for each, title in titles.items())
         world = board.panel(WORLD)
         assert "◉ agent" in world.render_line(world.size.height - 1).text
-        await press(pilot, "L")
+        await press(pilot, "m", "l")
         assert world.render_line(world.size.height - 1).text.rstrip() == f"value: {ALL_ZERO}"
         for each in (WORLD, TABLE, CURVE, LAST_STEP, CONTROLS):
             panel = board.panel(each)
             assert CAPTIONS[each] not in panel.head
             layers = "v:▌Q▐ Q*  Q−Q*  visits"
             assert panel.foot in ("", layers, f"{layers}  landscape")
-        await press(pilot, "L")
+        await press(pilot, "m", "l")
         assert {each: board.panel(each).head for each in titles} == titles
 
 
@@ -182,7 +182,7 @@ async def test_hidden_legends_stay_hidden_the_next_time(tmp_path: Path) -> None:
     for expected in (True, False, True):
         async with on_screen(app()) as pilot:
             assert playground(pilot).board.legends.is_on is expected
-            await press(pilot, "L")
+            await press(pilot, "m", "l")
 
 
 @pytest.mark.screen
@@ -190,5 +190,5 @@ async def test_where_nothing_can_be_kept_nothing_is_remembered(tmp_path: Path) -
     (tmp_path / "file").touch()
     app = app_at(recipe_for(find("student")), sessions=tmp_path / "file" / "sessions")
     async with on_screen(app) as pilot:
-        await press(pilot, "L")
+        await press(pilot, "m", "l")
         assert not playground(pilot).board.legends.is_on

@@ -38,9 +38,10 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import SetParameter
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.display import Display
-from rl_tui.screen.app.palette_entries import ActionProvider
+from rl_tui.screen.app.find import entries_on, found_by
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.frame.menu_strip import MenuStrip
 from rl_tui.screen.kit.row import LESSON as LESSON_PANEL
 from rl_tui.screen.kit.row import MICROSCOPE, TABLE, WORLD
 from rl_tui.screen.panels.lesson.lesson import LessonPanel
@@ -74,6 +75,20 @@ def page_panel(pilot: Pilot[UserError]) -> LessonPanel:
     return playground(pilot).board.lesson.panel
 
 
+async def refusal(pilot: Pilot[UserError], *keys: str) -> str:
+    """Press ``keys``; return why that cannot be done, as the menu says it in its last row, or a message."""
+    await press(pilot, *keys)
+    if not isinstance(pilot.app.screen, MenuStrip):
+        assert isinstance(pilot.app.screen, Playground), keys
+        (note,) = notes(pilot.app)
+        assert note.endswith("."), keys
+        return f"{note[0].lower()}{note[1:-1]}"
+    menu = pilot.app.screen.menu
+    assert "Not now: " in screen_text(pilot.app), keys
+    await press(pilot, "escape")
+    return menu.rows[menu.at].refused
+
+
 async def say(pilot: Pilot[UserError], number: str) -> None:
     await press(pilot, "A")
     await tap(pilot, *number, "enter")
@@ -95,14 +110,14 @@ async def test_pages_turn_by_their_keys_alone_and_the_run_is_set_up_again_after_
         await press(pilot, ",")
         assert record(pilot).page == "start"
         screen.send(Apply(SetParameter("alpha", 0.25)))
-        await press(pilot, "N")
+        await press(pilot, "r", "p")
         assert snapshot(pilot).counters.step == 5
         now = await press(pilot, "enter")
         assert now.counters.step == 0
         assert now.agent.hyperparameters.alpha == 0.5
         assert record(pilot).page == "start"
         screen.send(Apply(SetParameter("alpha", 0.25)))
-        await press(pilot, "N")
+        await press(pilot, "r", "p")
         assert snapshot(pilot).agent.hyperparameters.alpha == 0.5
 
 
@@ -178,21 +193,17 @@ async def test_enter_on_the_page_does_what_it_asks_next(size: tuple[int, int]) -
 async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kept_back(
     size: tuple[int, int],
 ) -> None:
-    tells, steps = "PYGMmhDxd", ("space", *"seEIWuyc")
+    tells = "tp", "ty", "tg", "tm", "wm", "wh", "wp", "wc", "mx", "d"
+    steps = "s", "e", "ae", "ai", "mw", "u", "y", "ca", "cs", "cn", "cb", "cc"
     async with lesson(size) as pilot:
-        for key in tells:
-            await press(pilot, key)
-            assert notes(pilot.app) == ["kept back until page 2 is done"], key
+        for keys in tells:
+            assert await refusal(pilot, *keys) == "kept back until page 2 is done", keys
         await press(pilot, ".")
-        for key in tells:
-            await press(pilot, key)
-            (note,) = notes(pilot.app)
-            assert "kept back until your prediction is in" in note, key
-            assert isinstance(pilot.app.screen, Playground), key
-            assert playground(pilot).board.opened is None, key
-        for key in steps:
-            await press(pilot, key)
-            assert notes(pilot.app) == [PREDICT_FIRST], key
+        for keys in tells:
+            assert "kept back until your prediction is in" in await refusal(pilot, *keys), keys
+            assert playground(pilot).board.opened is None, keys
+        for keys in (("space",), *steps):
+            assert await refusal(pilot, *keys) == PREDICT_FIRST, keys
         await train(pilot, 3)
         assert snapshot(pilot).counters.step == 0
         await press(pilot, ".")  # skips the page, but by a second press only
@@ -246,7 +257,7 @@ async def test_a_question_is_answered_until_it_is_right(size: tuple[int, int]) -
         assert [each.is_right for each in record(pilot).given] == [False, True]
         assert record(pilot).page == "quiz"
         assert record(pilot).is_done("quiz")
-        await press(pilot, "P")
+        await press(pilot, "t", "p")
         assert playground(pilot).board.opened is not None
         await press(pilot, ",")  # to a page that keeps this panel back
         assert playground(pilot).board.opened is None
@@ -269,7 +280,7 @@ async def test_a_task_has_hints_is_not_impossible_and_is_kept_once_it_holds(size
         assert not record(pilot).passed
         if size == small:
             await press(pilot, "R")
-        await press(pilot, "H", "H", "H", "H")
+        await press(pilot, "h", "h", "h", "h")
         assert record(pilot).hints_on("learn") == 3
         assert SET_INITIAL_Q in screen_text(pilot.app)
         show(playground(pilot), held(snapshot(pilot)))
@@ -354,15 +365,12 @@ async def test_keys_palette_and_help_offer_a_lesson_only_where_there_is_one() ->
         line = screen.query_one(KeyLine)
         assert not any(each.of_lesson for each in screen.actions)
         assert "R read" not in line.render_line(0).text
-        await press(pilot, "A")
-        assert notes(app) == [NO_LESSON]
+        assert await refusal(pilot, "A") == NO_LESSON
         await order(pilot, KeepLesson(begun(LESSON)))
         assert {"lesson.read", "lesson.hint"} <= {each.id for each in screen.actions}
-        names = [hit.text async for hit in ActionProvider(screen).search("hint")]
-        assert any(str(name).startswith("Hint") for name in names)
+        assert found_by("hint", entries_on(screen))[0].name == "Hint"
         assert "R read" in line.render_line(0).text
-        await press(pilot, "]")
-        assert notes(app) == [STAYS]
+        assert await refusal(pilot, "w", "]") == STAYS
 
 
 @both_sizes

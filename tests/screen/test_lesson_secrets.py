@@ -31,6 +31,7 @@ from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.studies.many_seeds.figures import LaneStudy, SeedStudy
+from rl_tui.worlds.drawing import Grid
 
 TEXT = """
 title = "Kept back"
@@ -184,22 +185,28 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
         await train(pilot, 1_000)  # that spends the budget of the bandit
         if size == (80, 24):
             await press(pilot, "R")
-        for keys in (["v"], ["v"], ["d"], ["d", "P"], ["P", "f"], ["f", "V"], ["V", "u"], ["escape"]):
+        turn = ["w", "a"] if isinstance(snapshot(pilot).world.drawing, Grid) else []
+        policies = ["t", "p"]
+        for keys in (["v"], ["v"], ["d"], ["d", *policies], [*policies, "f"], ["f", *turn], [*turn, "u"]):
+            await press(pilot, *keys)
+            before, other = await pictures(pilot)
+            assert before == other, keys
+        for keys in (["escape"], ["w"], ["escape"]):
             await press(pilot, *keys)
             before, other = await pictures(pilot)
             assert before == other, keys
         # what explains, the model, and the slider of γ with its flips
-        for keys in (["question_mark"], ["escape", "m"], ["escape", "2"], ["escape"]):
+        for keys in (["question_mark"], ["escape", "w", "m"], ["escape", "2"], ["escape"]):
             await press(pilot, *keys)
             before, other = await pictures(pilot)
             assert before == other, keys
-        await press(pilot, "M")
+        await press(pilot, "t", "m")
         study = bandit_study() if scenario == "bandit" else lake_study()
         before, other = await pictures(pilot, replace(study, lanes=study.lanes[:1], shown=0))
         assert before == other
-        await press(pilot, "M")
+        await press(pilot, "t", "m")
         screen.send(AddLane((SetParameter("alpha", 0.25),)))
-        for keys in ([], ["z"], ["c"]):
+        for keys in ([], ["c", "o"], ["c", "c"]):
             await press(pilot, *keys)
             before, other = await pictures(pilot)
             assert before == other, keys
@@ -216,7 +223,7 @@ async def test_the_pictures_would_tell() -> None:
         screen = playground(pilot)
         screen.send(HideAnswer(is_hidden=False))
         await train(pilot, 100)
-        for keys in ([], ["m"], ["escape", "2"], ["escape", "M"]):
+        for keys in ([], ["w", "m"], ["escape", "2"], ["escape", "t", "m"]):
             await press(pilot, *keys)
             now = replace(snapshot(pilot), study=lake_study())
             drawn = []

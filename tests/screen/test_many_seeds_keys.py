@@ -44,12 +44,12 @@ async def fed(pilot: Pilot[UserError], study: SeedStudy | None) -> str:
 
 @pytest.mark.exhaustive("plays at other sizes", but=["size1"])
 @pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40), (200, 60)])
-async def test_m_opens_it_beside_the_curve_and_closes_it_as_escape_does(
+async def test_a_key_opens_it_beside_the_curve_and_closes_it_as_escape_does(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
 ) -> None:
     async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
         board, sent = playground(pilot).board, recorded(pilot, monkeypatch)
-        await pilot.press("M")
+        await pilot.press("t", "m")
         await pilot.pause()
         assert sent == [StudySeeds()]
         assert board.panel(MANY_SEEDS).has_focus
@@ -64,31 +64,31 @@ async def test_m_opens_it_beside_the_curve_and_closes_it_as_escape_does(
         await fed(pilot, lake_study(state=StudyState.DONE, seeds=256))
         await pilot.press("enter")
         assert sent == [StudySeeds(), StudySeeds()]
-        await pilot.press("M")
+        await pilot.press("t", "m")
         await pilot.pause()
         assert sent[2:] == [EndStudy()]
         assert board.shows(TABLE)
         assert not board.panel(MANY_SEEDS).has_focus
-        await pilot.press("M", "d")
+        await pilot.press("t", "m", "d")
         await pilot.pause()
         assert board.opened == MICROSCOPE
-        await pilot.press("M", "escape")
+        await pilot.press("t", "m", "escape")
         await pilot.pause()
         assert board.opened is None
         orders = [each for each in sent[3:] if each in (StudySeeds(), EndStudy())]
         assert orders == [StudySeeds(), EndStudy()] * 2
 
 
-async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_bandit_reveals_its_regret(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
     async with on_screen(make_app("bandit")) as pilot:
         sent = recorded(pilot, monkeypatch)
-        await pilot.press("M")
+        await pilot.press("t", "m")
         await pilot.pause()
         assert not playground(pilot).board.shows(BUDGET)
         (lane, _) = bandit_study().lanes
         study = bandit_study(lanes=(lane,))
         assert "146 ± 2" not in await fed(pilot, study)
-        await pilot.press("h")
+        await pilot.press("w", "h")
         assert sent[-1] == HideAnswer(is_hidden=False)
         show(playground(pilot), answered(snapshot(pilot)))
         assert "146 ± 2" in await fed(pilot, study)
@@ -99,7 +99,7 @@ async def test_keys_scroll_it_where_it_is_small_and_why_there_are_none_is_said(
 ) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         recorded(pilot, monkeypatch)
-        await pilot.press("M")
+        await pilot.press("t", "m")
         assert "64 of 256" in await fed(pilot, cliff_study())
         await pilot.press("end")
         await pilot.pause()
@@ -193,7 +193,7 @@ async def compared(pilot: Pilot[UserError], snapshot: Snapshot, monkeypatch: pyt
     """Show ``snapshot`` and open the dialog; return its rows."""
     recorded(pilot, monkeypatch)
     show(playground(pilot), snapshot)
-    await pilot.press("c")
+    await pilot.press("c", "c")
     await pilot.pause()
     return rows(pilot)
 
@@ -231,7 +231,7 @@ async def test_of_a_bandit_it_has_winnings_and_once_revealed_regret(
         assert not any("146" in row for row in listed)
         await pilot.press("escape")
         show(playground(pilot), changed(arms, lanes=lanes, is_hidden=False))
-        await pilot.press("c")
+        await pilot.press("c", "c")
         await pilot.pause()
         listed = rows(pilot)
         assert "146 ± 2" in listed[2]

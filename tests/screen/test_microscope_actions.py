@@ -168,7 +168,7 @@ async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
                 shown.counters.last_step.before,
                 shown.counters.last_step.after,
             ]
-        await press(pilot, "r")
+        await press(pilot, "r", "r")
         await settle(pilot)  # once it is drawn that there is no step, no cell is asked for
         assert snapshot(pilot).cell is None
         assert board(pilot).microscope.pair is None
@@ -181,7 +181,7 @@ async def test_another_world_forgets_the_cell(make_app: MakeApp) -> None:
         await train(pilot, 200)
         await press(pilot, "d")
         board(pilot).table.focus()
-        await press(pilot, "end", "n", "7", "enter")
+        await press(pilot, "end", "r", "s", "7", "enter")
         assert snapshot(pilot).recipe.seed == 7
         assert board(pilot).microscope.pair is None
         await press(pilot, "s")

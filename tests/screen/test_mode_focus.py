@@ -17,7 +17,7 @@ from rl_tui.screen.playground.modes.drawing import NOTHING_TO_CHOOSE
 from rl_tui.screen.playground.playground import Playground
 
 LEFT, DOWN, RIGHT, UP = range(4)
-KEPT = "what you drew is kept; D goes on drawing"
+KEPT = "What you drew is kept. w p: go on drawing."
 
 
 def view(pilot: Pilot[UserError]) -> WorldView:
@@ -44,7 +44,7 @@ async def test_the_list_of_policies_opens_beside_the_drawing_and_another_policy_
     make_app: MakeApp, size: tuple[int, int]
 ) -> None:
     async with on_screen(make_app("frozenlake"), size, notifications=True) as pilot:
-        assert (await press(pilot, "D", "1", "P")).answers.studied is PolicyKind.DRAWN
+        assert (await press(pilot, "w", "p", "1", "t", "p")).answers.studied is PolicyKind.DRAWN
         board = playground(pilot).board
         assert board.opened == POLICIES
         assert board.shows(POLICIES)
@@ -55,10 +55,10 @@ async def test_the_list_of_policies_opens_beside_the_drawing_and_another_policy_
         assert drawn(pilot) == ((0, DOWN),)
         assert view(pilot).cursor == 4
         assert key_line(pilot).startswith("shift+arrow draw")
-        assert (await press(pilot, "P")).answers.studied is PolicyKind.DRAWN
+        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.DRAWN
         assert view(pilot).has_focus
         assert playground(pilot).drawing.is_on
-        await press(pilot, "P")
+        await press(pilot, "t", "p")
         board.panel(POLICIES).focus()
         await settle(pilot)
         assert playground(pilot).drawing.is_on
@@ -69,19 +69,19 @@ async def test_the_list_of_policies_opens_beside_the_drawing_and_another_policy_
         assert notes(pilot.app)[-1] == KEPT
         assert "V of the optimal policy" in view(pilot).head
         assert not view(pilot).has_class("-manual")
-        assert (await press(pilot, "D")).answers.studied is PolicyKind.DRAWN
+        assert (await press(pilot, "w", "p")).answers.studied is PolicyKind.DRAWN
         assert view(pilot).has_focus
         assert drawn(pilot) == ((0, DOWN),)
         assert view(pilot).has_class("-manual")
 
 
-@pytest.mark.parametrize(("mode", "word", "end"), [("D", "draw", "D: end"), ("y", "act", "y: hand back")])
+@pytest.mark.parametrize(("mode", "word", "end"), [("w p", "draw", "D: end"), ("y", "act", "y: hand back")])
 async def test_in_another_panel_keys_and_key_line_are_its_own(
     make_app: MakeApp, mode: str, word: str, end: str
 ) -> None:
     async with on_screen(make_app("frozenlake")) as pilot:
         screen = playground(pilot)
-        await press(pilot, "s", "s", mode)
+        await press(pilot, "s", "s", *mode.split())
         told = view(pilot).foot
         for other in ("alpha", "timeline", "table"):
             assert word in key_line(pilot), other
@@ -118,16 +118,16 @@ async def test_escape_elsewhere_ends_the_mode_before_it_leaves_and_in_it_gives_t
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
-        await press(pilot, "D", "2")
+        await press(pilot, "w", "p", "2")
         pilot.app.set_focus(playground(pilot).board.curve)
         await press(pilot, "escape")
         assert not playground(pilot).drawing.is_on
         assert isinstance(pilot.app.screen, Playground)
         assert notes(pilot.app)[-1] == KEPT
         table = playground(pilot).board.table
-        for mode in ("D", "y"):
+        for mode in ("w p", "y"):
             table.focus()
-            await press(pilot, mode)
+            await press(pilot, *mode.split())
             assert view(pilot).has_focus, mode
             await press(pilot, "escape")
             assert table.has_focus, mode
@@ -143,13 +143,13 @@ async def test_a_panel_leaves_the_arrows_to_who_acts_and_goes_on_from_what_was_d
         await press(pilot, "y", "d")
         assert board.opened == MICROSCOPE
         assert (await press(pilot, "down")).counters.step == 1
-        await press(pilot, "d", "P")
+        await press(pilot, "d", "t", "p")
         assert board.opened == POLICIES
         seen = await press(pilot, "down")
         assert (seen.counters.step, seen.answers.studied) == (2, PolicyKind.UNIFORM)
-        await press(pilot, "y", "P", "P")
-        assert (await press(pilot, "D")).answers.studied is PolicyKind.DRAWN
-        await press(pilot, "D")
+        await press(pilot, "y", "t", "p", "t", "p")
+        assert (await press(pilot, "w", "p")).answers.studied is PolicyKind.DRAWN
+        await press(pilot, "w", "p")
         assert board.panel(POLICIES).has_focus  # where it was
         assert (await press(pilot, "up")).answers.studied is PolicyKind.OPTIMAL
 
@@ -159,7 +159,7 @@ async def test_after_an_episode_one_draws_where_the_next_one_starts(make_app: Ma
     async with on_screen(make_app(scenario)) as pilot:
         ended = await press(pilot, "e")
         assert not len(ended.world.space.pairs_of(ended.counters.state))
-        await press(pilot, "D", "1")
+        await press(pilot, "w", "p", "1")
         assert [state for state, _ in drawn(pilot)] == [ended.counters.step_from]
         assert NOTHING_TO_CHOOSE not in view(pilot).foot
 
@@ -169,7 +169,7 @@ async def test_a_cursor_that_was_put_stays_and_the_first_words_tell_of_the_mouse
         await press(pilot, "e")
         view(pilot).focus()
         view(pilot).put_cursor(9)
-        await press(pilot, "D")
+        await press(pilot, "w", "p")
         assert "second click at a side of the cell" in notes(pilot.app)[-1]
         await press(pilot, "3")
         assert drawn(pilot) == ((9, DOWN),)
@@ -177,12 +177,12 @@ async def test_a_cursor_that_was_put_stays_and_the_first_words_tell_of_the_mouse
 
 async def test_the_first_words_of_a_bandit_tell_of_its_arms(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit"), notifications=True) as pilot:
-        await press(pilot, "D")
+        await press(pilot, "w", "p")
         assert "second click on an arm" in notes(pilot.app)[-1]
 
 
-@pytest.mark.parametrize(("mode", "key"), [("D", "2"), ("y", "down")])
+@pytest.mark.parametrize(("mode", "key"), [("w p", "2"), ("y", "down")])
 async def test_a_mode_that_is_wanted_at_once_has_its_keys(make_app: MakeApp, mode: str, key: str) -> None:
     async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await tap(pilot, mode, key)
-        assert drawn(pilot) == ((0, RIGHT),) if mode == "D" else snapshot(pilot).counters.step == 1
+        await tap(pilot, *mode.split(), key)
+        assert drawn(pilot) == ((0, RIGHT),) if mode == "w p" else snapshot(pilot).counters.step == 1

@@ -358,9 +358,9 @@ async def test_where_the_terminal_does_not_keep_up_the_motion_ends(monkeypatch: 
         ({"ascii": True}, ()),
         ({"colors": "none"}, ()),
         ({"ticks": None}, ()),
-        ({}, ("V",)),
+        ({}, ("w", "a")),
         ({}, ("v",)),
-        ({}, ("C",)),
+        ({}, ("w", "d")),
         ({"scenario": "taxi"}, ()),
     ],
 )

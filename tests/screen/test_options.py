@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from conftest import MakeApp
 from sample_worlds import bandit_world, lake_world
-from seams import choose, notes, on_screen, playground, press, slider, snapshot, train
+from seams import choose, notes, on_screen, playground, press, screen_text, slider, snapshot, train
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
@@ -54,7 +54,7 @@ def test_every_choice_has_name_summary_and_equation() -> None:
 
 async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), (100, 24), notifications=True) as pilot:
-        await press(pilot, "a")
+        await press(pilot, "a", "a")
         assert isinstance(pilot.app.screen, Choice)
         await choose(pilot, "value-iteration")
         assert snapshot(pilot).agent.algorithm == "value-iteration"
@@ -62,12 +62,13 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         first = await press(pilot, "s")
         assert first.counters.last_step.planned
         assert (await press(pilot, "e")).counters.episodes == 1
-        await press(pilot, "m")
+        await press(pilot, "w", "m")
         assert isinstance(pilot.app.screen, ModelScreen)
         assert pilot.app.screen.query_one(ModelPanel).pair in range(5)
         await press(pilot, "escape")
-        await press(pilot, "p")
-        assert notes(pilot.app)[-1] == "Value iteration tries every action: it follows no policy"
+        await press(pilot, "a", "p")
+        assert "Not now: Value iteration tries every action and follows no policy." in screen_text(pilot.app)
+        await press(pilot, "escape")
         done = await train(pilot, 100_000)
         assert done.playback.phase is Phase.DONE
         assert "converged after" in pilot.app.screen.query_one(StatusLine).render_line(0).text
@@ -78,7 +79,7 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         pilot.app.set_focus(None)
         again = await press(pilot, "e")
         assert again.counters.step > done.counters.step
-        await press(pilot, "a")
+        await press(pilot, "a", "a")
         await choose(pilot, "q-learning")
         assert [each.parameter.name for each in playground(pilot).query(Slider)] == [
             "alpha",
@@ -92,7 +93,7 @@ async def test_a_policy_is_chosen_and_an_option_that_changes_nothing_says_why(ma
     async with on_screen(app, (120, 40), notifications=True) as pilot:
         assert [each.id for each in app.screen.query(Slider)] == ["alpha", "epsilon"]
         assert snapshot(pilot).agent.hyperparameters.sample_average
-        await press(pilot, "o")
+        await press(pilot, "a", "o")
         choices, hint = app.screen.query_one(OptionList), app.screen.query_one(".hint", Static)
         for name, reason in (("gamma", "every pull ends its episode"), ("epsilon", "")):
             choices.highlighted = choices.get_option_index(name)
@@ -100,13 +101,13 @@ async def test_a_policy_is_chosen_and_an_option_that_changes_nothing_says_why(ma
             text = " ".join(str(hint.render()).split())
             assert ("no effect now" in text) is bool(reason)
             assert reason in text
-        await press(pilot, "escape", "p")
+        await press(pilot, "escape", "a", "p")
         await choose(pilot, "gradient")
         gradient = snapshot(pilot).agent.hyperparameters
         assert gradient.policy == "gradient"
         assert gradient.alpha == Hyperparameters().alpha
         assert notes(app)[-1] == "gradient bandit needs a step size: α is 0.1 from here on"
-        await press(pilot, "o")
+        await press(pilot, "a", "o")
         await choose(pilot, "alpha")
         app.screen.query_one(Input).value = "1/n"
         await press(pilot, "enter")
@@ -118,7 +119,7 @@ async def test_a_policy_is_chosen_and_an_option_that_changes_nothing_says_why(ma
 
 async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "o")
+        await press(pilot, "a", "o")
         assert isinstance(pilot.app.screen, Options)
         listed = pilot.app.screen.query_one(OptionList)
         ids = [listed.get_option_at_index(number).id for number in range(listed.option_count)]
@@ -140,7 +141,7 @@ async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> 
         assert snapshot(pilot).agent.hyperparameters.epsilon_schedule == "linear"
         await press(pilot, "escape")
         assert snapshot(pilot).counters.step == 0
-        await press(pilot, "o")
+        await press(pilot, "a", "o")
         await choose(pilot, "step_size_schedule")
         await choose(pilot, "sample-average")
         await press(pilot, "escape")

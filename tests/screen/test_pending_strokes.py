@@ -21,7 +21,7 @@ pytestmark = pytest.mark.screen
 
 async def drawn_on(pilot: Pilot[UserError]) -> None:
     await settle(pilot)
-    await press(pilot, "C")
+    await press(pilot, "w", "d")
 
 
 async def test_each_stroke_is_drawn_once_however_many_are_on_their_way(

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from seams import notes, on_screen, playground, press, snapshot, tap, train
+from seams import on_screen, playground, press, screen_text, snapshot, tap, train
 
 from rl_tui.live.snapshot import Phase
 from rl_tui.screen.app.app import RlTuiApp
@@ -40,10 +40,10 @@ async def test_it_starts_paused_s_takes_a_step_e_ends_the_episode_and_space_runs
         assert (await train(pilot, 100)).counters.step == here
         assert (await press(pilot, "space")).playback.phase is Phase.PAUSED
         assert snapshot(pilot).counters.step == here
-        ties = await press(pilot, "t")
+        ties = await press(pilot, "a", "t")
         assert ties.agent.hyperparameters.ties == "first"
         assert ties.counters.step == here
-        again = await press(pilot, "r")  # with the current settings
+        again = await press(pilot, "r", "r")  # with the current settings
         assert again.counters.step == 0
         assert again.playback.phase is Phase.PAUSED
         assert again.recipe.hyperparameters.ties == "first"
@@ -56,7 +56,7 @@ async def test_plus_and_minus_climb_the_speeds_and_a_notice_hides_no_title(make_
         assert (await press(pilot, "equals_sign")).playback.speed == 100.0
         assert (await press(pilot, "minus", "underscore", "minus")).playback.speed == 3.0
         assert (await press(pilot, *["plus"] * 12)).playback.speed is None
-        await press(pilot, "l")
+        await press(pilot, "b")  # there is nothing before step 0
         notice = pilot.app.screen.query_one("Toast").region
         assert (notice.bottom, notice.height) == (24, 1)
         assert notice.right >= 78
@@ -73,9 +73,9 @@ async def test_v_goes_round_the_layers_and_brackets_to_the_neighbouring_scenario
         assert len(set(seen)) == 4
         assert table.shown_layer == seen[0]
         ids = [scenario.id for scenario in scenarios()]
-        await press(pilot, "left_square_bracket")
+        await press(pilot, "w", "left_square_bracket")
         assert snapshot(pilot).recipe.scenario.id == ids[ids.index("cliff") - 1]
-        await press(pilot, "right_square_bracket")
+        await press(pilot, "w", "right_square_bracket")
         assert snapshot(pilot).recipe.scenario.id == "cliff"
 
 
@@ -105,33 +105,33 @@ async def test_tab_goes_round_the_panels_m_shows_the_model_and_help_ends_with_no
             await press(pilot, "tab")
             visited.append(board.panel_of(pilot.app.focused))
         assert visited == ["world", "table", "curve", "timeline", "controls", "controls"]
-        await press(pilot, "m")
+        await press(pilot, "w", "m")
         assert isinstance(pilot.app.screen, ModelScreen)
         await train(pilot, 10)
         await press(pilot, "m")
         assert isinstance(pilot.app.screen, Playground)
         pilot.app.set_focus(None)
-        await press(pilot, "question_mark", "pagedown")
+        await press(pilot, "question_mark", "3", "pagedown")
         assert "student MDP" in str(pilot.app.screen.query("MarkdownParagraph").last().render())
 
 
 async def test_h_reveals_a_bandit_until_it_starts_again(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit")) as pilot:
         assert is_secret(await press(pilot))
-        assert not is_secret(await press(pilot, "h"))
-        assert is_secret(await press(pilot, "h"))
-        assert is_secret(await press(pilot, "h", "r"))
+        assert not is_secret(await press(pilot, "w", "h"))
+        assert is_secret(await press(pilot, "w", "h"))
+        assert is_secret(await press(pilot, "w", "h", "r", "r"))
 
 
 async def test_h_explains_itself_where_nothing_is_hidden(make_app: MakeApp) -> None:
     async with on_screen(make_app("cartpole"), notifications=True) as pilot:
-        await press(pilot, "h")
-        assert notes(pilot.app) == ["there is nothing to hide: this world has no exact answer"]
+        await press(pilot, "w", "h")
+        assert "Not now: this world has no exact values to hide." in screen_text(pilot.app)
 
 
 async def test_scenarios_may_be_changed_faster_than_they_load(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(120, 40)) as pilot:
-        await tap(pilot, *["right_square_bracket"] * 4, *["left_square_bracket"] * 3)
+        await tap(pilot, *["w", "right_square_bracket"] * 4, *["w", "left_square_bracket"] * 3)
         shipped = [scenario.id for scenario in scenarios()]
         assert snapshot(pilot).recipe.scenario.id == shipped[shipped.index("student") + 1]

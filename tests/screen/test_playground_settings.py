@@ -89,7 +89,7 @@ async def test_a_value_or_a_slider_that_is_none_is_told_and_so_is_the_tie_rule(m
         assert notes(pilot.app) == ["there is no fourth slider here"]
         await press(pilot, "escape")
         for ties in ("first", "random"):
-            assert (await press(pilot, "t")).agent.hyperparameters.ties == ties
+            assert (await press(pilot, "a", "t")).agent.hyperparameters.ties == ties
             assert [ties in note for note in notes(pilot.app)] == [True]
 
 
@@ -138,7 +138,7 @@ async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(mak
         assert line.render_line(0).text.startswith(" enter set")
         for width in (60, 80, 120):
             await pilot.resize_terminal(width, 24)
-            assert line.render_line(0).text.rstrip().endswith("? help")
+            assert line.render_line(0).text.rstrip().endswith("? keys")
             assert "space run" in line.render_line(0).text
             assert "esc back" not in line.render_line(0).text
         await pilot.resize_terminal(60, 18)
@@ -178,11 +178,11 @@ async def test_what_is_being_typed_outlasts_another_policy_and_a_slider_that_goe
 async def test_a_prompt_names_the_range_and_stays_and_initial_q_starts_again(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
         await train(pilot, 10)
-        for key, wrong, expected in (
-            ("n", "", "type a whole number, 0 or more"),
+        for letter, wrong, expected in (
+            ("s", "", "type a whole number, 0 or more"),
             ("i", "much", "type a number from -1e12 to 1e12"),
         ):
-            await press(pilot, key)
+            await press(pilot, "r", letter)
             assert isinstance(pilot.app.screen, Prompt)
             pilot.app.screen.query_one(Input).value = wrong
             await press(pilot, "enter")
@@ -191,7 +191,7 @@ async def test_a_prompt_names_the_range_and_stays_and_initial_q_starts_again(mak
             await press(pilot, "escape")
             assert isinstance(pilot.app.screen, Playground)
         assert snapshot(pilot).recipe.seed == 0
-        await press(pilot, "i")
+        await press(pilot, "r", "i")
         pilot.app.screen.query_one(Input).value = "5"
         again = await press(pilot, "enter")
         assert not isinstance(pilot.app.screen, Prompt)
@@ -216,7 +216,7 @@ async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp
 async def test_a_seed_is_typed_and_shows_its_own_map(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-random"), (120, 40)) as pilot:
         first = snapshot(pilot)
-        second = await press(pilot, "n", "4", "2", "enter")
+        second = await press(pilot, "r", "s", "4", "2", "enter")
         assert second.recipe.seed == 42
         holes = holes_of(second)
         assert holes != holes_of(first)

@@ -35,7 +35,7 @@ def test_of_a_world_without_a_table_one_sentence_is_said() -> None:
 async def test_the_border_names_the_key_that_leads_back_to_v_where_there_is_v(make_app: MakeApp) -> None:
     for scenario, leads_back in (("student", True), ("bandit", False)):
         async with on_screen(make_app(scenario), (120, 40)) as pilot:
-            await press(pilot, "P")
+            await press(pilot, "t", "p")
             text = screen_text(pilot.app)
             assert ("P: back" in text, "P: close" in text) == (leads_back, not leads_back)
 
@@ -43,5 +43,5 @@ async def test_the_border_names_the_key_that_leads_back_to_v_where_there_is_v(ma
 async def test_a_policy_that_may_never_end_has_arrows_without_a_lead(make_app: MakeApp) -> None:
     async with on_screen(make_app("windy"), (120, 40)) as pilot:
         await train(pilot, 500)
-        await press(pilot, "P", "down")
+        await press(pilot, "t", "p", "down")
         assert "V of" in screen_text(pilot.app)

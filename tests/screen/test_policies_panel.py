@@ -233,7 +233,7 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
     async with on_screen(make_app("student"), size) as pilot:
         board = playground(pilot).board
         assert snapshot(pilot).answers.studied is None
-        assert (await press(pilot, "P")).answers.studied is PolicyKind.UNIFORM
+        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.UNIFORM
         assert board.panel(POLICIES).has_focus
         assert board.shows(WORLD) is (size != (60, 18))
         assert not board.shows(TABLE)
@@ -247,12 +247,12 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
             assert "V of greedy now" in headings(pilot)[0]
         assert (await press(pilot, "end")).answers.studied is PolicyKind.DRAWN
         assert (await press(pilot, "down", "home", "up")).answers.studied is PolicyKind.UNIFORM
-        assert (await press(pilot, "P")).answers.studied is None
+        assert (await press(pilot, "t", "p")).answers.studied is None
         assert board.shows(TABLE)
         assert "V of" not in headings(pilot)[0]
         assert "4.04" not in screen_text(pilot.app)
-        assert (await press(pilot, "P", "down", "escape")).answers.studied is None
-        assert (await press(pilot, "P")).answers.studied is PolicyKind.GREEDY  # where the cursor was
+        assert (await press(pilot, "t", "p", "down", "escape")).answers.studied is None
+        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.GREEDY  # where the cursor was
         assert (await press(pilot, "d")).answers.studied is None
 
 
@@ -261,7 +261,7 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         await train(pilot, 400)
         board = playground(pilot).board
         assert Layer.POLICY not in board.table.layer_choices
-        kept = await press(pilot, "P", "enter")
+        kept = await press(pilot, "t", "p", "enter")
         assert kept.answers.studied is PolicyKind.UNIFORM
         assert board.opened is None
         assert "V of uniform random · P: policies" in headings(pilot)[0]
@@ -273,10 +273,10 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         assert "5.928" in text
         assert "random    6.2" in text
         assert "╌╌" in text
-        assert (await press(pilot, "P", "P")).answers.studied is None
+        assert (await press(pilot, "t", "p", "t", "p")).answers.studied is None
         assert board.table.shown_layer is Layer.Q
         assert "random    6.2" not in screen_text(pilot.app)
-        await press(pilot, "P")
+        await press(pilot, "t", "p")
         panel = board.panel(POLICIES)
         rows = [panel.render_line(y).text for y in range(8)]
         y = next(y for y, row in enumerate(rows) if "as it acts" in row)
@@ -289,7 +289,7 @@ async def test_a_state_that_a_policy_may_never_leave_has_a_dash_and_arrows_are_t
 ) -> None:
     async with on_screen(make_app("cliff"), (120, 40)) as pilot:
         await train(pilot, 300)
-        await press(pilot, "P", "down")
+        await press(pilot, "t", "p", "down")
         assert "γ 1 " in screen_text(pilot.app)
         assert WITHOUT_LIMIT not in screen_text(pilot.app)  # there is no limit
         shown = await press(pilot, "enter")
@@ -307,7 +307,7 @@ async def test_a_state_that_a_policy_may_never_leave_has_a_dash_and_arrows_are_t
         world.put_cursor(state)
         told = number_here(world, look())
         assert told.name == f"Vπ({state}): none"
-        await press(pilot, "P", "end", "up")
+        await press(pilot, "t", "p", "end", "up")
         assert world.studied is PolicyKind.OPTIMAL
         rows = [world.render_line(y).text for y in range(14)]
         assert max(row.count("→") for row in rows) >= 11  # along the cliff
@@ -330,7 +330,7 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
         screen.send(AddLane((SetParameter("epsilon", 0.5),)))
         await settle(pilot)
         await train(pilot, 500)
-        both = await press(pilot, "P", "down", "down", "enter")
+        both = await press(pilot, "t", "p", "down", "down", "enter")
         assert both.beside.answers.studied is PolicyKind.BEHAVIOUR
         assert screen.board.is_paired
         text = screen_text(pilot.app)
@@ -339,7 +339,7 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
         left, right = (as_studied(each).agent.policy > 0.0 for each in sides(both))
         differs = {both.world.space.state_of(pair) for pair in np.flatnonzero(left != right).tolist()}
         assert world.differing == differs
-        await press(pilot, "P")
+        await press(pilot, "t", "p")
         assert str(board_title(pilot)).startswith("▸")
 
 

@@ -23,7 +23,9 @@ def endless() -> Snapshot:
     return watched(program(verdict=verdict), lake().counters.step)
 
 
-@pytest.mark.parametrize(("size", "keys"), [((120, 40), ("F",)), ((80, 24), ())], ids=["findings", "small"])
+@pytest.mark.parametrize(
+    ("size", "keys"), [((120, 40), ("a", "f")), ((80, 24), ())], ids=["findings", "small"]
+)
 def test_program(size: tuple[int, int], keys: tuple[str, ...], snap_compare: Any, make_app: MakeApp) -> None:
     async def watch(pilot: Pilot[UserError]) -> None:
         await settle(pilot)

@@ -16,7 +16,7 @@ from rl_tui.live.programs.watched_program import WatchedProgram
 from rl_tui.live.snapshot import Phase
 from rl_tui.programs.watched.program_process import ProgramRequest
 from rl_tui.runs.library import recipe_named
-from rl_tui.screen.board.board import NO_PROGRAM
+from rl_tui.screen.keys.playground_keys import DECIDES
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import MAY_NEVER_END
 from rl_tui.screen.kit.row import CONTROLS, FINDINGS, LAST_STEP, OUTPUT, PROGRAM, TABLE
@@ -94,24 +94,24 @@ async def test_it_stands_at_its_beginning_and_says_how_to_go_on_until_it_has_beg
         assert (await press(pilot, "s")).counters.step == 4
 
 
-DECIDED = "your program decides that: change it in cliff.py and save"
+DECIDED = DECIDES.format(file="cliff.py")
 REFUSED = {
-    **dict.fromkeys("apti14o", DECIDED),
+    **dict.fromkeys(("1", "4", "r i", "t s", "c s"), DECIDED),
     "y": "takes its own steps",
-    "n": "--seed",
-    "x": "cliff.py",
-    "w": "cliff.py",
-    "M": "rl-tui grade cliff.py",
-    "E": "no sweeps",
-    "I": "no sweeps",
-    "W": "+ and −",
-    "Y": "c puts one",
-    "j": "b, B and g",
-    "l": "z shows",
-    "left_square_bracket": "esc goes there",
-    "right_square_bracket": "esc goes there",
+    **dict.fromkeys(("r n", "r s"), "--seed"),
+    "m x": "cliff.py",
+    "m s": "cliff.py",
+    "t m": "rl-tui grade cliff.py",
+    "w d": "worlds of scenarios can be edited",
+    "w c": "rl-tui check --deep",
+    "m w": "+ and −",
+    "t y": "c a puts one",
+    "m b": "b, B and m g",
+    "c l": "c o shows",
+    "w left_square_bracket": "esc goes there",
+    "w right_square_bracket": "esc goes there",
 }
-"""The keys that cannot be pressed here, and what is said of each."""
+"""What cannot be done here, by its keys, and what is said of it."""
 
 
 async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(
@@ -119,18 +119,22 @@ async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(
 ) -> None:
     async with watching(script) as pilot:
         screen, before = pilot.app.screen, playground(pilot).link.sent
-        for key, instead in REFUSED.items():
-            await press(pilot, key)
-            said = notes(pilot.app)
-            assert len(said) == 1, key
-            assert instead in said[0], key
+        for keys, instead in REFUSED.items():
+            await press(pilot, *keys.split())
+            if " " in keys:
+                said = [line for line in screen_text(pilot.app).splitlines() if "Not now: " in line]
+                await press(pilot, "escape")
+            else:
+                said = notes(pilot.app)
+            assert len(said) == 1, keys
+            assert instead.lower() in said[0].lower(), keys
         assert pilot.app.screen is screen
         assert playground(pilot).link.sent == before
         await train(pilot, 50)
         program = snapshot(pilot).program
         assert program.table.others
         assert program.table.other_forms == ("array",)
-        await press(pilot, "T")
+        await press(pilot, "a", "b")
         assert "array 48×4, float64" in screen_text(pilot.app)
         await choose(pilot, "1")
         assert snapshot(pilot).counters.step == 0
@@ -146,12 +150,12 @@ async def test_without_a_table_a_flip_sets_no_gamma_and_no_greedy_policy_has_a_r
         text = screen_text(pilot.app)
         for claim in (MAY_NEVER_END, "0.00", f"{GREEDY} ", "not tried"):
             assert claim not in text
-        await press(pilot, "G", "up")
+        await press(pilot, "t", "g", "up")
         assert "enter" not in playground(pilot).board.query_one(DiscountPanel).footing
         gamma = snapshot(pilot).agent.hyperparameters.gamma
         await press(pilot, "enter")
         (said,) = notes(pilot.app)
-        assert "your program decides that: change it in lake.py" in said
+        assert said == "Your program sets this: edit lake.py and save, and it starts again."
         assert snapshot(pilot).agent.hyperparameters.gamma == gamma
 
 
@@ -161,17 +165,22 @@ async def test_its_keys_and_its_output_are_at_hand_and_our_keys_are_not(script: 
         await train(pilot, 5)
         await press(pilot, "s")
         line = screen_text(pilot.app).splitlines()[-1]
-        for there in ("F findings", "O output", "space run", "b B back"):
+        for there in ("space run", "b back", "a agent", "t tools"):
             assert there in line
-        for gone in ("algorithm", "policy", "eval", "you", "save"):
-            assert gone not in line
-        await press(pilot, "O")
+        assert "you act" not in line
+        await press(pilot, "a")
+        menu = screen_text(pilot.app).splitlines()[-4:]
+        for there in ("Your program", "findings", "output", "table…"):
+            assert any(there in row for row in menu), there
+        for gone in ("algorithm", "policy", "evaluate"):
+            assert not any(gone in row for row in menu), gone
+        await press(pilot, "w")
         assert board.shows(OUTPUT)
         assert not board.shows(TABLE)
         assert "│ training starts" in screen_text(pilot.app)
-        await press(pilot, "O")
+        await press(pilot, "a", "w")
         assert board.shows(TABLE)
-        await press(pilot, "question_mark")
+        await press(pilot, "question_mark", "3")
         assert "T chooses another of its tables" in " ".join(screen_text(pilot.app).split())
 
 
@@ -185,7 +194,7 @@ async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -
             await train(pilot, 4_000)
         program = snapshot(pilot).program
         (finding,) = program.verdict.findings
-        await press(pilot, "F")
+        await press(pilot, "a", "f")
         assert playground(pilot).board.shows(FINDINGS)
         assert "fault: bootstraps after the end" in screen_text(pilot.app)
         assert "target = " in screen_text(pilot.app)
@@ -214,7 +223,7 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         shown = "".join(table.render_line(y).text for y in range(1, 12))
         assert any(str(count) in shown for count in range(1, 9))
         await train(pilot, 40)
-        await press(pilot, "c")
+        await press(pilot, "c", "a")
         await choose(pilot, "sarsa")
         assert playground(pilot).board.is_paired
         assert DIFFERS not in screen_text(pilot.app)  # it is not compared with ours
@@ -232,31 +241,31 @@ async def test_the_step_back_is_told_as_it_was_and_an_agent_of_ours_stands_besid
         assert [story.render_line(y).text for y in range(story.size.height)] == then
         await press(pilot, "s")
         await train(pilot, 29)
-        await press(pilot, "c")
+        await press(pilot, "c", "a")
         await choose(pilot, "sarsa")
         beside = snapshot(pilot).beside
         assert beside.agent.algorithm == "sarsa"
         assert beside.counters.step == 60
         assert playground(pilot).board.is_paired
         assert "cliff.py" in screen_text(pilot.app)
-        await press(pilot, "c")
+        await press(pilot, "c", "c")
         assert "One seed decides nothing; rl-tui grade runs your program" in screen_text(pilot.app)
 
 
 async def test_it_starts_again_and_it_ends(script: Path) -> None:
     async with watching(script) as pilot:
         await train(pilot, 40)
-        assert (await press(pilot, "r")).counters.step == 0
+        assert (await press(pilot, "r", "r")).counters.step == 0
         while not snapshot(pilot).program.ended:  # type: ignore[union-attr]
             await train(pilot, 4_000)
         assert "your program has ended" in screen_text(pilot.app)
         keys = screen_text(pilot.app).splitlines()[-1]
-        assert "r reset" in keys
+        assert "r again" in keys
         assert "s step" not in keys
         for key in ("space", "s", "e"):
             await press(pilot, key)
             (said,) = notes(pilot.app)
-            assert "r starts it again" in said
+            assert "r r starts it again" in said
         assert "s step" in (await _keys_after(pilot, "b"))  # forward again through what was recorded
         assert (await press(pilot, "s")).playback.phase is Phase.SPENT
         await press(pilot, "escape")
@@ -268,12 +277,13 @@ async def _keys_after(pilot: Pilot[UserError], key: str) -> str:
     return screen_text(pilot.app).splitlines()[-1]
 
 
-async def test_without_a_program_these_keys_say_how_to_watch_one() -> None:
-    app = app_at(recipe_named("student"))
-    async with on_screen(app) as pilot:
-        for key in ("F", "O"):
-            await press(pilot, key)
-            assert NO_PROGRAM in notes(app)[-1]
-            assert playground(pilot).board.shows(TABLE)
-        await press(pilot, "T")
-        assert "T is for a program of yours" in notes(app)[-1]
+async def test_without_a_program_the_menu_does_not_list_what_is_for_one() -> None:
+    async with on_screen(app_at(recipe_named("student"))) as pilot:
+        await press(pilot, "a")
+        text = screen_text(pilot.app)
+        assert "algorithm" in text
+        for of_program in ("findings", "output", "table…"):
+            assert of_program not in text
+        await press(pilot, "f", "w", "b", "escape")
+        assert playground(pilot).board.shows(TABLE)
+        assert snapshot(pilot).counters.step == 0

@@ -59,11 +59,11 @@ async def test_the_new_content_is_offered_and_taken(file: Path, app_of: MakeApp,
         await tap(pilot, "s", "s", "plus", "plus")
         speed = snapshot(pilot).playback.speed
         file.write_text(text("S....G", 0.5), encoding="utf-8")
-        await pilot.press("r")
+        await pilot.press("r", "r")
         assert isinstance(app.screen, Choice)
         await tap(pilot, "escape")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 2), "nothing is done"
-        await tap(pilot, "r", "enter")
+        await tap(pilot, "r", "r", "enter")
         assert (cells(pilot), snapshot(pilot).counters.step) == (6, 0)
         recipe = snapshot(pilot).recipe
         assert (recipe.hyperparameters.alpha, recipe.hyperparameters.gamma, recipe.seed) == (0.5, 0.5, 3)
@@ -81,12 +81,12 @@ async def test_the_old_content_may_be_kept_and_a_hidden_answer_stays_hidden_in_t
     async with on_screen(app) as pilot:
         await tap(pilot, "s")
         file.write_text(text("S....G"), encoding="utf-8")
-        await tap(pilot, "r", "down", "enter")
+        await tap(pilot, "r", "r", "down", "enter")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
-        await tap(pilot, "s", "r")
+        await tap(pilot, "s", "r", "r")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0), "it is not asked again"
         file.write_text(text("S.....G"), encoding="utf-8")
-        await tap(pilot, "h", "r")
+        await tap(pilot, "w", "h", "r", "r")
         assert isinstance(app.screen, Choice), "but of what is newer still"
         assert "mine.toml has changed" in screen_text(app)
         await tap(pilot, "enter")
@@ -96,19 +96,19 @@ async def test_the_old_content_may_be_kept_and_a_hidden_answer_stays_hidden_in_t
 async def test_faults_of_the_new_content_are_told_and_the_old_one_stays(file: Path, app_of: MakeApp) -> None:
     app = app_of(recipe_named(str(file)))
     async with on_screen(app) as pilot:
-        await tap(pilot, "s", "r")  # without a change it starts again at once
+        await tap(pilot, "s", "r", "r")  # without a change it starts again at once
         assert isinstance(app.screen, Playground)
         assert snapshot(pilot).counters.step == 0
         await tap(pilot, "s")
         file.write_text(FAULTY, encoding="utf-8")
-        await tap(pilot, "r")
+        await tap(pilot, "r", "r")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
         assert any("mine.toml: line 2" in each and "0,5" in each for each in notes(app))
-        assert any("the run starts again" in each for each in notes(app))
+        assert any("Started again" in each for each in notes(app))
         file.unlink()
         await tap(pilot, "s")
         assert notes(app) == []
-        await tap(pilot, "r")
+        await tap(pilot, "r", "r")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
 
 
@@ -123,7 +123,7 @@ async def test_a_session_brings_its_own_world(
     ((session,), _) = sessions_in(tmp_path / "sessions")
     app = app_of(read_session(session.path))
     async with on_screen(app) as pilot:
-        await tap(pilot, "r")
+        await tap(pilot, "r", "r")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
 
 
@@ -134,7 +134,7 @@ async def test_a_kiosk_reads_no_files(file: Path, app_of: MakeApp, monkeypatch: 
         monkeypatch.setenv(VARIABLE, "1")
         assert isinstance(app.screen, Playground)
         app.screen.place |= type(app.screen.place).KIOSK
-        await tap(pilot, "r")
+        await tap(pilot, "r", "r")
         assert cells(pilot) == 4
 
 

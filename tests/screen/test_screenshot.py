@@ -9,6 +9,7 @@ from rl_tui.runs.library import recipe_for
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.app.display import Colours, Display
 from rl_tui.screen.app.screenshot import screenshot
+from rl_tui.screen.keys.action import MENUS
 from rl_tui.worlds.files.catalogue import find
 
 
@@ -35,8 +36,8 @@ async def test_the_catalogue_has_its_picture() -> None:
 
 
 async def test_waiting_in_pieces_is_the_same_as_waiting_at_once_and_no_cursor_blinks() -> None:
-    whole = await screenshot(recipe("student"), (80, 24), ["wait:300", "n", "4"])
-    assert whole == await screenshot(recipe("student"), (80, 24), ["wait:100", "wait:200", "n", "4"])
+    whole = await screenshot(recipe("student"), (80, 24), ["wait:300", "r", "s", "4"])
+    assert whole == await screenshot(recipe("student"), (80, 24), ["wait:100", "wait:200", "r", "s", "4"])
 
 
 async def test_a_key_that_is_none_is_refused() -> None:
@@ -65,8 +66,8 @@ async def test_ascii_screens_hold_ascii_characters_only(make_app: MakeApp, size:
     async with on_screen(make_app("student", ascii=True), size) as pilot:
         await train(pilot, 50)
         assert screen_text(pilot.app).isascii()
-        for key in ("question_mark", "m", "ctrl+p", "i", "a"):
-            await press(pilot, key)
-            assert len(pilot.app.screen_stack) == 3, key
-            assert screen_text(pilot.app).isascii(), key
+        for keys in ("question_mark", "w m", "ctrl+p", "r i", "a a", *MENUS):
+            await press(pilot, *keys.split())
+            assert len(pilot.app.screen_stack) == 3, keys
+            assert screen_text(pilot.app).isascii(), keys
             await press(pilot, "escape")

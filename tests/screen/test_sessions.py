@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from drawn_text import letters_of, rows_of, words_of
 from rich.console import Console
-from seams import app_at, notes, on_screen, tap
+from seams import app_at, notes, on_screen, screen_text, tap
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
@@ -204,7 +204,7 @@ async def test_what_is_done_is_listed_when_one_comes_back_and_stays_known(
 ) -> None:
     app = app_with_sessions(student())
     async with on_screen(app) as pilot:
-        await tap(pilot, "s", "s", "t")
+        await tap(pilot, "s", "s", "a", "t")
         await tap(pilot, "escape", "escape")
         assert listed(pilot).option_count == 1
         (session,), _ = sessions_in(tmp_path)
@@ -212,18 +212,18 @@ async def test_what_is_done_is_listed_when_one_comes_back_and_stays_known(
         assert session.document.digest
         await tap(pilot, "enter")  # another scenario is only looked at
         assert isinstance(app.screen, Playground)
-        await tap(pilot, "right_square_bracket")
+        await tap(pilot, "w", "right_square_bracket")
     assert app.kept
     assert (app.kept.title, app.kept.step) == ("A student's evening", 2)
 
 
-async def test_w_saves_under_a_name_and_goes_on_there(
+async def test_it_is_saved_under_a_name_and_goes_on_there(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:
     write(tmp_path, "evening.json", title="evening")
     async with on_screen(app_with_sessions(student())) as pilot:
         await tap(pilot, "s")
-        await pilot.press("w")
+        await pilot.press("m", "s")
         assert isinstance(pilot.app.screen, Prompt)
         pilot.app.screen.query_one(Input).value = "Evening"
         await pilot.pause()
@@ -239,7 +239,7 @@ async def test_w_saves_under_a_name_and_goes_on_there(
         await pilot.pause()
         assert "Evening 2" in words_of(pilot.app.screen.query_one("#status"))
         await tap(pilot, "s")
-        await pilot.press("w")
+        await pilot.press("m", "s")
         assert pilot.app.screen.query_one(Input).value == "Evening 2"
         await pilot.press("escape")
     told = {each.title: (each.step, each.document.kept) for each in sessions_in(tmp_path)[0]}
@@ -252,17 +252,17 @@ async def test_the_name_is_that_of_the_session_under_way(
     app = app_with_sessions(read_session(write(tmp_path, "a.json", title="an evening")))
     async with on_screen(app) as pilot:
         assert "an evening" in words_of(app.screen.query_one("#status"))
-        await tap(pilot, "r", "s")
+        await tap(pilot, "r", "r", "s")
         assert "an evening" not in words_of(app.screen.query_one("#status")), "that is another one"
     assert app.kept
     assert (app.kept.title, app.kept.step) == ("A student's evening", 1)
 
 
-async def test_where_no_session_is_kept_w_says_so(app_with_sessions: MakeSessionApp) -> None:
+async def test_where_no_session_is_kept_the_menu_says_so(app_with_sessions: MakeSessionApp) -> None:
     app = app_at(student())
     async with on_screen(app) as pilot:
-        await tap(pilot, "w")
-        assert notes(app) == ["no session is kept here"]
+        await tap(pilot, "m", "s")
+        assert "Not now: no session is kept here." in screen_text(app)
 
 
 async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:

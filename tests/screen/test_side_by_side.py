@@ -9,7 +9,7 @@ import pytest
 from conftest import MakeApp
 from lane_samples import side_by_side
 from samples import lake, look
-from seams import notes, on_screen, playground, press, snapshot, train
+from seams import notes, on_screen, playground, press, screen_text, snapshot, train
 from snapshots import changed
 from test_lanes import open_lane
 from textual.geometry import Size
@@ -29,6 +29,7 @@ from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.side_by_side import greedy_differences, sides
 from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.playground.actions.lanes import ONE_RUN
 
 FOUR = ("world", "world-beside", "table", "table-beside")
 
@@ -106,14 +107,14 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
         assert f"{len(differing.states)} of {differing.known}" in right.footing
 
         places = left.region, right.region
-        await press(pilot, "l")  # the other is led, and nothing changes its place
+        await press(pilot, "c", "l")  # the other is led, and nothing changes its place
         assert left.heading == "1 Q-learning · α 0.5 ε 0.1"
         assert right.heading == "▸2 SARSA · α 0.5 ε 0.1"
         assert board.world is right
         assert board.table is right_table
         assert (left.region, right.region) == places
 
-        await press(pilot, "c", "delete")  # the cursor starts on the one led
+        await press(pilot, "c", "c", "delete")  # the cursor starts on the one led
         assert snapshot(pilot).run_group.lanes == ()
         assert not board.is_paired
         assert board.world is left
@@ -166,7 +167,7 @@ async def test_tables_scroll_and_turn_together(make_app: MakeApp) -> None:
         assert left.shown_layer is right.shown_layer is Layer.OPTIMAL
         await press(pilot, "escape", "s")
         assert left.stance == right.stance
-        await press(pilot, "l", "s")
+        await press(pilot, "c", "l", "s")
         assert left.stance == right.stance
 
 
@@ -174,7 +175,7 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
     async with on_screen(make_app("frozenlake-slippery"), (120, 58)) as pilot:
         await train(pilot, 1_000)
         await open_lane(pilot, "alpha", "0.5")
-        await press(pilot, "l")
+        await press(pilot, "c", "l")
         left, right = worlds(pilot)
         tables(pilot)[1].focus()
         await pilot.resize_terminal(60, 18)
@@ -185,7 +186,7 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
         assert pilot.app.focused is tables(pilot)[0]
         assert left.lane == ()
         assert left.snapshot is snapshot(pilot)  # the one led, which is the second
-        await press(pilot, "l")
+        await press(pilot, "c", "l")
         assert left.snapshot is snapshot(pilot)
         await pilot.resize_terminal(80, 24)
         await settle(pilot)
@@ -201,19 +202,21 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
 
 async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-slippery"), notifications=True) as pilot:
-        await press(pilot, "z")  # with one run it says so
+        await press(pilot, "c", "o")  # with one run it says so
+        assert ONE_RUN in screen_text(pilot.app)
+        await press(pilot, "escape")
         await open_lane(pilot, "alpha", "0.5")
         board, (left, _) = board_of(pilot), worlds(pilot)
-        await press(pilot, "z")
+        await press(pilot, "c", "o")
         assert not board.is_paired
         assert board.shows("table")
-        await press(pilot, "l")
+        await press(pilot, "c", "l")
         assert left.snapshot is snapshot(pilot)
-        await press(pilot, "z")
+        await press(pilot, "c", "o")
         assert board.is_paired
         await press(pilot, "f")  # of the lane led, which stands at the right
         assert board.zoomed == "world-beside"
-        await press(pilot, "l")
+        await press(pilot, "c", "l")
         assert board.zoomed == "world"
         await press(pilot, "d")  # the microscope has the place of both worlds: it is about the lane led
         assert not board.is_paired
@@ -221,8 +224,8 @@ async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> Non
         await press(pilot, "escape")
         assert board.is_paired
         await pilot.resize_terminal(60, 18)
-        await press(pilot, "z")
-        assert "no room" in notes(pilot.app)[-1]
+        await press(pilot, "c", "o")
+        assert "No room" in notes(pilot.app)[-1]
 
 
 async def test_who_acts_by_hand_acts_in_the_lane_led_and_of_three_the_one_marked_stands_beside(
@@ -233,17 +236,17 @@ async def test_who_acts_by_hand_acts_in_the_lane_led_and_of_three_the_one_marked
         left, right = worlds(pilot)
         await press(pilot, "y")
         assert (left.is_manual, right.is_manual) == (True, False)
-        await press(pilot, "l")
+        await press(pilot, "c", "l")
         assert (left.is_manual, right.is_manual) == (False, True)
-        await press(pilot, "y", "l")
+        await press(pilot, "y", "c", "l")
         await open_lane(pilot, "alpha", "0.9")
         assert (left.heading[:2], right.heading[0]) == ("▸1", "2")
-        await press(pilot, "c", "down", "down", "space")
+        await press(pilot, "c", "c", "down", "down", "space")
         assert snapshot(pilot).run_group.beside == 2
         assert (left.heading[:2], right.heading[0]) == ("▸1", "3")
-        await press(pilot, "l")
+        await press(pilot, "c", "l")
         assert (left.heading[:2], right.heading[0]) == ("▸2", "3")
-        await press(pilot, "l")
+        await press(pilot, "c", "l")
         assert (left.heading[0], right.heading[:2]) == ("2", "▸3")
 
 
@@ -256,7 +259,7 @@ async def test_what_a_bandit_keeps_secret_is_revealed_in_both(make_app: MakeApp)
         budget = board_of(pilot).panel("budget")
         assert isinstance(budget, Panel)
         assert "regret and the best arm" in text_of(budget)
-        await press(pilot, "h")
+        await press(pilot, "w", "h")
         assert all(view.snapshot is not None and not is_secret(view.snapshot) for view in (left, right))
         assert text_of(budget).count("ε 0") == 2
 

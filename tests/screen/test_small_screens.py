@@ -109,7 +109,8 @@ async def test_all_that_keys_open_can_be_opened_small_and_resized(make_app: Make
             if action.id in LEAVES or action.id.startswith(MOVES):
                 continue
             before = opened(pilot)
-            await pilot.press(action.keys[0])
+            await pilot.press(*(action.key.split() if action.menu else action.keys[:1]))
+            await pilot.pause()
             if opened(pilot) != before:
                 count += 1
                 await pilot.resize_terminal(*SMALL[count % len(SMALL)])

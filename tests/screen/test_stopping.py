@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from conftest import MakeApp
-from seams import click, notes, on_screen, order, playground, press, snapshot, switch
+from seams import click, notes, on_screen, order, playground, press, screen_text, snapshot, switch
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
@@ -16,6 +16,7 @@ from rl_tui.live.pace.until import Event, Until
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.dialogs.dialog import Prompt
 from rl_tui.screen.dialogs.until_options import UntilChoice
+from rl_tui.screen.playground.actions.until import NO_BREAKPOINTS
 from rl_tui.screen.playground.playground import Playground
 
 ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
@@ -71,12 +72,12 @@ async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytes
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         asked = record(pilot, monkeypatch)
         board = playground(pilot).board
-        await press(pilot, "k")  # nothing in focus: where the agent is
+        await press(pilot, "t", "b")  # nothing in focus: where the agent is
         board.table.focus()
-        await press(pilot, "k", "down", "right", "k")
+        await press(pilot, "t", "b", "down", "right", "t", "b")
         assert notes(pilot.app) == ["breakpoint on 1,→: pauses each time it is taken"]
         board.world.focus()
-        await press(pilot, "k", "down", "right", "k")
+        await press(pilot, "t", "b", "down", "right", "t", "b")
         assert asked == [
             ToggleBreakpoint(state=0),
             ToggleBreakpoint(pair=3),
@@ -93,9 +94,9 @@ async def test_a_wall_is_no_place_to_stop_at(make_app: MakeApp, monkeypatch: pyt
         world = playground(pilot).board.world
         world.focus()
         world.put_cursor(5)  # the line of wall between the first two towns
-        await press(pilot, "k")
+        await press(pilot, "t", "b")
         assert not asked
-        assert notes(pilot.app) == ["here is no state to stop at"]
+        assert notes(pilot.app) == ["No state to stop at here."]
 
 
 async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> None:
@@ -126,50 +127,50 @@ async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> 
 
 async def test_a_breakpoint_set_in_the_world_stops_the_run_and_is_taken_away(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake")) as pilot:
-        marked = await press(pilot, "tab", "down", "down", "right", "k")
+        marked = await press(pilot, "tab", "down", "down", "right", "t", "b")
         assert marked.playback.breakpoints.states == {9}
         stopped = await press(pilot, "u", *["down"] * 4, "enter", *"99999", "enter")
         assert stopped.counters.state == 9
         assert stopped.counters.step < 99_999
         assert stopped.playback.paused_by == "breakpoint: state 9"
         assert stopped.playback.breakpoints.states == {9}
-        assert not (await press(pilot, "k")).playback.breakpoints
+        assert not (await press(pilot, "t", "b")).playback.breakpoints
         assert (await press(pilot, "u", "enter", *"5000", "enter")).counters.step == 5000
 
 
 async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
-        assert (await press(pilot, "tab", "right", "k")).playback.breakpoints.states == {2}
+        assert (await press(pilot, "tab", "right", "t", "b")).playback.breakpoints.states == {2}
         assert notes(pilot.app) == ["breakpoint on state Pass: pauses each time it is reached"]
-        marked = await press(pilot, "K", "tab", "down", "down", "k", "up", "k")
+        marked = await press(pilot, "t", "n", "tab", "down", "down", "t", "b", "up", "t", "b")
         assert marked.playback.breakpoints.pairs == {1, 2}
         for _ in range(3):
             stopped = await press(pilot, "e")
             while not stopped.playback.paused_by.startswith("breakpoint"):
                 stopped = await press(pilot, "e")
             assert stopped.counters.last_step.pair in (1, 2)
-        assert not (await press(pilot, "K")).playback.breakpoints
-        assert notes(pilot.app)[-1] == "all breakpoints are taken away"
+        assert not (await press(pilot, "t", "n")).playback.breakpoints
+        assert notes(pilot.app)[-1] == "All breakpoints are cleared."
 
 
 async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit"), notifications=True) as pilot:
-        await press(pilot, "k")
+        await press(pilot, "t", "b")
         (said,) = notes(pilot.app)
-        assert said == "a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one"
-        await press(pilot, "K")
-        assert notes(pilot.app) == ["there are no breakpoints; k sets one where the cursor is"]
-        await press(pilot, "tab", *["down"] * 7)
+        assert said == "Breakpoints of a bandit are on arms. tab: the arms, arrows: choose one."
+        await press(pilot, "t", "n")
+        assert NO_BREAKPOINTS in screen_text(pilot.app)
+        await press(pilot, "escape", "tab", *["down"] * 7)
         world = playground(pilot).board.world
         assert world.foot == "arm 7 · k: breakpoint · esc: back"
-        marked = await press(pilot, "k")
+        marked = await press(pilot, "t", "b")
         assert notes(pilot.app) == ["breakpoint on arm 7: pauses each time it is pulled"]
         assert marked.playback.breakpoints.pairs == {7}
         stopped = await press(pilot, "u", "down", "down", "down", "enter", "enter")
         assert stopped.counters.last_step.pair == 7
         assert stopped.agent.visits[7] == 1
         assert stopped.playback.paused_by == "breakpoint: arm 7"
-        cleared = await press(pilot, "K", "u", "up", "enter")
+        cleared = await press(pilot, "t", "n", "u", "up", "enter")
         best = int(cleared.world.mdp.reward.argmax())
         assert int(cleared.agent.q.argmax()) == best
         assert cleared.playback.paused_by == "the greedy arm is the best"
@@ -177,7 +178,7 @@ async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_a
         await order(pilot, Train(1000))
         await press(pilot, "u")
         assert isinstance(pilot.app.screen, Playground)
-        assert notes(pilot.app)[-1] == "the run has come to its end; r starts again"
+        assert notes(pilot.app)[-1] == "The run is at its end. r r: start again."
 
 
 async def test_a_stepped_world_stops_at_states_and_values_and_what_it_cannot_wait_for_says_why(
@@ -189,7 +190,7 @@ async def test_a_stepped_world_stops_at_states_and_values_and_what_it_cannot_wai
         table.focus()
         pair = table.shown_cursor
         assert pair is not None
-        await press(pilot, "k", "u", "down", "down", "down")
+        await press(pilot, "t", "b", "u", "down", "down", "down")
         about = str(pilot.app.screen.query_one("#about", Static).render())
         assert about.startswith("Not here. No exact answer")
         await press(pilot, "enter")
@@ -202,7 +203,7 @@ async def test_a_stepped_world_stops_at_states_and_values_and_what_it_cannot_wai
 
 async def test_breakpoints_are_listed_in_the_dialog_and_a_planner_stops_at_them(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake")) as pilot:
-        await press(pilot, "k", "u")
+        await press(pilot, "t", "b", "u")
         listed = pilot.app.screen.query_one("#breakpoints", Static)
         assert str(listed.render()) == "Breakpoints: state 0. K takes them away."
         await press(pilot, "K")
@@ -218,6 +219,6 @@ async def test_breakpoints_are_listed_in_the_dialog_and_a_planner_stops_at_them(
         world = playground(pilot).board.world
         world.focus()
         world.put_cursor(9)
-        stopped = await press(pilot, "k", "e")
+        stopped = await press(pilot, "t", "b", "e")
         assert stopped.counters.last_step.state == 9
         assert stopped.counters.episodes == 1

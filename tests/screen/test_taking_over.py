@@ -11,7 +11,7 @@ from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import Command, RunEpisode, Step, Take, Train
-from rl_tui.screen.frame.help import HelpScreen
+from rl_tui.screen.frame.key_sheet import KeySheet
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.kit.row import MICROSCOPE, WORLD
 from rl_tui.screen.panels.controls.slider import Slider
@@ -72,14 +72,14 @@ async def test_the_mode_is_seen_and_y_or_escape_ends_it(make_app: MakeApp) -> No
         assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? help"
         assert world.has_class("-manual")
         assert "◉ you act" in playground(pilot).query_one(StatusLine).render_line(0).text
-        assert notes(pilot.app) == ["you are the agent: act with 1 or 2; y hands back"]
+        assert notes(pilot.app) == ["You act, with 1 or 2. y: stop."]
         await press(pilot, "y")
         assert (world.head, world.foot, bottom_line(pilot)) == before
         assert not world.has_class("-manual")
         assert "paused" in playground(pilot).query_one(StatusLine).render_line(0).text
-        assert notes(pilot.app)[-1] == "the agent acts again"
+        assert notes(pilot.app)[-1] == "The agent acts again."
         await press(pilot, "y", "question_mark")
-        assert isinstance(pilot.app.screen, HelpScreen)
+        assert isinstance(pilot.app.screen, KeySheet)
         await press(pilot, "escape")
         assert playground(pilot).manual.is_on
         await press(pilot, "escape")
@@ -100,16 +100,16 @@ async def test_space_and_e_hand_back_s_does_not_and_a_planner_takes_no_actions(
         await press(pilot, "e")
         assert asked[2:] == [RunEpisode()]
         assert not playground(pilot).manual.is_on
-        for key in ("space", "r"):
+        for keys in (["space"], ["r", "r"]):
             await press(pilot, "y")
             assert playground(pilot).manual.is_on
-            await press(pilot, key)
+            await press(pilot, *keys)
             assert not playground(pilot).manual.is_on
         await switch(pilot, "value-iteration")
         await press(pilot, "y")
         assert not playground(pilot).manual.is_on
         (said,) = notes(pilot.app)
-        assert said == "Value iteration takes no actions: it plans with the model; a chooses an agent"
+        assert said == "Value iteration takes no actions: it plans with the model; a a chooses an agent."
 
 
 async def test_arms_are_pulled_by_their_names_until_the_budget_is_spent(make_app: MakeApp) -> None:
@@ -118,7 +118,7 @@ async def test_arms_are_pulled_by_their_names_until_the_budget_is_spent(make_app
         assert pulled.agent.visits.tolist() == [1, 0, 0, 0, 0, 0, 0, 2, 0, 0]
         await order(pilot, Train(1000))
         assert not playground(pilot).manual.is_on
-        assert notes(pilot.app)[-1] == "the budget is spent; r starts again"
+        assert notes(pilot.app)[-1] == "The budget is spent; r r starts again."
 
 
 async def test_cards_by_hand(make_app: MakeApp) -> None:

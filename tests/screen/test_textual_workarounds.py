@@ -18,7 +18,7 @@ def lines_kept() -> int:
 
 async def open_and_close_dialogs(pilot: Pilot[None]) -> int:
     """Return of how many widgets lines are kept after that."""
-    for keys in (("question_mark", "escape"), ("ctrl+p", "escape"), ("m", "escape")):
+    for keys in (("question_mark", "escape"), ("ctrl+p", "escape"), ("w", "m", "escape")):
         await tap(pilot, *keys)
     return lines_kept()
 

@@ -65,7 +65,7 @@ async def test_b_goes_back_a_step_and_B_an_episode_as_often_as_they_are_pressed(
         sent.clear()
         await pilot.press("b")
         assert sent == []
-        assert notes(pilot.app) == ["this is step 0, where the run begins"]
+        assert notes(pilot.app) == ["This is step 0, where the run begins."]
 
 
 @pytest.mark.exhaustive("plays at another size", but=["size0"])
@@ -91,30 +91,32 @@ async def test_the_timeline_is_scrubbed_with_keys_that_stand_above_it_and_with_t
         assert "move" not in board.curve.heading
 
 
-async def test_g_asks_where_to_and_goes_there(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_it_is_asked_where_to_and_it_goes_there(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with on_screen(make_app("student")) as pilot:
         shows(pilot, one(200, 200), episodes=60)
         sent = recorded(pilot, monkeypatch)
-        await pilot.press("g", *"12", "enter")
-        await pilot.press("g", *"e12", "enter")
-        await pilot.press("g", *"50%", "enter")
-        await pilot.press("g", "escape")
+        await pilot.press("m", "g", *"12", "enter")
+        await pilot.press("m", "g", *"e12", "enter")
+        await pilot.press("m", "g", *"50%", "enter")
+        await pilot.press("m", "g", "escape")
         assert sent == [GoTo(12), GoTo(episode=12), GoTo(100)]
-        await pilot.press("g", *"1234", "enter")
+        await pilot.press("m", "g", *"1234", "enter")
         assert isinstance(pilot.app.screen, Prompt)
         assert pilot.app.screen.query_one(Input).value == "1234"
         assert len(sent) == 3
 
 
-async def test_j_goes_to_another_branch_and_says_which_moment_that_is_or_to_a_change_in_it(
+async def test_the_dialog_goes_to_another_branch_and_says_which_moment_that_is_or_to_a_change_in_it(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
         shows(pilot, two(1))
         sent = recorded(pilot, monkeypatch)
-        await pilot.press("j", "enter")
+        await pilot.press("m", "b", "enter")
         assert sent == []
-        await pilot.press("j", "up", "enter")
+        await pilot.press("m", "b", "up", "enter")
         assert sent == [ChooseBranch(0)]
         shows(pilot, two(0), phase=Phase.SEEKING)
         assert notes(pilot.app) == []
@@ -123,12 +125,12 @@ async def test_j_goes_to_another_branch_and_says_which_moment_that_is_or_to_a_ch
             shows(pilot, Timeline((replace(first, here=here), second)), phase=Phase.PAUSED)
         await pilot.pause()
         assert notes(pilot.app) == ["branch 1, step 80: as before"]
-        await pilot.press("j", "down", "enter")
+        await pilot.press("m", "b", "down", "enter")
         shows(pilot, two(1))
         await pilot.pause()
         assert notes(pilot.app)[-1] == "branch 2, step 80: as far as it has come"
         sent.clear()
-        await pilot.press("j", "up", "tab", "enter")
+        await pilot.press("m", "b", "up", "tab", "enter")
         assert sent == [ChooseBranch(0), GoTo(40)]
 
 
@@ -141,7 +143,7 @@ async def test_a_fork_is_told_once(make_app: MakeApp) -> None:
         for timeline in (two(1, 20), two(1, 25), two(0), two(1, 25)):
             shows(pilot, timeline)
         await pilot.pause()
-        assert notes(pilot.app) == ["branch 2 begins here; j goes back to branch 1"]
+        assert notes(pilot.app) == ["branch 2 begins here. m b: back to branch 1."]
 
 
 async def test_branches_that_were_there_before_are_no_news(make_app: MakeApp) -> None:
@@ -167,7 +169,7 @@ async def test_controls_and_recipe_follow_what_is_in_force(
         shows(pilot, one(20, 200), hyperparameters=values)
         assert screen.query_one("#alpha", Slider).value == values.alpha
         sent = recorded(pilot, monkeypatch)
-        await pilot.press("r")
+        await pilot.press("r", "r")
         assert sent == [Restart(screen.recipe)]
         assert screen.recipe.hyperparameters == values
         shows(pilot, one(20, 200), algorithm="sarsa", recipe=replace(screen.recipe, seed=7))
@@ -201,8 +203,8 @@ async def test_an_episode_beyond_the_end_is_told_only_where_the_run_ends(
         for here, says_so in ((120, False), (200, True)):
             shows(pilot, one(100, 200), episodes=30)
             sent.clear()
-            await pilot.press("g", *"e900", "enter")
+            await pilot.press("m", "g", *"e900", "enter")
             assert sent == [GoTo(episode=900)]
             shows(pilot, one(here, 200), episodes=here // 4)
             await pilot.pause()
-            assert any("ends here" in each for each in notes(pilot.app)) is says_so
+            assert any("End of the run so far" in each for each in notes(pilot.app)) is says_so

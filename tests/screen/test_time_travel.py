@@ -68,8 +68,8 @@ def bits(shown: Snapshot) -> tuple[str, str]:
 
 
 async def go(pilot: Pilot[UserError], text: str) -> Snapshot:
-    """Press g, type ``text``, and wait until that moment is on screen."""
-    await tap(pilot, "g", *text, "enter")
+    """Ask where to go, type ``text``, and wait until that moment is on screen."""
+    await tap(pilot, "m", "g", *text, "enter")
     return snapshot(pilot)
 
 
@@ -139,8 +139,8 @@ async def test_a_way_back_keeps_the_axes_and_a_new_start_forgets_them(make_app: 
         await press(pilot, "B")
         assert arms.scale == scale
         axis = board.curve.scale
-        for keys in (("g", "0", "enter"), ("s",)):  # where the past has nothing on the axis
+        for keys in (("m", "g", "0", "enter"), ("s",)):  # where the past has nothing on the axis
             await press(pilot, *keys)
             assert board.curve.scale == axis
-        await press(pilot, "r")
+        await press(pilot, "r", "r")
         assert arms.scale == NO_SCALE

@@ -109,4 +109,4 @@ async def test_a_run_in_preparation_has_no_journal_to_show(make_app: MakeApp) ->
         screen.action_do("time.show_branches")  # as the palette does: the key would wait
         await settle(pilot)
         assert pilot.app.screen is screen
-        assert notes(pilot.app)[-1].startswith("the run is being prepared")
+        assert notes(pilot.app)[-1].startswith("The run is being prepared")

@@ -56,9 +56,9 @@ def test_numbers_are_written_as_elsewhere_on_screen(number: float, text: str) ->
 
 async def test_the_curve_and_the_dialog_tell_it_and_a_remedy_is_applied(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
-        await press(pilot, "t", *EPISODES)
+        await press(pilot, "a", "t", *EPISODES)
         assert "explains why" in screen_text(pilot.app)
-        await press(pilot, "Y")
+        await press(pilot, "t", "y")
         assert isinstance(pilot.app.screen, Why)
         text, found = screen_text(pilot.app), command("frozenlake", "--ties", "first")
         assert "In 11 episodes no estimate has moved" in text
@@ -78,19 +78,19 @@ async def test_the_curve_and_the_dialog_tell_it_and_a_remedy_is_applied(make_app
 
 async def test_an_optimistic_start_begins_again_and_then_it_is_over(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
-        await press(pilot, "s", "Y")
+        await press(pilot, "s", "t", "y")
         text = screen_text(pilot.app)
         assert "No estimate has moved" in text
         assert "6 steps away" in unbroken(text)
         await press(pilot, "down", "up", "enter")
         now = snapshot(pilot)
         assert (now.agent.hyperparameters.initial_q, now.counters.step) == (1.0, 0)
-        await press(pilot, "Y")
+        await press(pilot, "t", "y")
         assert "Nothing stands in the way" in screen_text(pilot.app)
         assert "enter: change" not in screen_text(pilot.app)
         await press(pilot, "enter", "Y")
         assert not isinstance(pilot.app.screen, Why)
-        await press(pilot, "e", "Y")
+        await press(pilot, "e", "t", "y")
         assert "An estimate has moved already" in screen_text(pilot.app)
         await press(pilot, "escape")
         assert snapshot(pilot).answers.first_update is None
@@ -105,7 +105,7 @@ async def test_what_cannot_be_told_is_said_with_the_reason(
     make_app: MakeApp, scenario: str, reason: str
 ) -> None:
     async with on_screen(make_app(scenario), (60, 20)) as pilot:
-        await press(pilot, "Y")
+        await press(pilot, "t", "y")
         assert reason in unbroken(screen_text(pilot.app))
         await press(pilot, "q")
         assert not isinstance(pilot.app.screen, Why)
@@ -113,12 +113,12 @@ async def test_what_cannot_be_told_is_said_with_the_reason(
 
 async def test_a_bandit_keeps_its_secret_until_it_is_revealed(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit-bernoulli")) as pilot:
-        await press(pilot, "Y")
+        await press(pilot, "t", "y")
         assert "give away" in screen_text(pilot.app)
         assert "chance" not in screen_text(pilot.app)
-        await press(pilot, "Y", "h", "Y")
+        await press(pilot, "Y", "w", "h", "t", "y")
         assert "with chance" in screen_text(pilot.app)
-        await press(pilot, "Y", "h", *["s"] * 20, "Y")
+        await press(pilot, "Y", "w", "h", *["s"] * 20, "t", "y")
         text = screen_text(pilot.app)
         assert "An estimate has moved already: the wait is over." in text
         assert "give away" not in text
@@ -129,7 +129,7 @@ async def test_the_mouse_closes_it_ascii_is_enough_and_what_is_known_is_said(
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("frozenlake", ascii=True)) as pilot:
-        await press(pilot, "t", "Y")
+        await press(pilot, "a", "t", "t", "y")
         assert isinstance(pilot.app.screen, Why)
         assert screen_text(pilot.app).isascii()
         known = snapshot(pilot)

@@ -127,13 +127,13 @@ async def test_figures_on_screen_are_the_commands(make_app: MakeApp) -> None:
     printed = CliRunner().invoke(program, ["check", "--deep", "random-walk", "--json"])
     command = json.loads(printed.stdout)
     async with on_screen(make_app("random-walk"), (120, 40)) as pilot:
-        await press(pilot, "Q")
+        await press(pilot, "w", "c")
         await settle(pilot)
         text = " ".join(screen_text(pilot.app).split())
         assert TITLE in text
         assert f"random policy {command['random_return']:.5f}" in text
         assert f"best policy {command['best_return']:.5f}" in text
         assert f"best way {command['shortest_way']} steps" in text
-        await press(pilot, "Q")
+        await press(pilot, "w", "c")
         await settle(pilot)
         assert snapshot(pilot).world_check is None

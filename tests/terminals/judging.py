@@ -22,7 +22,7 @@ def check_playground(screen: str, size: tuple[int, int], step: int) -> None:
     assert not _ESCAPE_TEXT.search(screen), screen
     assert lines[0].lstrip().startswith(PLAIN_STUDENT), screen
     assert re.search(rf"paused .* step +{step} *$", lines[0]), screen
-    assert lines[-1].rstrip().endswith("? help"), screen
+    assert lines[-1].rstrip().endswith("? keys"), screen
     for title in _TITLES_WITH_ROOM if columns >= _ROOM[0] and rows >= _ROOM[1] else _TITLES:
         assert re.search(rf"(^|  ){title}(  |$)", screen, re.MULTILINE), screen
 

@@ -82,7 +82,7 @@ def test_it_trains_steps_and_quits_over_ssh(tmp_path: Path) -> None:
         terminal.press("\x1b[C")
         terminal.wait_for(r"α step size\W+0\.1[1-9]")
         terminal.press("?")
-        terminal.wait_for("Words here")
+        terminal.wait_for("Words  Pages")
         terminal.press("\x1b")
         terminal.resize(60, 17)
         terminal.wait_for("is 60×17")  # too small, says the program

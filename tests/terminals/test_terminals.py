@@ -22,18 +22,18 @@ FLIP: Final = (
 SIZES: Final = ((80, 24), (100, 30), (120, 40), (200, 60))
 ODD_SIZES: Final = ((60, 18), (61, 19), (79, 23), (81, 25), (300, 80))
 STEPS: Final = 5
-BEGIN: Final = "s" * STEPS + "h"  # h shows the answer, which the student hides
+BEGIN: Final = "s" * STEPS + "wh"  # shows the answer, which the student hides
 REDRAW: Final = "\x0c"  # ctrl+l
 ESCAPE: Final = "\x1b[27u"
 DIALOGS: Final = {  # keys, and what then stands on the screen
-    "?": "Help",
-    "o": "Options",
+    "?": "Words  Pages",
+    "ao": "Options",
     "u": "Run until",
-    "j": "Journal",
-    "c": "Compare",
-    "x": "Export",
-    "m": "Model",
-    "\x10": "find an action",
+    "mb": "Journal",
+    "cs": "Compare",
+    "mx": "Export",
+    "wm": "Model",
+    "\x10": "a few letters of anything",
     "\x10theme\r": "find a theme",
 }
 
@@ -143,7 +143,7 @@ def test_no_colours_where_none_are_wanted_but_one_sees_where_one_is() -> None:
     with PseudoTerminal(PLAY, {"NO_COLOR": "1", "COLORTERM": "truecolor"}, (100, 30)) as terminal:
         begin(terminal)
         resize_to(terminal, *SIZES[:2])
-        terminal.press("o")
+        terminal.press("ao")
         terminal.wait_until(lambda: is_underlined(terminal, "constant 0.1"))
         assert "Options" in terminal.screen
         assert not is_underlined(terminal, "discount")

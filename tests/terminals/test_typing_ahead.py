@@ -18,7 +18,7 @@ def test_no_key_is_lost_while_a_dialog_or_a_screen_opens() -> None:
         terminal.wait_for("paused")
         terminal.press("s" * 20)
         terminal.wait_for(r"step +20\b")
-        terminal.press("g12\r")
+        terminal.press("mg12\r")
         terminal.wait_for(r"end 20 .* step +12\b")
         terminal.press(PALETTE + "reset\r")
         terminal.wait_for(r"step +0\b")
@@ -32,11 +32,11 @@ def test_no_key_is_lost_while_a_dialog_or_a_screen_opens() -> None:
         terminal.wait_for("Scenarios")
         terminal.press("\r")
         terminal.wait_for("A student's evening .* paused")
-        terminal.press("]]]")
+        terminal.press("w]w]w]")
         terminal.wait_for(r"Bernoulli bandit  .* paused")
-        terminal.press("[[")
+        terminal.press("w[w[")
         terminal.wait_for(r"FrozenLake 4×4 slippery  .* paused")
-        terminal.press("nq\x7f7\r")  # q is typed into the line, not the end of the program
+        terminal.press("rsq\x7f7\r")  # q is typed into the line, not the end of the program
         terminal.wait_for("seed 7")
-        terminal.press("?\x1b[200~\x1bn\x1b[201~\x1bq")  # what is pasted is no key
+        terminal.press("?\x1b[200~\x1brs\x1b[201~\x1bq")  # what is pasted is no key
         assert terminal.wait_for_end() == 0

@@ -254,7 +254,8 @@ class Page(FileSection):
     """One page: a text and at most one of a prediction, a question and a task.
 
     ``setup`` begins another run than the page before, where it differs. ``spotlight`` is the id of the panel
-    to look at. ``hides`` is kept back until the page is done. The ``explanation`` is shown once it is.
+    to look at; ``panels`` are the ids of those in view, by default those of the page before, and all where no
+    page names any. ``hides`` is hidden until the page is done. The ``explanation`` is shown once it is.
     ``guess`` marks a prediction that cannot be worked out: it does not count among the right ones.
     """
 
@@ -263,6 +264,7 @@ class Page(FileSection):
     text: Prose = ""
     setup: Word | None = None
     spotlight: Word | None = None
+    panels: Annotated[tuple[Word, ...], _list("panels", 1)] | None = None
     hides: Annotated[
         tuple[str, ...],
         Expect(

@@ -11,12 +11,14 @@ import shlex
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
+from inspect import isawaitable
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from textual.app import ScreenStackError
 from textual.binding import BindingType
-from textual.command import CommandPalette, Provider
+from textual.command import CommandPalette
 from textual.css.query import NoMatches
 from textual.dom import NoScreen
 from textual.driver import Driver
@@ -31,8 +33,8 @@ from rl_tui.common.findings import one_line
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.opening import MakePlayer, Opener, Start, beginning_of, live_player
-from rl_tui.screen.app.palette_entries import ActionProvider
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.frame.moment import MomentaryMessages, hide_messages_behind
 from rl_tui.screen.keys.bindings import bindings_everywhere, stopping_keys
 from rl_tui.screen.kit.row import PanelRow
@@ -48,13 +50,17 @@ from rl_tui.screen.theme.look import Depth, Look, choose_look, depth_of, environ
 from rl_tui.screen.theme.scroll_bars import use_scroll_bars
 from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 from rl_tui.worlds.files.catalogue import scenarios
+from rl_tui.worlds.files.scenario import Scenario
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from rl_tui.lessons.file.view import LessonRecord
+    from rl_tui.lessons.lesson import Lesson
     from rl_tui.live.record import Record
     from rl_tui.live.sessions.autosave import Autosave, KeptSession
+    from rl_tui.live.sessions.session import StoredSession
+    from rl_tui.screen.app.find import Entry
     from rl_tui.screen.catalogue.catalogue import CatalogueScreen
     from rl_tui.screen.catalogue.lessons import LessonsScreen
     from rl_tui.screen.playground.actions.next_lesson import LessonWanted
@@ -112,8 +118,8 @@ class RlTuiApp(LinkedApp[UserError]):
     TITLE = "rl-tui"
     CSS_PATH = "app.tcss"
     NOTIFICATION_TIMEOUT: ClassVar[float] = 3
+    ENABLE_COMMAND_PALETTE = False
     BINDINGS: ClassVar[list[BindingType]] = bindings_everywhere()
-    COMMANDS: ClassVar[set[type[Provider] | Callable[[], type[Provider]]]] = {ActionProvider}
 
     def __init__(
         self,
@@ -350,10 +356,40 @@ class RlTuiApp(LinkedApp[UserError]):
         else:
             self.push_screen(QuitQuestion(self.look.glyphs), lambda quits: self.exit() if quits else None)
 
-    def action_command_palette(self) -> None:
-        """Open the palette."""
-        if not isinstance(self.screen, CommandPalette):
-            self._open_palette("find an action")
+    def action_find(self) -> None:
+        """Find anything by its name, and do or open it."""
+        from rl_tui.screen.app.find import FindScreen, entries_in_files, entries_on, new_values
+
+        screen = self.screen
+        if isinstance(screen, ActionScreen):
+            more = partial(entries_in_files, self._open_found, self._opener.sessions)
+            find = FindScreen(self.look, entries_on(screen), partial(new_values, screen), more)
+            self.push_screen(find, self._do_found)
+
+    async def _do_found(self, entry: Entry | None) -> None:
+        done = None if entry is None else entry.do()
+        if isawaitable(done):
+            await done
+
+    async def _open_found(self, found: Scenario | Lesson | StoredSession) -> None:
+        """Open a world, a lesson or a session in place of what is on screen, which is kept."""
+        from rl_tui.live.sessions.session import StoredSession
+        from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+        from rl_tui.screen.playground.actions.next_lesson import LessonWanted
+
+        try:
+            if isinstance(found, Scenario):
+                self._start = None
+                self._opener.close()
+                self.switch_screen(self._opener.next_playground(self.look, recipe_for(found, {}, 0)))
+            elif isinstance(found, StoredSession):
+                record = await asyncio.to_thread(found.record)  # may import Gymnasium
+                self._opener.close()
+                self.post_message(CatalogueScreen.Resumed(found, record))
+            else:
+                self.post_message(LessonWanted(found))
+        except UserError as fault:
+            self.notify(str(fault), severity="error", timeout=15, markup=False)
 
     async def action_suspend_process(self) -> None:  # type: ignore[override]
         """Go back to the shell, if there is one that can bring the program back."""
@@ -372,12 +408,9 @@ class RlTuiApp(LinkedApp[UserError]):
         super().exit(result, return_code, message)
 
     def search_themes(self) -> None:
-        """Open the palette with the themes alone."""
-        self._open_palette("find a theme", ThemeProvider)
-
-    def _open_palette(self, placeholder: str, *providers: type[Provider]) -> None:
+        """Open the list of themes."""
         classes = "-slow" if self.has_slow_link else None
-        self.push_screen(CommandPalette(providers or None, placeholder=placeholder, classes=classes))
+        self.push_screen(CommandPalette([ThemeProvider], placeholder="find a theme", classes=classes))
 
     def _end(self, status: int) -> None:
         self._opener.close()  # what was done is kept first: there may be little time

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 from rl_tui.common.errors import UserError
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.keys.action import Place
-from rl_tui.screen.keys.playground_keys import DRAW_KEY
+from rl_tui.screen.keys.playground_keys import DRAW_PATH
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.theme.look import Look
 
@@ -151,7 +151,8 @@ class Opener:
             return self.playground(look, start)
         if isinstance(start, DrawingStart):
             playground = self.playground(look, start.recipe)
-            playground.early_keys.add(DRAW_KEY)
+            for key in DRAW_PATH:
+                playground.early_keys.add(key)
             return playground
         from rl_tui.live.sessions.progress import LessonStart
         from rl_tui.live.sessions.session import StoredSession

@@ -145,7 +145,6 @@ class LessonPlace:
 # The board
 
 
-NO_PROGRAM: Final = "this is an agent of ours; rl-tui watch SCRIPT.py watches one of yours"
 Kind = TypeVar("Kind", bound=BoardPanel)
 _LEAST_WITH_HEADING: Final = {LAST_STEP: 5}  # rows
 _LEAST_WITH_KEYS: Final = 7
@@ -422,9 +421,6 @@ class Board(Container):
         was_open, row = self.opened, self.rows[panel]
         if was_open != panel and not row.needs(self._arrangement.shape.drawing):
             self.notify(f"{row.title}: there is nothing to show of this world", markup=False)
-            return
-        if was_open != panel and row.of_program and not self._arrangement.shape.is_program:
-            self.notify(f"{row.title}: {NO_PROGRAM}", markup=False)
             return
         self.close()
         if was_open == panel:

@@ -38,6 +38,14 @@ class Subject:
         """The characters that the terminal can show."""
         return self.screen.look.glyphs
 
+    def why_not(self, deed: str) -> str:
+        """Return why the method ``deed`` can do nothing now, as a clause; empty where it can."""
+        return ""
+
+    def value(self, deed: str) -> str:
+        """Return the current value of what the method ``deed`` changes, for its row in a menu."""
+        return ""
+
     def ask(self, dialog: Dialog[Answer], answered: Callable[[Answer], None]) -> None:
         """Open ``dialog``; ``answered`` gets the answer, if there is one."""
 

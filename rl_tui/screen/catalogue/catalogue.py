@@ -18,7 +18,6 @@ from textual.containers import Container, Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.events import DescendantFocus
 from textual.message import Message
-from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import OptionList, Static
 from textual.worker import WorkerCancelled
@@ -52,6 +51,7 @@ from rl_tui.worlds.world import World
 if TYPE_CHECKING:
     from rl_tui.live.record import Record
     from rl_tui.live.sessions.progress import LessonEntries
+    from rl_tui.screen.dialogs.dialog import Dialog
 
 
 # The list of sessions
@@ -468,10 +468,10 @@ class CatalogueScreen(SavedSessions):
             return
         self.ask_to_delete(entry)
 
-    def help_screen(self, *, at_keys: bool = False) -> Screen[None]:
+    def help_screen(self) -> Dialog[str]:
         """Return the help, from its first line on or from the keys on."""
         from rl_tui.screen.frame.help import HelpScreen
 
         entry = self._current
         notes = entry.notes if isinstance(entry, Scenario) else ""
-        return HelpScreen(self.look, self.actions, notes=notes, at_keys=at_keys)
+        return HelpScreen(self.look, notes=notes)

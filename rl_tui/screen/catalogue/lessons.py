@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
@@ -19,7 +19,6 @@ from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.events import Key
 from textual.message import Message
-from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
@@ -40,6 +39,9 @@ from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
+
+if TYPE_CHECKING:
+    from rl_tui.screen.dialogs.dialog import Dialog
 
 # Texts about a lesson
 
@@ -344,8 +346,8 @@ class LessonsScreen(ActionScreen):
             self.tell("this file has faults; mend them first", severity="warning")
         return None
 
-    def help_screen(self, *, at_keys: bool = False) -> Screen[None]:
+    def help_screen(self) -> Dialog[str]:
         """Return the help, from its first line on or from the keys on."""
         from rl_tui.screen.frame.help import HelpScreen
 
-        return HelpScreen(self.look, self.actions, at_keys=at_keys)
+        return HelpScreen(self.look)

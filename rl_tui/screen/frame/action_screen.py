@@ -25,6 +25,7 @@ from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.theme.look import Look
 
 if TYPE_CHECKING:
+    from rl_tui.screen.dialogs.dialog import Dialog
     from rl_tui.screen.frame.number_here import NumberHere
 
 LEAST_WIDTH: Final = 60
@@ -111,8 +112,52 @@ class ActionScreen(Screen[None]):
         if event.key != "question_mark":
             self._mouse_at_key = self.app.mouse_position
 
+    def action_quit(self) -> None:
+        """Quit."""
+        self.app.exit()
+
     def action_help(self) -> None:
-        """Explain what the mouse or the focus is on; where that is no word, show the help."""
+        """Show the keys of this place; where the mouse was moved onto a word or a number, explain that."""
+        words, number = self._words_here() if self.app.mouse_position != self._mouse_at_key else ((), None)
+        if words:
+            self.show_words(words, number)
+        else:
+            self.show_keys()
+
+    def show_keys(self) -> None:
+        """Show all keys of this place; words and pages are a key away."""
+        from rl_tui.screen.frame.key_sheet import KeySheet
+
+        self.app.push_screen(KeySheet(self.look, self.actions, self.focused, self.name_of_focus), self._turn)
+
+    def show_words(self, here: Sequence[str], number: NumberHere | None = None) -> None:
+        """Show the terms with the ids ``here``, or all; the pages are a key away.
+
+        ``number`` is what is under the cursor, for ``NUMBER`` among the ids.
+        """
+        from rl_tui.screen.frame.glossary import GlossaryScreen, setting_here
+
+        setting = setting_here(self, self.look.glyphs)
+        self.app.push_screen(GlossaryScreen(self.look, here, number, setting), self._turn)
+
+    def _turn(self, page: str | None) -> None:
+        """Go on to another ``page`` of what ``?`` shows; None: it was closed."""
+        from rl_tui.screen.frame.key_sheet import FIND, KEYS, PAGES, WORDS
+
+        if page == KEYS:
+            self.show_keys()
+        elif page == WORDS:
+            self.show_words(*self._words_here())
+        elif page == PAGES:
+            self.app.push_screen(self.help_screen(), self._turn)
+        elif page == FIND:
+            self.call_later(self.app.run_action, "find")
+
+    def _words_here(self) -> tuple[Sequence[str], NumberHere | None]:
+        """Return the ids of the terms that are about what the mouse or the focus is on, and the number there.
+
+        The number under the mouse counts only where that was moved since the last key.
+        """
         # these bring widgets that the first paint has no need of
         from rl_tui.screen.frame.glossary import number_under_mouse, words_here
         from rl_tui.screen.frame.number_here import number_here
@@ -123,35 +168,17 @@ class ActionScreen(Screen[None]):
             number = number_under_mouse(self, self.look)
         is_pointed_at = number is not None
         number = number or number_here(self.focused, self.look)
-        here = words_here(
-            self, rows, self.look.glyphs, has_number=number is not None, is_number_first=is_pointed_at
-        )
-        if here:
-            self.show_words(here, number)
-        else:
-            self.app.push_screen(self.help_screen())
+        has_number = number is not None
+        words = words_here(self, rows, self.look.glyphs, has_number=has_number, is_number_first=is_pointed_at)
+        return words, number
 
-    def action_glossary(self) -> None:
-        """Show all words."""
-        self.show_words(())
+    @property
+    def name_of_focus(self) -> str:
+        """The title of the panel in focus."""
+        return next((row.title for row in self.panel_rows if row.id == getattr(self.focused, "id", "")), "")
 
-    def show_words(self, here: Sequence[str], number: NumberHere | None = None) -> None:
-        """Show the terms with the ids ``here``, or all; from there the help is a key away.
-
-        ``number`` is what is under the cursor, for ``NUMBER`` among the ids.
-        """
-        from rl_tui.screen.frame.glossary import GlossaryScreen, setting_here
-
-        def closed(asks_for_help: bool | None) -> None:
-            if asks_for_help:
-                self.app.push_screen(self.help_screen())
-
-        self.app.push_screen(
-            GlossaryScreen(self.look, here, number, setting_here(self, self.look.glyphs)), closed
-        )
-
-    def help_screen(self, *, at_keys: bool = False) -> Screen[None]:
-        """Return the help, from its first line on or from the keys on."""
+    def help_screen(self) -> Dialog[str]:
+        """Return the pages about panels, planners and the like."""
         raise NotImplementedError
 
     def content(self) -> Iterable[Widget]:

@@ -19,6 +19,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.frame.key_sheet import PAGES, tabs
 from rl_tui.screen.frame.number_here import NumberHere, number_here
 from rl_tui.screen.glossary.glossary import (
     BOOK,
@@ -40,7 +41,6 @@ from rl_tui.screen.theme.look import Look
 # The screen
 
 
-ASKS_FOR_HELP: Final = True
 NUMBER: Final = "number under the cursor"  # in place of the id of a term
 _LONGEST_LINE: Final = 44  # cells of a word and its other names in the list
 _LONGEST: Final = 40  # characters of a search
@@ -54,16 +54,17 @@ class GlossarySearch(Input):
         return key != "question_mark" and super().check_consume_key(key, character)
 
 
-class GlossaryScreen(Dialog[bool]):
+class GlossaryScreen(Dialog[str]):
     """The terms with the ids ``here``, the first of them shown; all terms where there are none.
 
     ``NUMBER`` among them is the ``number`` under the cursor. What is said of a figure has the numbers of
-    ``setting``, where there is a run. What is typed searches all. Answers ``ASKS_FOR_HELP`` where the whole
-    help is wanted.
+    ``setting``, where there is a run. What is typed searches all. Answers ``PAGES`` where these are wanted.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("question_mark", "help", "help", id="glossary.help", tooltip="Show the help.", priority=True),
+        Binding(
+            "question_mark", "pages", "pages", id="glossary.pages", tooltip="Go to the pages.", priority=True
+        ),
         Binding("up", "move('cursor_up')", "word before", id="glossary.up", tooltip="The word before."),
         Binding("down", "move('cursor_down')", "next word", id="glossary.down", tooltip="The next word."),
         Binding("pageup", "turn('page_up')", "up", id="glossary.page_up", tooltip="Scroll the paragraph up."),
@@ -91,8 +92,9 @@ class GlossaryScreen(Dialog[bool]):
 
     def compose(self) -> ComposeResult:
         """Yield the search, the list and the paragraph."""
-        title = "Words here" if self._here else "Glossary"
-        with self.box(title, self._written("↑ ↓: word  pgdn: more  ?: help  esc: close"), "tall"):
+        keys = self._written("↑ ↓: word  pgdn: more  ?: pages  esc: close")
+        with self.box("", keys, "tall") as box:
+            box.border_title = tabs("Words")
             yield GlossarySearch(
                 placeholder="type to search all words", compact=True, max_length=_LONGEST, id="search"
             )
@@ -131,9 +133,9 @@ class GlossaryScreen(Dialog[bool]):
         """Scroll the paragraph, where it is longer than its room."""
         getattr(self.query_one("#paragraph"), f"action_{command}")()
 
-    def action_help(self) -> None:
-        """Close, and ask for the help."""
-        self.dismiss(ASKS_FOR_HELP)
+    def action_pages(self) -> None:
+        """Go on to the pages."""
+        self.dismiss(PAGES)
 
     def _list(self, ids: Sequence[str]) -> None:
         words = self.query_one(OptionList)

@@ -1,9 +1,8 @@
-"""The help screen: how to read the panels, all keys, and the notes of the scenario."""
+"""The pages of the help: how to read the panels, and the notes of the scenario."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
 from textwrap import wrap
 from typing import ClassVar, Final, NamedTuple
 
@@ -20,8 +19,8 @@ from textual.widgets import Static
 
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.frame.key_sheet import FIND, KEYS, WORDS, tabs
 from rl_tui.screen.frame.notes import notes_markdown
-from rl_tui.screen.keys.action import Action
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
@@ -89,20 +88,20 @@ def _wrapped(row: Explanation, width: int) -> Iterator[Explanation]:
 
 
 _ASKING: Final = (
-    "With the mouse on a word, or a panel or slider in focus (tab), ? says what it means, with its equation "
-    "and where it stands in the textbook of Sutton and Barto. / looks any word up. Return alone is always "
+    "Point with the mouse at a word, or give a panel or slider the focus with tab: ? then explains it, with "
+    "its equation and its page in the textbook of Sutton and Barto. / finds any word. Return always means "
     "the plain sum of the rewards of an episode; where γ weighs them it is called discounted return, or "
     "value."
 )
-_HIDING: Final = "L hides what panels say of their signs, and shows it again."
+_HIDING: Final = "m l hides what panels say of their symbols, and shows it again."
 _TOPICS: Final = (
     (
-        "Lanes",
+        "Runs",
         "c opens a run beside this one: the same scenario and seed, one thing different; up to four. All "
-        "advance together, and the curves lie over one another. Lanes take the same number of steps, so "
-        "one may have finished more episodes. Of two, worlds and tables stand side by side where there is "
-        "room; every other panel shows one lane, which ▸ marks: l goes to the next, and what is changed is "
-        "changed there only. The layer Q−Q₂ of the table is its difference from the first of the others.",
+        "advance together, and their curves share one chart. They take equal steps, not equal episodes. Of "
+        "two, worlds and tables stand side by side where there is room. Every other panel shows the run that "
+        "you control, which ▸ marks: c l goes to the next, and a change counts there only. The view Q−Q₂ of "
+        "the table is the difference from the first of the others.",
     ),
     (
         "Rewards",
@@ -123,7 +122,7 @@ _TOPICS: Final = (
     ),
     (
         "Breakpoints",
-        "k sets one where the cursor is, on a state in the world or on a pair in the table; an arm of a "
+        "t b sets one at the cursor, on a state in the world or on a pair in the table; an arm of a "
         "bandit is a pair. ! marks it, and the run pauses each time the state is reached or the pair taken. "
         "u lists them all, and what else a run may be run until.",
     ),
@@ -141,39 +140,36 @@ _TOPICS: Final = (
 )
 
 
-class HelpScreen(Dialog[None]):
-    """Everything that is worth knowing here, on one page that scrolls: panels, keys and ``notes``.
+class HelpScreen(Dialog[str]):
+    """Everything that is worth knowing about panels and the like, on one page that scrolls, and ``notes``.
 
-    It opens at its beginning, or ``at_keys``.
+    Answers the page of ``?`` that is asked for.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("question_mark,q", "cancel", "back", id="close_help", tooltip="Close the help."),
-        Binding("slash", "glossary", "glossary", id="help.glossary", tooltip="Look a word up."),
+        Binding("question_mark,q", "cancel", "back", id="close_help", tooltip="Close the pages."),
+        Binding("1,tab", f"dismiss('{KEYS}')", "keys", id="help.keys", tooltip="Go to the keys."),
+        Binding("2", f"dismiss('{WORDS}')", "words", id="help.words", tooltip="Go to words."),
+        Binding("slash", f"dismiss('{FIND}')", "find", id="help.find", tooltip="Find anything by its name."),
     ]
 
     def __init__(
         self,
         look: Look,
-        actions: Sequence[Action],
         panels: Sequence[PanelRow] = (),
         notes: str = "",
-        *,
-        at_keys: bool = False,
     ) -> None:
         super().__init__()
         self._look = look
-        self._actions = actions
         self._panels = panels
         self._notes = notes
-        self._at_keys = at_keys
 
     def compose(self) -> ComposeResult:
-        """Yield panels and keys."""
-        hints = "arrows: scroll   /: glossary   ? or q: close"
-        with self.box("Help", hints, classes="tall"), VerticalScroll():
-            yield Explained(list(self._explanations()), self._look.glyphs)
-            yield Explained(list(self._keys()), self._look.glyphs, id="every-key")
+        """Yield what there is to know."""
+        with self.box("", "1: keys   2: words   /: find   esc: close", "tall") as box:
+            box.border_title = tabs("Pages")
+            with VerticalScroll():
+                yield Explained(list(self._explanations()), self._look.glyphs)
 
     def on_mount(self) -> None:
         """Let the arrows scroll."""
@@ -182,20 +178,11 @@ class HelpScreen(Dialog[None]):
         if self._notes:
             self.watch(page, "scroll_y", self._add_notes, init=False)
             self.call_after_refresh(self._fill)
-        if self._at_keys:
-            keys = self.query_one("#every-key")
-            self.call_after_refresh(page.scroll_to_widget, keys, top=True, animate=False)
 
     async def _fill(self) -> None:
         page = self.query_one(VerticalScroll)
         if page.is_attached and not page.max_scroll_y:  # there is nothing to scroll
             await self._add_notes()
-
-    def action_glossary(self) -> None:
-        """Look a word up."""
-        from rl_tui.screen.frame.glossary import GlossaryScreen
-
-        self.app.push_screen(GlossaryScreen(self._look))
 
     async def _add_notes(self) -> None:
         """Put the notes at the end once the page is scrolled: Markdown is slow to load."""
@@ -218,9 +205,3 @@ class HelpScreen(Dialog[None]):
             for title, sentences in (*((row.title, row.help) for row in self._panels), *_TOPICS):
                 yield Explanation(f"  {title}", sentences)
             yield Explanation("")
-
-    def _keys(self) -> Iterator[Explanation]:
-        for group, actions in groupby(self._actions, key=lambda action: action.group):
-            yield Explanation(group)
-            for action in actions:
-                yield Explanation(f"  {action.shown}", action.sentence)

@@ -1,9 +1,13 @@
-"""What one thing is that a person can do, and where."""
+"""What one thing is that a person can do, where, and with which keys."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Flag, StrEnum, auto
+from typing import Final
+
+MENUS: Final = {"a": "Agent", "w": "World", "t": "Tools", "c": "Compare", "m": "More", "r": "Again"}
+"""The title of each menu, by the key that opens it."""
 
 
 class Place(Flag):
@@ -17,16 +21,12 @@ class Place(Flag):
 
 
 class Group(StrEnum):
-    """The headings of the help panel, in its order."""
+    """The heading of keys that are in no menu, in the order of the pages."""
 
+    LISTS = "Lists"
     LESSON = "Lesson"
     DRAWING = "Drawing"
     RUN = "Run"
-    TIME = "Time"
-    AGENT = "Agent"
-    VIEW = "View"
-    SESSION = "Session"
-    SCENARIO = "Scenario"
     PROGRAM = "Program"
 
 
@@ -34,31 +34,39 @@ class Group(StrEnum):
 class Action:
     """One thing a person can do.
 
-    ``key`` is Textual's name of the key, of several with commas between them, ``symbol`` how people see it
-    where that is otherwise. ``label`` is a word or two for the key line, ``help`` one sentence. ``command``
-    does it; where it is not given, it is the ``id``. ``object.method`` is a method of an object that the
-    screen has under that name, ``app.…`` an action of the app, and a bare name a method ``action_…`` of the
-    screen. ``rank`` orders the key line (a lower one is kept longer where it is narrow; None: not on it), and
-    ``hint`` replaces key and label there, for two actions that share an entry. ``aliases`` are other words
-    by which the palette finds it. What is ``for_the_owner`` of the machine is not for a kiosk; what
-    ``needs_world`` waits until there is one; what counts ``everywhere`` does so in dialogs too.
-    What ``leaves`` a panel, a screen or the program does not wait for a flood of other keys. While the run
-    goes on, ``while_running`` is the word on the key line, where there is one.
-
-    What cannot be done to somebody's program that is watched says in ``not_for_program`` why, and what to do
-    instead, as a sentence with ``{file}`` for the program's file. What is ``of_program`` is for such a
-    program alone, what is ``of_lesson`` for a lesson. What can do nothing in this world is ``refused``, with
-    the reason.
+    Keys
+        ``key`` is Textual's name of the key, of several with commas between them, or the key of a menu and a
+        letter there (``t p``). ``symbol`` is how people see it where that is otherwise. ``old`` is a key that
+        did the same before there were menus: it still does it and names the new one; with ``old_only_tells``
+        it names the new one and does nothing.
+    Words
+        ``label`` has at most two words, ``help`` is one sentence. ``rank`` orders the key line (a lower one
+        is kept longer where it is narrow; None: not on it), and ``hint`` replaces key and label there, for
+        two actions that share an entry. While the run goes on, ``while_running`` is the word there.
+        ``aliases`` are other words by which it is found.
+    Command
+        ``command`` does it; the default is the ``id``. ``object.method`` is a method of an object that the
+        screen has under that name, ``app.…`` an action of the app, and a bare name a method ``action_…`` of
+        the screen.
+    Where
+        What is ``for_the_owner`` of the machine is not for a kiosk; what ``needs_world`` waits until there is
+        one; what counts ``everywhere`` does so in dialogs too. What ``leaves`` a panel, a screen or the
+        program does not wait for a flood of other keys. ``not_for_program`` is why it cannot be done to a
+        watched program, and what to do instead, with ``{file}`` for the program's file. What is
+        ``of_program`` is for such a program only, what is ``of_lesson`` for a lesson. ``refused`` is why it
+        can do nothing in this world.
     """
 
     id: str
     key: str
     label: str
     help: str
-    group: Group
+    group: Group = Group.RUN
     place: Place = Place.PLAYGROUND
     symbol: str = ""
     command: str = ""
+    old: str = ""
+    old_only_tells: bool = False
     rank: int | None = None
     hint: tuple[str, str] | None = None
     while_running: str = ""
@@ -73,9 +81,25 @@ class Action:
     refused: str = ""
 
     @property
+    def menu(self) -> str:
+        """The key of the menu that lists it; empty where a single key does it."""
+        return self.key[0] if " " in self.key else ""
+
+    @property
+    def letter(self) -> str:
+        """Its letter in the menu."""
+        return self.key[-1] if self.menu else ""
+
+    @property
+    def heading(self) -> str:
+        """The heading under which its key is listed."""
+        return MENUS.get(self.menu, self.group)
+
+    @property
     def keys(self) -> list[str]:
-        """Textual's names of the keys."""
-        return self.key.split(",")
+        """Textual's names of the single keys that do it, the old one included."""
+        single = "" if self.menu else self.key
+        return [key for key in (*single.split(","), self.old) if key]
 
     @property
     def shown(self) -> str:

@@ -21,16 +21,24 @@ def stopping_keys() -> frozenset[str]:
 
 
 def bindings_of(actions: Iterable[Action], *, priority: bool = False) -> list[BindingType]:
-    """Return the key bindings of ``actions``; with ``priority`` they count before all others."""
+    """Return the key bindings of ``actions``; with ``priority`` they count before all others.
+
+    What is in a menu has none but that of its old key.
+    """
     return [
         Binding(
-            action.key,
-            action.textual_action,
+            key,
+            does,
             action.label,
             key_display=action.shown,
             tooltip=action.help,
-            id=action.id,
+            id=id_,
             priority=priority,
         )
         for action in actions
+        for key, does, id_ in (
+            ("" if action.menu else action.key, action.textual_action, action.id),
+            (action.old, f"old_key({action.id!r})", f"old.{action.id}"),
+        )
+        if key
     ]

@@ -9,20 +9,17 @@ from collections.abc import Iterable
 from typing import Final
 
 from rl_tui.screen.keys.action import Action, Group, Place
-from rl_tui.screen.keys.playground_keys import PLAYGROUND_ACTIONS
+from rl_tui.screen.keys.playground_keys import AFTER_PANELS, BEFORE_PANELS
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 
-_KEPT: Final = "there is nothing to save: {file} and its seed make the same run again"
-_STAYS: Final = "your program stands in no row of the catalogue: esc goes there"
-
-_CATALOGUE_ACTIONS: Final[tuple[Action, ...]] = (
+_LIST_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "open",
         "enter",
         "open",
         "Open the scenario or the list of lessons, or go on with the session.",
-        Group.SCENARIO,
+        Group.LISTS,
         Place.CATALOGUE,
         rank=0,
     ),
@@ -31,20 +28,17 @@ _CATALOGUE_ACTIONS: Final[tuple[Action, ...]] = (
         "delete",
         "delete",
         "Delete the session under the cursor, after asking; shift+tab goes to the sessions.",
-        Group.SESSION,
+        Group.LISTS,
         Place.CATALOGUE,
         symbol="del",
         for_the_owner=True,
     ),
-)
-
-_LESSON_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "open_lesson",
         "enter",
         "go on",
         "Begin the lesson or go on where you left it; one that is finished opens as a reference.",
-        Group.LESSON,
+        Group.LISTS,
         Place.LESSONS,
         rank=0,
     ),
@@ -53,7 +47,7 @@ _LESSON_ACTIONS: Final[tuple[Action, ...]] = (
         "r",
         "begin again",
         "Begin the lesson again, after asking; what you did in it until now stays among the sessions.",
-        Group.LESSON,
+        Group.LISTS,
         Place.LESSONS,
         rank=1,
         aliases="restart",
@@ -62,8 +56,8 @@ _LESSON_ACTIONS: Final[tuple[Action, ...]] = (
         "leave_lessons",
         "escape",
         "back",
-        "Go back to the catalogue.",
-        Group.LESSON,
+        "Go back to the start screen.",
+        Group.LISTS,
         Place.LESSONS,
         symbol="esc",
         rank=2,
@@ -74,54 +68,11 @@ _LESSON_ACTIONS: Final[tuple[Action, ...]] = (
 
 _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
-        "session.save",
-        "w",
-        "save",
-        "Save the session under a name; it is kept by itself as well.",
-        Group.SESSION,
-        rank=19,
-        for_the_owner=True,
-        not_for_program=_KEPT,
-    ),
-    Action(
-        "export.choose",
-        "x",
-        "export",
-        "Write the run as a command, a Python script, tables or a picture.",
-        Group.SESSION,
-        rank=10,
-        for_the_owner=True,
-        needs_world=True,
-        not_for_program="x writes down runs of our agents; your program stands in {file} already",
-    ),
-    Action(
-        "previous_scenario",
-        "left_square_bracket",
-        "previous scenario",
-        "Go to the previous scenario.",
-        Group.SCENARIO,
-        symbol="[",
-        command="scenario.previous",
-        rank=12,
-        hint=("[ ]", "scenario"),
-        not_for_program=_STAYS,
-    ),
-    Action(
-        "next_scenario",
-        "right_square_bracket",
-        "next scenario",
-        "Go to the next scenario.",
-        Group.SCENARIO,
-        symbol="]",
-        command="scenario.following",
-        not_for_program=_STAYS,
-    ),
-    Action(
         "back",
         "escape",
         "back",
-        "Leave the zoom or an opened panel, else go back to the list: twice, once a step was taken.",
-        Group.SCENARIO,
+        "Close what is open, or go back to the start screen; press twice once a step was taken.",
+        Group.PROGRAM,
         symbol="esc",
         rank=18,
         aliases="menu list",
@@ -130,31 +81,24 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "help",
         "question_mark",
-        "help",
-        "Explain the word under the mouse or the panel in focus; else, and again, show this help.",
+        "keys",
+        "Show all keys; again: words; again: pages. On a word under the mouse: explain it.",
         Group.PROGRAM,
         Place.EVERY,
         symbol="?",
         rank=-1,
     ),
     Action(
-        "glossary",
-        "slash",
-        "glossary",
-        "Look a word up: each with its equation and where it stands in Sutton and Barto's book.",
+        "find",
+        "slash,ctrl+p",
+        "find",
+        "Find anything by its name: actions, settings, words, worlds, lessons, sessions.",
         Group.PROGRAM,
         Place.EVERY,
         symbol="/",
-    ),
-    Action(
-        "palette",
-        "ctrl+p",
-        "palette",
-        "Find every action by its name, and the colour themes.",
-        Group.PROGRAM,
-        Place.EVERY,
-        command="app.command_palette",
-        rank=23,
+        command="app.find",
+        rank=16,
+        aliases="palette glossary search",
     ),
     Action(
         "redraw",
@@ -169,7 +113,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "suspend",
         "ctrl+z",
-        "to the shell",
+        "to shell",
         "Stop here and go to the shell; its command fg comes back.",
         Group.PROGRAM,
         Place.EVERY,
@@ -182,10 +126,9 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "quit",
         "q",
         "quit",
-        "Quit; in the help and in the model only close them.",
+        "Close what is open, or quit; press twice once a step was taken.",
         Group.PROGRAM,
         Place.EVERY,
-        command="app.quit",
         rank=24,
         aliases="exit leave end bye",
         leaves=True,
@@ -203,20 +146,17 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
     ),
 )
 
-_ACTIONS: Final = (*_CATALOGUE_ACTIONS, *_LESSON_ACTIONS, *PLAYGROUND_ACTIONS, *_PROGRAM_ACTIONS)
-
 
 def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
-    """Return every action; those that open ``panels`` follow the one that zooms them."""
-    after = next(number for number, action in enumerate(_ACTIONS, start=1) if action.id == "view.zoom")
+    """Return every action, those that open ``panels`` included."""
     opening = (
         Action(
             f"board.{row.id}",
             row.opened_by.key,
             row.opened_by.label,
             row.opened_by.help,
-            Group.VIEW,
             command=f"board.toggle('{row.id}')",
+            old=row.opened_by.old,
             rank=row.opened_by.rank,
             needs_world=True,
             not_for_program=row.not_for_program,
@@ -225,7 +165,7 @@ def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
         for row in panels
         if row.opened_by is not None
     )
-    return (*_ACTIONS[:after], *opening, *_ACTIONS[after:])
+    return (*_LIST_ACTIONS, *BEFORE_PANELS, *opening, *AFTER_PANELS, *_PROGRAM_ACTIONS)
 
 
 ACTIONS: Final = all_actions()

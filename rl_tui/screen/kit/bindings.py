@@ -20,7 +20,12 @@ _NAMES: Final = {
 
 
 def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: A002
-    """Return a binding that no footer shows; ``id`` is panel.name, and what Textual calls it is that name."""
+    """Return a binding that no footer shows; ``id`` is panel.name, and what Textual calls it is that name.
+
+    What ``up`` and ``down`` do, ``k`` and ``j`` do as well.
+    """
+    for key, letter in (("up", "k"), ("down", "j")):
+        keys = ",".join((*keys.split(","), letter)) if key in keys.split(",") else keys
     name = id.partition(".")[2].replace("_", " ").capitalize()
     return Binding(keys, action, name, show=False, id=id, tooltip=tooltip)
 

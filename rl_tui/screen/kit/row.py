@@ -36,13 +36,13 @@ DRAW: Final = "draw"
 class OpeningKey:
     """The key that opens a panel and closes it again.
 
-    ``label`` is a word for key line and palette, ``help`` one sentence. ``rank`` orders the key line: a lower
-    one is kept longer where it is narrow; None: not on it.
+    ``key``, ``label``, ``help``, ``old`` and ``rank`` are those of the action that the key does.
     """
 
     key: str
     label: str
     help: str
+    old: str = ""
     rank: int | None = None
 
 

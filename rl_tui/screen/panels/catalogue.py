@@ -238,9 +238,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         ),
         opened_by=OpeningKey(
             "d",
-            "dissect",
-            "Take the last step apart: the loop, the backup, the return, the history of a cell.",
-            rank=5,
+            "microscope",
+            "Open the last step under the microscope.",
+            rank=9,
         ),
     ),
     PanelRow(
@@ -266,13 +266,13 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "greedy",
         ),
         opened_by=OpeningKey(
-            "M",
+            "t m",
             "many seeds",
-            "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
-            rank=17,
+            "Run the same under many other seeds: means with their errors.",
+            old="M",
         ),
         is_wide=True,
-        not_for_program="M runs agents of ours; rl-tui grade {file} runs your program under many seeds",
+        not_for_program="this runs built-in agents; rl-tui grade {file} runs your program under many seeds",
     ),
     PanelRow(
         DISCOUNT,
@@ -290,10 +290,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         caption="where the best policy turns",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
         opened_by=OpeningKey(
-            "G",
+            "t g",
             "flip points",
-            "Show Q* of a state for every γ, and each γ at which the best actions change.",
-            rank=19,
+            "Show each γ at which the best actions change.",
+            old="G",
         ),
         is_wide=True,
     ),
@@ -315,10 +315,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             *("q-pi", "value-at-start", "expected-steps", "chance-of-ending", "bellman-expectation"),
         ),
         opened_by=OpeningKey(
-            "P",
+            "t p",
             "policies",
-            "What policies are worth, exactly: random, greedy, as it acts, optimal, drawn; V of each.",
-            rank=18,
+            "Compare policies by their exact return.",
+            old="P",
         ),
     ),
     PanelRow(
@@ -338,12 +338,12 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             *("unreached", "no-way-out", "return", "greedy", "truncated"),
         ),
         opened_by=OpeningKey(
-            "Q",
-            "check world",
-            "Check the world: what chance and the best policy earn, and what may never end.",
-            rank=20,
+            "w c",
+            "world check",
+            "Check the world for traps and dead ends.",
+            old="Q",
         ),
-        not_for_program="Q checks worlds of scenarios; rl-tui check --deep checks one by its id or file",
+        not_for_program="this checks worlds of scenarios; rl-tui check --deep checks one by its id or file",
     ),
     PanelRow(
         FINDINGS,
@@ -357,10 +357,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         caption="what is wrong, and where",
         terms=("finding", "program", "departs", "informative-step", "bootstrap", "terminal", "truncated"),
         opened_by=OpeningKey(
-            "F",
+            "a f",
             "findings",
-            "Of a program of your own: what is wrong with it, the line, and the correction.",
-            rank=6,
+            "Show what is wrong with your program, the line, and the correction.",
+            old="F",
         ),
         of_program=True,
     ),
@@ -373,9 +373,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "last line stays in view until the arrows, pgup or home go up; end follows again.",
         caption="what your program wrote",
         terms=("program", "step", "finding"),
-        opened_by=OpeningKey(
-            "O", "output", "Of a program of your own: what it wrote, and its traceback.", rank=7
-        ),
+        opened_by=OpeningKey("a w", "output", "Show what your program wrote, and its traceback.", old="O"),
         of_program=True,
     ),
 )

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Final, Self
 
 from textual import on
+from textual.actions import parse
 from textual.binding import BindingType
 from textual.events import DescendantBlur, DescendantFocus, Key
 from textual.message import Message
@@ -22,6 +23,7 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.board.board import Board
 from rl_tui.screen.board.frames import Frames, Settling
+from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import PlayerLink, Wanted
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.frame.action_screen import ActionScreen
@@ -48,6 +50,7 @@ from rl_tui.screen.playground.actions.export import ExportActions
 from rl_tui.screen.playground.actions.kept_back import KeptBack
 from rl_tui.screen.playground.actions.lanes import LaneActions
 from rl_tui.screen.playground.actions.lesson import LessonActions
+from rl_tui.screen.playground.actions.menus import MenuActions
 from rl_tui.screen.playground.actions.opened_panels import MicroscopeActions, PolicyActions, SeedActions
 from rl_tui.screen.playground.actions.program import ProgramActions
 from rl_tui.screen.playground.actions.run import RunActions, ScenarioActions
@@ -146,11 +149,14 @@ class Playground(ActionScreen):
         self.policies = PolicyActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
-        self.program = ProgramActions(*of, self.known_actions)
+        self.program = ProgramActions(*of)
+        self.menus = MenuActions(*of)
         self.kept_back = KeptBack(*of)
         self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
+        self._by_command = {each.command or each.id: each for each in self.known_actions}
+        self._told_keys = set[str]()  # ids of actions whose old key was pressed
         self._moment: object = None
-        self._left_after: int | None = None  # the last deed when escape was pressed, None where it was not
+        self._asked: tuple[str, int] | None = None  # the key that asked to leave, and the last deed then
         self._watches = watches
         self.frames = Frames(self, fps)
         self._settling = Settling(
@@ -174,10 +180,24 @@ class Playground(ActionScreen):
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """What a person can do here now: what is of a lesson only with one, tools while drawing."""
-        lesson = self.wanted.lesson
-        usual = (each for each in self.known_actions if lesson or not each.of_lesson)
-        return *self.editing.actions, *map(self.editing.marked, usual)
+        """What a person can do here now, tools while drawing first; what is of a lesson only with one."""
+        lesson, program = self.wanted.lesson, self.program.program
+        usual = (
+            each
+            for each in self.known_actions
+            if (lesson or not each.of_lesson) and (program or not each.of_program)
+        )
+        return *self.editing.actions, *(replace(each, refused=self.why_not(each)) for each in usual)
+
+    def why_not(self, action: Action) -> str:
+        """Return why ``action`` can do nothing now, as a clause; empty where it can."""
+        target, deed, _ = parse(action.command or action.id)
+        subject = getattr(self, target, None)
+        return (
+            self.program.why_not_to_it(action)
+            or self.kept_back.why_not_yet(action)
+            or (subject.why_not(deed) if isinstance(subject, Subject) else "")
+        )
 
     @property
     def recipe(self) -> Recipe:
@@ -191,9 +211,23 @@ class Playground(ActionScreen):
         return super().check_action(action, parameters)
 
     def action_do(self, command: str) -> None:
-        """Do what ``command`` says, unless it cannot be done to a program, or a lesson keeps it back."""
-        if not self.program.refuses(command) and not self.kept_back.refuses(command):
+        """Do what ``command`` says, or say why not."""
+        action = self._by_command.get(command)
+        refused = "" if action is None else self.why_not(action)
+        if refused:
+            self.tell(f"{refused[0].upper()}{refused[1:]}.")
+        else:
+            self.kept_back.show_world_for(command)
             super().action_do(command)
+
+    async def action_old_key(self, id_: str) -> None:
+        """Name the key that the action ``id_`` has now, once, and do it; or only name it."""
+        action = next(each for each in self.known_actions if each.id == id_)
+        if action.old_only_tells or id_ not in self._told_keys:
+            self._told_keys.add(id_)
+            self.tell(f"The key is now {action.shown}: {action.label}.")
+        if not action.old_only_tells:
+            await self.run_action(action.textual_action)
 
     def action_mode_key(self, key: str) -> None:
         """Do what ``key`` means in the mode that is on."""
@@ -238,8 +272,8 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused) or self.editing.offered
         keys.is_running = self.run.is_under_way
-        idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys | self.lanes.idle_keys
-        keys.idle = idle | self.kept_back.idle_keys | self.editing.idle_keys
+        refused = (each.id for each in self.known_actions if each.rank is not None and self.why_not(each))
+        keys.idle = self.lesson.idle_keys.union(refused)
 
     def _moment_of(self, snapshot: Snapshot) -> object:
         """Return what decides, apart from the focus, which keys do something and if flips are asked for."""
@@ -385,18 +419,24 @@ class Playground(ActionScreen):
         """Hold back what needs a world; let a second escape leave only if nothing came between."""
         if self.early_keys.take(event):
             event.stop()
-        if event.key != "escape":
-            self._left_after = None
+        if event.key not in ("escape", "q"):
+            self._asked = None
 
     def on_mouse_down(self) -> None:
         """Let a click come between them too."""
-        self._left_after = None
+        self._asked = None
 
-    def help_screen(self, *, at_keys: bool = False) -> HelpScreen:
-        """Return the help, with the notes of the scenario, which tell answers."""
+    @property
+    def name_of_focus(self) -> str:
+        """The title of the panel in focus."""
+        panel = self.board.panel_of(self.focused)
+        return self.board.rows[panel].title if self.focused is not None and panel in self.board.rows else ""
+
+    def help_screen(self) -> HelpScreen:
+        """Return the pages of the help, with the notes of the scenario, which tell answers."""
         panels = self.lesson.rows(tuple(self.program.in_order_of_help(self.panel_rows)))
         notes = self.kept_back.notes or self.recipe.scenario.notes
-        return HelpScreen(self.look, self.actions, panels, notes, at_keys=at_keys)
+        return HelpScreen(self.look, panels, notes)
 
     def action_turn_legends(self) -> None:
         """Hide captions and legends, or show them again."""
@@ -405,18 +445,33 @@ class Playground(ActionScreen):
         self.redraw()
 
     def action_back(self) -> None:
-        """Leave the zoom or the panel that is open, or go back to the catalogue."""
+        """Close what is open, or go back to the start screen, asking first where something was done."""
+        where = "the start screen" if self.wanted.lesson is None else "the lessons"
+        if not self._closes() and not self._asks("esc", f"esc again goes to {where}"):
+            self.post_message(self.Left(self.recipe))
+
+    def action_quit(self) -> None:
+        """Close what is open, or quit, asking first where something was done."""
+        if not self._closes() and not self._asks("q", "q again quits"):
+            self.app.exit()
+
+    def _closes(self) -> bool:
+        """Close the zoom, a panel or a mode, if one is open; return whether one was."""
         if self.board.zoomed:
             self.board.zoom(None)
         elif self.board.opened is not None:
             self.board.close()
-        elif self.lesson.is_over:
-            self.post_message(self.Left(self.recipe))
-        elif self.modes.current is not None:
+        elif self.modes.current is not None and not self.lesson.is_over:
             self.modes.current.toggle()
-        elif self.wanted.was_used(self.snapshot) and self._left_after != self.wanted.last_deed:
-            self._left_after = self.wanted.last_deed
-            where = "the catalogue" if self.wanted.lesson is None else "the lessons"
-            self.tell(f"esc again goes to {where}; {self.session.after_leaving}")
         else:
-            self.post_message(self.Left(self.recipe))
+            return False
+        return True
+
+    def _asks(self, key: str, question: str) -> bool:
+        """Ask for ``key`` once more where something was done since it was pressed; return whether it did."""
+        asked = key, self.wanted.last_deed
+        if self.lesson.is_over or not self.wanted.was_used(self.snapshot) or self._asked == asked:
+            return False
+        self._asked = asked
+        self.tell(f"{question}; {self.session.after_leaving}.")
+        return True

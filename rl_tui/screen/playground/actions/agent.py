@@ -57,6 +57,27 @@ class AgentActions(Subject):
         """What a restart would start from."""
         return self.link.wanted.recipe
 
+    def why_not(self, deed: str) -> str:
+        """Return why the agent has no policy to choose, or no ties to break."""
+        if deed == "choose_policy" and not self._counts("policy"):
+            return f"{BY_ID[self.recipe.algorithm].name} tries every action and follows no policy"
+        if deed == "next_ties" and not self._counts("ties"):
+            return "this policy has no ties to break"
+        return ""
+
+    def value(self, deed: str) -> str:
+        """Return the current value of what ``deed`` sets."""
+        values = self.recipe.hyperparameters
+        current = {
+            "choose_algorithm": BY_ID[self.recipe.algorithm].name,
+            "choose_policy": POLICY_BY_ID[values.policy].name,
+            "next_ties": values.ties,
+            "next_seed": str(self.recipe.seed + 1),
+            "ask_seed": str(self.recipe.seed),
+            "ask_initial_q": f"{values.initial_q:g}",
+        }
+        return "" if self.why_not(deed) else current.get(deed, "")
+
     def choose_algorithm(self) -> None:
         """Choose the algorithm."""
         if self.snapshot is not None:
@@ -64,17 +85,12 @@ class AgentActions(Subject):
 
     def choose_policy(self) -> None:
         """Choose the policy."""
-        if not self._counts("policy"):
-            self.screen.tell(f"{BY_ID[self.recipe.algorithm].name} tries every action: it follows no policy")
-        elif self.snapshot is not None:
+        if self.snapshot is not None:
             choice = policy_choice(self.snapshot.world.space, self.recipe, self.glyphs)
             self.ask(choice, partial(self.set_parameter, "policy"))
 
     def next_ties(self) -> None:
         """Go to the other way to break ties."""
-        if not self._counts("ties"):
-            self.screen.tell("ties are not broken here: no one action is taken for the best")
-            return
         ties = "first" if self.recipe.hyperparameters.ties == "random" else "random"
         self.set_parameter("ties", ties)
         snapshot = self.snapshot
@@ -87,11 +103,14 @@ class AgentActions(Subject):
 
     def ask_seed(self) -> None:
         """Ask for the seed, and start again."""
+        self.ask(ask_seed(self.recipe.seed), lambda seed: self._restart_with(int(seed)))
 
-        def restart(seed: float | str) -> None:
-            self.link.send(Restart(replace(self.recipe, seed=int(seed))))
+    def next_seed(self) -> None:
+        """Start again with the next seed."""
+        self._restart_with(self.recipe.seed + 1)
 
-        self.ask(ask_seed(self.recipe.seed), restart)
+    def _restart_with(self, seed: int) -> None:
+        self.link.send(Restart(replace(self.recipe, seed=seed)))
 
     def show_options(self) -> None:
         """Show every hyper-parameter."""

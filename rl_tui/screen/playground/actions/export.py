@@ -40,12 +40,13 @@ SlowWrite = Callable[[Path, OnProgress], None]
 class ExportActions(Subject):
     """Exporting: what is written is the moment that was shown when x was pressed."""
 
+    def why_not(self, deed: str) -> str:
+        """Return why nothing can be written."""
+        return "this is a kiosk: nothing is written here" if self.screen.in_kiosk else ""
+
     def choose(self) -> None:
         """Choose what to write."""
         snapshot = self.snapshot
-        if self.screen.in_kiosk:
-            self.screen.tell("nothing is written here: this is a kiosk")
-            return
         if snapshot is None:
             return
         is_bandit = isinstance(snapshot.world.drawing, Arms)

@@ -10,6 +10,7 @@ from rl_tui.lessons.file.view import LessonRecord
 from rl_tui.live.commands import StudyPolicy
 from rl_tui.live.snapshot import Phase
 from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.keys.action import Action
 from rl_tui.screen.kit.row import DISCOUNT, MANY_SEEDS, MICROSCOPE, POLICIES, WORLD_CHECK
 from rl_tui.screen.panels.lesson.stage import keeping_page
 
@@ -19,7 +20,8 @@ STAYS: Final = "esc leaves the lesson; its progress is kept"
 _STEPS: Final = frozenset(
     {
         *("run.run_or_pause", "run.step", "run.episode", "run.evaluate", "run.improve", "run.watch"),
-        *("until.choose", "manual.toggle", "lanes.compare"),
+        *("until.choose", "manual.toggle", "lanes.compare", "lanes.another_algorithm"),
+        *("lanes.another_setting", "lanes.another_seed", "lanes.another_branch"),
     }
 )
 """What takes steps, of this run or another: refused while a prediction is open."""
@@ -45,12 +47,8 @@ _PANELS_KEPT: Final = {
     MANY_SEEDS: ("many seeds",),
     MICROSCOPE: ("model",),
 }
-_ID_OF: Final = {
-    f"board.toggle('{panel}')": f"board.{panel}"
-    for panel in (POLICIES, DISCOUNT, WORLD_CHECK, MANY_SEEDS, MICROSCOPE)
-}
 _LEAVES: Final = frozenset({"scenario.previous", "scenario.following"})
-_READING_GOES_ON: Final = ("lesson", "session", "export", "scenario", "why")
+_READING_GOES_ON: Final = ("menus", "lesson", "session", "export", "scenario", "why")
 _ALSO_READING: Final = frozenset({"view.zoom", "view.model", "view.hide_answer"})
 """Commands that leave a page in view where it takes turns with the world."""
 
@@ -63,26 +61,17 @@ class KeptBack(Subject):
         """How far the learner has come, None where there is no lesson."""
         return self.link.wanted.lesson
 
-    def refuses(self, command: str) -> bool:
-        """Say why ``command`` has to wait, if a page keeps it back; return whether that is so."""
-        record = self.record
+    def why_not_yet(self, action: Action) -> str:
+        """Return why ``action`` has to wait, as a clause; empty where no page of a lesson hides it."""
+        record, command = self.record, action.command or action.id
         if record is None:
-            if command.startswith("lesson."):
-                self.screen.tell(NO_LESSON)
-                return True
-            return False
+            return NO_LESSON if action.of_lesson else ""
         if command in _LEAVES:
-            self.screen.tell(STAYS)
-            return True
+            return STAYS
         if command in _STEPS and "run" in record.hidden and not self._is_pause(command):
-            self.screen.tell(PREDICT_FIRST)
-            return True
+            return PREDICT_FIRST
         page = next((page for what in _KEPT.get(command, ()) if (page := keeping_page(record, what))), None)
-        if page is not None:
-            self.screen.tell(_kept_until(record, page))
-            return True
-        self._show_world_for(command)
-        return False
+        return "" if page is None else _kept_until(record, page)
 
     def refuses_to_act(self) -> bool:
         """Say that no step is taken, if a prediction is open; return whether that is so."""
@@ -90,17 +79,6 @@ class KeptBack(Subject):
         if is_open:
             self.screen.tell(PREDICT_FIRST)
         return is_open
-
-    @property
-    def idle_keys(self) -> frozenset[str]:
-        """The ids of the actions that are refused now: the key line leaves them out."""
-        record = self.record
-        if record is None:
-            return frozenset()
-        kept = {command for command, names in _KEPT.items() if record.hidden.intersection(names)}
-        if "run" in record.hidden:
-            kept |= _STEPS
-        return frozenset(kept | {_ID_OF.get(command, command) for command in kept})
 
     @property
     def notes(self) -> str:
@@ -115,14 +93,11 @@ class KeptBack(Subject):
         phase = None if self.snapshot is None else self.snapshot.playback.phase
         return command == "run.run_or_pause" and phase in (Phase.RUNNING, Phase.SEEKING)
 
-    def _show_world_for(self, command: str) -> None:
+    def show_world_for(self, command: str) -> None:
         """Let the world have the place again where what is done is to be seen there."""
         target = command.partition(".")[0]
-        if (
-            target not in _READING_GOES_ON
-            and command not in _ALSO_READING
-            and not self.board.lesson.is_docked
-        ):
+        goes_on = target in _READING_GOES_ON or command in _ALSO_READING
+        if self.record is not None and not goes_on and not self.board.lesson.is_docked:
             self.board.lesson.reads = False
 
     def close_what_is_kept(self, record: LessonRecord) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, DropLane, MarkLane
@@ -13,10 +13,12 @@ from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import in_force
 from rl_tui.screen.dialogs.choice import algorithm_choice, ask_value, choice_beside_program, policy_choice
-from rl_tui.screen.dialogs.compare_lanes import Answer, Compare
+from rl_tui.screen.dialogs.compare_lanes import MOST_LANES, Answer, Compare
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.dialogs.lane_changes import ALGORITHM, branches_beside, lane_changes
 from rl_tui.screen.kit.snapshot_facts import current_study, hides_greedy, keeps_back
+
+ONE_RUN: Final = "there is only one run; c a adds another"
 
 
 class LaneActions(Subject):
@@ -46,31 +48,58 @@ class LaneActions(Subject):
         )
         self.ask(dialog, self._compared)
 
-    @property
-    def idle_keys(self) -> frozenset[str]:
-        """The ids of the actions that need a second run, if there is only one."""
-        has_lanes = self.snapshot is not None and self.snapshot.run_group.lanes
-        return frozenset() if has_lanes else frozenset({"lanes.next_lane", "lanes.one_lane"})
+    def why_not(self, deed: str) -> str:
+        """Return why a run cannot be added, shown or ended now; empty where it can."""
+        snapshot = self.snapshot
+        lanes = () if snapshot is None else snapshot.run_group.lanes
+        if not deed.startswith("another"):
+            return "" if lanes else ONE_RUN
+        if len(lanes) == MOST_LANES:
+            return "four runs are open already; c e ends one"
+        if deed == "another_seed":
+            return "all runs have the seed of this one; t m runs many seeds"
+        if deed == "another_branch" and (snapshot is None or not branches_beside(snapshot)):
+            return "this run has one branch; go back, change something, and it has two"
+        return ""
+
+    def value(self, deed: str) -> str:
+        """Return how many runs there are."""
+        lanes = () if self.snapshot is None else self.snapshot.run_group.lanes
+        return f"{len(lanes)} open" if deed == "compare" and lanes else ""
+
+    def another_algorithm(self) -> None:
+        """Choose the algorithm of another run beside this one."""
+        self._ask_difference(ALGORITHM)
+
+    def another_setting(self) -> None:
+        """Choose which setting is different in another run beside this one."""
+        self.compare()
+
+    def another_seed(self) -> None:
+        """Say that runs side by side share their seed: `why_not` always refuses this."""
+
+    def another_branch(self) -> None:
+        """Choose which branch of this run is to stand beside this one."""
+        self.compare()
+
+    def end(self) -> None:
+        """End the run that is controlled."""
+        if self.snapshot is not None:
+            self._drop_lane(self.snapshot.run_group.shown)
 
     def next_lane(self) -> None:
-        """Show the next lane."""
-        snapshot = self.snapshot
-        if snapshot is None or not snapshot.run_group.lanes:
-            self.screen.tell("there is one run only; c opens a second one beside it")
-            return
-        self._show_lane((snapshot.run_group.shown + 1) % len(snapshot.run_group.lanes))
+        """Control the next run."""
+        if self.snapshot is not None:
+            group = self.snapshot.run_group
+            self._show_lane((group.shown + 1) % len(group.lanes))
 
     def one_lane(self) -> None:
-        """Show the lane that is led alone, or both side by side."""
-        snapshot = self.snapshot
-        if snapshot is None or not snapshot.run_group.lanes:
-            self.screen.tell("there is one run only; c opens a second one beside it")
-            return
+        """Show the run that is controlled alone, or two side by side."""
         self.board.is_one_lane = self.board.is_paired
         if self.board.is_one_lane:
-            self.screen.tell("one lane alone; l goes to the next, z shows two side by side")
+            self.screen.tell("One run alone. c l: the next run, c o: two side by side.")
         elif not self.board.is_paired:
-            self.screen.tell("there is no room for two lanes side by side here")
+            self.screen.tell("No room for two runs side by side here.")
 
     def _compared(self, answer: Answer) -> None:
         if isinstance(answer, ChooseLane):

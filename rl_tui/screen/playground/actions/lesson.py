@@ -20,7 +20,6 @@ from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.choice import Candidate, Choice
 from rl_tui.screen.dialogs.dialog import Confirm, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.keys.playground_keys import LESSON_ACTIONS
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.lesson.prose import plain
 from rl_tui.screen.panels.lesson.stage import (
@@ -188,13 +187,13 @@ class LessonActions(Subject):
         """The ids of the actions that have nothing to do: the key line leaves them out."""
         record = self.record
         if record is None:
-            return frozenset(each.id for each in LESSON_ACTIONS)
+            return frozenset()
         page, idle = open_page(record), set[str]()
         if page.task is None or record.has_passed(page.id) or not _hints_of(page):
             idle.add("lesson.hint")
         if self.stage in (*DONE, PageStage.LOCKED):
             idle.add("lesson.answer")
-        return frozenset(idle | ({"session.save", "next_scenario", "previous_scenario"}))
+        return frozenset(idle)
 
     def rows(self, rows: tuple[PanelRow, ...]) -> tuple[PanelRow, ...]:
         """Return those of ``rows`` that may be there: without a lesson not its panel."""

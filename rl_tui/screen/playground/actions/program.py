@@ -20,6 +20,8 @@ from rl_tui.screen.panels.program.words import form_text, table_texts
 
 FIRST_KEYS: Final = "space runs your program, s takes one of its steps"
 _ENDED: Final = (Phase.SPENT, Phase.STOPPED)
+ENDED: Final = "your program has ended"
+NO_PROGRAM: Final = "this is a built-in agent; rl-tui watch SCRIPT.py watches your program"
 _MOVES: Final = frozenset({"run.run_or_pause", "run.step", "run.episode", "run.faster"})
 """Actions that mean nothing once a program has ended."""
 _LONGEST_NAME: Final = 40
@@ -29,38 +31,26 @@ _UNTIL_READ: Final = 15.0
 
 @dataclass(eq=False)
 class ProgramActions(Subject):
-    """What is special where somebody's own program takes the steps; ``actions`` are those of the screen."""
-
-    actions: Sequence[Action]
+    """What is special where a program of the user takes the steps."""
 
     @property
     def program(self) -> ProgramView | None:
         """The program that is watched, None where it is an agent of ours that is shown."""
         return None if self.snapshot is None else self.snapshot.program
 
-    @property
-    def idle_keys(self) -> frozenset[str]:
-        """The ids of the actions that mean nothing here: the key line leaves them out."""
-        is_program = self.program is not None
-        has_ended = is_program and self.snapshot is not None and self.snapshot.playback.phase in _ENDED
-        return frozenset(
-            each.id for each in self.actions if (each.not_for_program if is_program else each.of_program)
-        ) | (_MOVES if has_ended else frozenset())
+    def why_not_to_it(self, action: Action) -> str:
+        """Return why ``action`` cannot be done to the program, or needs one; empty where it can be done."""
+        program, snapshot = self.program, self.snapshot
+        if program is None or snapshot is None:
+            return NO_PROGRAM if action.of_program else ""
+        if action.id in _MOVES and snapshot.playback.phase in _ENDED:
+            message = snapshot.playback.message if snapshot.playback.phase is Phase.STOPPED else ENDED
+            return f"{message}; r r starts it again"
+        return action.not_for_program.format(file=file_name(program))
 
     def in_order_of_help(self, panels: Sequence[PanelRow]) -> Sequence[PanelRow]:
         """Return ``panels``, those of programs alone first where one is watched: they are what is new."""
         return panels if self.program is None else sorted(panels, key=lambda row: not row.of_program)
-
-    def refuses(self, command: str) -> bool:
-        """Say why ``command`` cannot be done to a program, if that is so; return whether it is."""
-        program = self.program
-        why = next(
-            (each.not_for_program for each in self.actions if (each.command or each.id) == command), ""
-        )
-        if program is None or not why:
-            return False
-        self.screen.tell(why.format(file=file_name(program)))
-        return True
 
     def sets_itself(self) -> bool:
         """Say that a program sets its own hyper-parameters, if one is watched; return whether that is so."""
@@ -72,8 +62,8 @@ class ProgramActions(Subject):
         """Choose which of several tables is the one that learns."""
         program = self.program
         if program is None:
-            self.screen.tell("this is an agent of ours, with one table; T is for a program of yours")
-        elif program.table is None:
+            return
+        if program.table is None:
             self.screen.tell("no table was found in your program: there is none to choose")
         elif not program.table.others:
             self.screen.tell(

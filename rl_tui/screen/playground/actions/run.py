@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
-from rl_tui.agents.catalogue import SweepPhase, algorithm_row
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import one_line
 from rl_tui.live.commands import Pause, Play, Restart, RunEpisode, RunSweep, SetSpeed, Step, WatchLearning
@@ -109,7 +109,6 @@ class ScenarioActions(Subject):
 
 
 _UNTIL_SEEN = 3600.0
-_SWEEP_KEYS: Final = frozenset({"run.evaluate"})
 LADDER: Final[tuple[float | None, ...]] = (
     *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),
     100_000.0,
@@ -156,21 +155,15 @@ class RunActions(Subject):
         """Say why the run takes no further step; return whether that is so."""
         message = self.snapshot.playback.message if self.snapshot else ""
         match self._phase:
-            case Phase.SPENT if self.snapshot is not None and self.snapshot.program is not None:
-                self.screen.tell("your program has ended; r starts it again, b and g go back in it")
             case Phase.SPENT:
-                self.screen.tell("the budget is spent; r starts again")
+                self.screen.tell("The budget is spent. r r: start again.")
             case Phase.DONE:
-                self.screen.tell(f"{message}; another γ goes on, r starts again")
+                self.screen.tell(f"{message}. Another γ goes on; r r starts again.")
             case Phase.STOPPED:
-                self.screen.tell(f"{message}; r starts again", severity="error")
+                self.screen.tell(f"{message}. r r: start again.", severity="error")
             case _:
                 return False
         return True
-
-    def _tells_end_of_program(self) -> bool:
-        """Say that somebody's program takes no further step; return whether that is so."""
-        return self.snapshot is not None and self.snapshot.program is not None and self._tell_end()
 
     def rest(self) -> None:
         """Pause a run that goes on while no key is pressed."""
@@ -180,40 +173,28 @@ class RunActions(Subject):
 
     def step(self) -> None:
         """Take one step."""
-        if not self._tells_end_of_program():
-            self.link.send(Step())
+        self.link.send(Step())
 
     def episode(self) -> None:
         """Run to the end of the episode."""
-        if not self._tells_end_of_program():
-            self.link.send(RunEpisode())
+        self.link.send(RunEpisode())
 
     def evaluate(self) -> None:
         """Run to the end of a sweep that evaluates the policy of policy iteration."""
-        self._run_sweep("evaluation")
+        self.link.send(RunSweep("evaluation"))
 
     def improve(self) -> None:
         """Run to the end of a sweep that improves it."""
-        self._run_sweep("improvement")
+        self.link.send(RunSweep("improvement"))
 
-    @property
-    def idle_keys(self) -> frozenset[str]:
-        """The ids of the actions for sweeps, where there are none to order: the key line leaves them out."""
-        return frozenset() if self.takes_orders else _SWEEP_KEYS
-
-    @property
-    def takes_orders(self) -> bool:
-        """Whether which sweep is next can be ordered, once all that was sent is taken in."""
-        return algorithm_row(self.link.wanted.recipe.algorithm).takes_orders
-
-    def _run_sweep(self, phase: SweepPhase) -> None:
-        if self.takes_orders:
-            self.link.send(RunSweep(phase))
-        elif self.snapshot is not None and self.snapshot.world.mdp is None:
-            self.screen.tell("policy iteration alone has such sweeps, and here nobody knows the model for it")
-        else:
-            does = "E evaluates" if phase == "evaluation" else "I improves"
-            self.screen.tell(f"{does} the policy of policy iteration: a chooses that")
+    def why_not(self, deed: str) -> str:
+        """Return why no sweep can be ordered, as far as all that was sent says."""
+        takes_orders = algorithm_row(self.link.wanted.recipe.algorithm).takes_orders
+        if deed not in ("evaluate", "improve") or takes_orders:
+            return ""
+        if self.snapshot is not None and self.snapshot.world.mdp is None:
+            return "only policy iteration has such sweeps, and it needs a transition table"
+        return "only policy iteration has such sweeps; a a chooses it"
 
     def faster(self) -> None:
         """Go to the next higher speed."""
@@ -229,17 +210,17 @@ class RunActions(Subject):
         A program that is watched is started again from its seed.
         """
         if self.snapshot is not None and self.snapshot.program is not None:
-            self.screen.tell("your program starts again, from its seed")
+            self.screen.tell("Your program starts again, from its seed.")
             self.link.send(Restart(self.link.wanted.recipe))
             return
         self.scenario.begin_with_old_or_new(self._start_again)
 
     def _start_again(self) -> None:
         if self.snapshot is not None and self.snapshot.lesson is not None:
-            self.screen.tell("the run starts again with these settings; N sets up those of the page")
+            self.screen.tell("Restarted with your settings. r p: settings of the page.")
         elif self.snapshot is not None and self.snapshot.timeline.current.end:
-            kept = "gone: this is a kiosk" if self.screen.in_kiosk else "kept in the catalogue"
-            self.screen.tell(f"the run starts again; the one until now is {kept}")
+            kept = "gone (this is a kiosk)" if self.screen.in_kiosk else "kept on the start screen"
+            self.screen.tell(f"Started again; the run until now is {kept}.")
         self.link.send(Restart(self.link.wanted.recipe))
 
 

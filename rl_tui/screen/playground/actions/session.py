@@ -73,17 +73,20 @@ class SessionActions(Subject):
 
     @property
     def after_leaving(self) -> str:
-        """What becomes of the run once a person goes back to the catalogue."""
+        """What becomes of the run once a person leaves it."""
         if self.snapshot is not None and self.snapshot.program is not None:
             return "your program then ends"
-        return "this run is then gone" if self.screen.in_kiosk else "this session is kept there"
+        return "this run is then gone" if self.screen.in_kiosk else "this run is kept"
+
+    def why_not(self, deed: str) -> str:
+        """Return why nothing can be saved."""
+        reason = ": this is a kiosk" if self.screen.in_kiosk else ""
+        return f"no session is kept here{reason}" if deed == "save" and self.autosave is None else ""
 
     def save(self) -> None:
         """Ask for a name, and save the session."""
         autosave = self.autosave
         if autosave is None:
-            reason = ": this is a kiosk" if self.screen.in_kiosk else ""
-            self.screen.tell(f"no session is kept here{reason}")
             return
 
         def read(text: str) -> str:

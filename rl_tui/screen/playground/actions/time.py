@@ -19,6 +19,11 @@ class TimeActions(Subject):
     _sought_branch: int | None = None
     """The branch that the run is on its way to, if it goes to another one as such."""
 
+    def value(self, deed: str) -> str:
+        """Return how many branches there are."""
+        count = 0 if self.snapshot is None else len(self.snapshot.timeline.branches)
+        return str(count) if deed == "show_branches" and count > 1 else ""
+
     def step_back(self) -> None:
         """Go one step back."""
         self._go_back(StepBack())
@@ -43,9 +48,18 @@ class TimeActions(Subject):
         """Show the branches of the run."""
         snapshot = self.snapshot
         if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
-            self.screen.tell("the run is being prepared: there are no branches yet")
+            self.screen.tell("The run is being prepared: there are no branches yet.")
         else:
             self.ask(JournalScreen(self.screen.look, snapshot), self._go_to_branch)
+
+    def to_start(self) -> None:
+        """Go to step 0."""
+        self.seek(0)
+
+    def to_end(self) -> None:
+        """Go to the end of the run so far."""
+        if self.snapshot is not None:
+            self.seek(self.snapshot.timeline.current.end)
 
     def seek(self, step: int) -> None:
         """Go where the timeline was pointed at."""
@@ -57,7 +71,7 @@ class TimeActions(Subject):
         if before is not None and _has_forked(before, now):
             branch = now.timeline.current
             parent = now.timeline.branches[branch.parent or 0]
-            self.screen.tell(f"{branch.name} begins here; j goes back to {parent.name}")
+            self.screen.tell(f"{branch.name} begins here. m b: back to {parent.name}.")
         if self._sought_episode is not None or self._sought_branch is not None:
             self._announce_arrival(now)
 
@@ -77,12 +91,12 @@ class TimeActions(Subject):
         # in the past it was held up, or sent elsewhere: where the run ends is not known there
         if now.counters.episodes < episode - 1 and not now.timeline.in_past:
             here = f"{unit_of(now)} {episode_shown(now):,}, step {now.counters.step:,}"
-            self.screen.tell(f"the run ends here so far: {here}; space goes on")
+            self.screen.tell(f"End of the run so far ({here}). space: continue.")
 
     def _go_back(self, command: StepBack | EpisodeBack) -> None:
         now = self.snapshot
         if now is not None and self.link.wanted.is_taken_in(now) and now.counters.step == 0:
-            self.screen.tell("this is step 0, where the run begins")
+            self.screen.tell("This is step 0, where the run begins.")
         else:
             self.link.send(command)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from rl_tui.live.commands import ClearBreakpoints, RunUntil, ToggleBreakpoint
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
@@ -19,6 +21,8 @@ from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.worlds.drawing import Arms
 
+NO_BREAKPOINTS: Final = "there are no breakpoints; t b sets one at the cursor"
+
 
 class UntilActions(Subject):
     """Running until something happens, and breakpoints."""
@@ -26,13 +30,26 @@ class UntilActions(Subject):
     _chosen_last = ""
     """The id of the option chosen last."""
 
+    def why_not(self, deed: str) -> str:
+        """Return why there is no breakpoint to clear."""
+        return NO_BREAKPOINTS if deed == "clear_breakpoints" and not self._count else ""
+
+    def value(self, deed: str) -> str:
+        """Return how many breakpoints are set."""
+        return f"{self._count} set" if deed == "clear_breakpoints" and self._count else ""
+
+    @property
+    def _count(self) -> int:
+        found = None if self.snapshot is None else self.snapshot.playback.breakpoints
+        return 0 if found is None else len(found.states) + len(found.pairs)
+
     def choose(self) -> None:
         """Choose what to run until."""
         snapshot = self.snapshot
         if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
             return
         if snapshot.playback.phase in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
-            self.screen.tell("the run has come to its end; r starts again")
+            self.screen.tell("The run is at its end. r r: start again.")
             return
         glyphs = self.glyphs
         found = until_options(snapshot, self._pair_under_cursor(), glyphs)
@@ -51,7 +68,7 @@ class UntilActions(Subject):
         elif isinstance(focused, ArmsView):
             self._toggle_pair(snapshot, focused.cursor_place)
         elif isinstance(snapshot.world.drawing, Arms):
-            self.screen.tell("a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one")
+            self.screen.tell("Breakpoints of a bandit are on arms. tab: the arms, arrows: choose one.")
         elif isinstance(focused, WorldView) and focused.cursor_place is not None:
             self._toggle_state(snapshot, focused.state_at(focused.cursor_place))
         else:
@@ -59,11 +76,8 @@ class UntilActions(Subject):
 
     def clear_breakpoints(self) -> None:
         """Take all breakpoints away."""
-        if self.snapshot is None or not self.snapshot.playback.breakpoints:
-            self.screen.tell("there are no breakpoints; k sets one where the cursor is")
-            return
         self.link.send(ClearBreakpoints())
-        self.screen.tell("all breakpoints are taken away")
+        self.screen.tell("All breakpoints are cleared.")
 
     def _run_until(self, option: UntilOption) -> None:
         def run(number: float | str) -> None:
@@ -86,7 +100,7 @@ class UntilActions(Subject):
 
     def _toggle_state(self, snapshot: Snapshot, state: int | None) -> None:
         if state is None:
-            self.screen.tell("here is no state to stop at")
+            self.screen.tell("No state to stop at here.")
             return
         is_set = state in snapshot.playback.breakpoints.states
         name = f"state {state_name(snapshot.world, state, self.glyphs)}"

@@ -8,7 +8,7 @@ from rl_tui.runs.answers.flip_answer import FlipState
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.dialog import ModelScreen
 from rl_tui.screen.kit.layers import ACTION_LAYERS, Layer
-from rl_tui.screen.kit.row import DISCOUNT, WORLD_CHECK
+from rl_tui.screen.kit.row import DISCOUNT, WORLD, WORLD_CHECK
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.panels.controls.controls import GAMMA
 from rl_tui.screen.panels.controls.slider import Slider
@@ -24,6 +24,32 @@ class ViewActions(Subject):
     _model: ModelScreen | None = None
     _flips_asked: World | None = None
     _asks_check: bool = False
+
+    def why_not(self, deed: str) -> str:
+        """Return why there is nothing to hide, or no map whose cells could show something else."""
+        snapshot = self.snapshot
+        if snapshot is None:
+            return ""
+        drawing = snapshot.world.drawing
+        if deed == "hide_answer" and snapshot.world.mdp is None:
+            return "this world has no exact values to hide"
+        if deed == "hide_answer" and snapshot.playback.phase is Phase.SPENT:
+            return "the budget is spent, and nothing is hidden any more; r r starts again"
+        if deed == "turn_actions" and not isinstance(drawing, Grid):
+            return f"{'each bar' if isinstance(drawing, Arms) else 'the table'} shows Q of every action here"
+        if deed == "numbers" and not isinstance(drawing, Grid):
+            return "only maps have cells that can show the numbers of states"
+        return ""
+
+    def value(self, deed: str) -> str:
+        """Return whether exact values are hidden, and what the cells of a map show."""
+        legends = self.board.legends
+        values = {
+            "hide_answer": "hidden" if self.link.wanted.is_hidden else "shown",
+            "turn_actions": "Q" if legends.shows_actions else "V",
+            "numbers": "on" if legends.numbers_states else "off",
+        }
+        return "" if self.why_not(deed) else values.get(deed, "")
 
     def look_at(self) -> None:
         """Have those parts of a large world copied that are in view now."""
@@ -90,11 +116,6 @@ class ViewActions(Subject):
         view = self.board.world
         if view is None:
             return
-        if not isinstance(view.world.drawing, Grid):
-            is_bandit = isinstance(view.world.drawing, Arms)
-            here = "each bar is Q of its arm" if is_bandit else "Q of every action stands in the table"
-            self.screen.tell(f"V is for maps, whose cells it turns to Q; here {here}")
-            return
         legends = self.board.legends
         legends.shows_actions = not legends.shows_actions
         has_actions = self.board.wanted_layer in ACTION_LAYERS or not legends.shows_actions
@@ -105,26 +126,23 @@ class ViewActions(Subject):
             room = "f, the world alone, has room" if alone else "a larger terminal has room"
             self.screen.tell(f"cells too small for Q of every action; {room}")
 
+    def enter_world(self) -> None:
+        """Put the cursor into the world."""
+        if self.board.world is not None:
+            self.board.bring_into_view(WORLD)
+            self.board.world.focus()
+
     def zoom(self) -> None:
         """Show one panel alone, or all again."""
         self.board.zoom(None if self.board.zoomed else self.board.panel_of(self.screen.focused))
 
     def hide_answer(self) -> None:
-        """Hide whatever would give the exact answer away, or show it."""
-        if self.snapshot is None:
-            return
-        if self.snapshot.world.mdp is None:
-            self.screen.tell("there is nothing to hide: this world has no exact answer")
-        elif self.snapshot.playback.phase is Phase.SPENT:
-            self.screen.tell("the budget is spent: nothing is hidden until r starts again")
-        else:
+        """Hide whatever would reveal the exact values, or show it."""
+        if self.snapshot is not None:
             self.link.send(HideAnswer(not self.link.wanted.is_hidden))
 
     def numbers(self) -> None:
         """Show or hide the numbers of the states in the cells of a map."""
-        if self.snapshot is not None and not isinstance(self.snapshot.world.drawing, Grid):
-            self.screen.tell("# numbers the states of a map, and this world has none")
-            return
         legends = self.board.legends
         legends.numbers_states = not legends.numbers_states
         self.board.apply_switches()

@@ -167,6 +167,10 @@ class PolicyDrawing(KeyMode):
         elif view is not None and step is not None and has_directions(view.world):
             self._draw_towards(view, step, moves=False)
 
+    def why_not(self, deed: str) -> str:
+        """Return why no policy can be drawn here."""
+        return "" if self.is_on or self.snapshot is None else _refused(self.snapshot.world)
+
     def toggle(self) -> None:
         """Begin to draw, or end it."""
         snapshot = self.snapshot
@@ -174,10 +178,6 @@ class PolicyDrawing(KeyMode):
             self._end()
             return
         if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
-            return
-        refused = _refused(snapshot.world)
-        if refused:
-            self.screen.tell(refused)
             return
         self._studied_before = None if self._has_panel else self.link.wanted.studied
         self.board.bring_into_view(WORLD)
@@ -207,7 +207,7 @@ class PolicyDrawing(KeyMode):
 
     def _end(self) -> None:
         self.leave()
-        self.screen.tell("what you drew is kept; D goes on drawing")
+        self.screen.tell("What you drew is kept. w p: go on drawing.")
 
     def show(self, snapshot: Snapshot) -> None:
         """Show what is drawn, and what can be done under the cursor."""

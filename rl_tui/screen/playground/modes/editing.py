@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import Final
 
@@ -14,7 +13,7 @@ from rl_tui.live.world_editor import IN_LESSON
 from rl_tui.runs.edited_world import edited_draft
 from rl_tui.screen.frame.key_line import Hints
 from rl_tui.screen.keys.action import Action, Group
-from rl_tui.screen.keys.playground_keys import DRAW_KEY
+from rl_tui.screen.keys.playground_keys import DRAW_PATH
 from rl_tui.screen.kit.pointing import PointerStroke, Touched, Wheeled
 from rl_tui.screen.kit.row import DRAW, WORLD
 from rl_tui.screen.kit.snapshot_facts import is_secret
@@ -125,7 +124,6 @@ ALWAYS: Final = (
 )
 """Tools of every kind of world; they belong to the mode."""
 _ALONG: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
-_TOGGLE: Final = "editing.toggle"
 _SAVING_OFF: Final = "saving is off here: this is a kiosk"
 
 
@@ -165,10 +163,9 @@ class WorldEditing(KeyMode):
             self._looked_at = scenario, seen_refusal(scenario, snapshot.world)
         return self._looked_at[1]
 
-    @property
-    def idle_keys(self) -> frozenset[str]:
-        """The ids of the actions that can do nothing here: the key line leaves them out."""
-        return frozenset({_TOGGLE} if self.refused else ())
+    def why_not(self, deed: str) -> str:
+        """Return why this world cannot be edited, as far as a look tells."""
+        return self.refused if deed == "toggle" and not self.is_on else ""
 
     @property
     def offered(self) -> tuple[Hints, ...]:
@@ -177,11 +174,7 @@ class WorldEditing(KeyMode):
         snapshot = self.snapshot
         if not can_begin or self.refused or snapshot is None or snapshot.program is not None:
             return ()
-        return tuple(((DRAW_KEY, form),) for form in ("draw the world", "draw"))
-
-    def marked(self, action: Action) -> Action:
-        """Return ``action``, with the reason where it is to draw a world that cannot be drawn."""
-        return replace(action, refused=self.refused) if action.id in self.idle_keys else action
+        return tuple(((" ".join(DRAW_PATH), form),) for form in ("edit the world", "edit"))
 
     @property
     def actions(self) -> tuple[Action, ...]:
@@ -301,7 +294,7 @@ class WorldEditing(KeyMode):
             return
         if isinstance(snapshot.world.drawing, Arms) and is_secret(snapshot):
             self.link.send(HideAnswer(is_hidden=False))
-            self.screen.tell("what the arms truly pay is shown now: h hides it again")
+            self.screen.tell("What the arms truly pay is shown now. w h hides it again.")
         self.toolbox = TOOLBOXES[type(snapshot.world.drawing)]()
         self.board.bring_into_view(WORLD)
         self.link.send(OpenEditor(is_open=True))

@@ -58,18 +58,18 @@ class ManualControl(KeyMode):
         elif snapshot is not None:
             self._take(snapshot, digit_keys(snapshot.world, acts_in(snapshot)).get(key), key)
 
+    def why_not(self, deed: str) -> str:
+        """Return why a person cannot be the agent now."""
+        return "" if self.is_on or self.snapshot is None else _refused(self.snapshot)
+
     def toggle(self) -> None:
         """Take over, or hand back."""
         if self.is_on:
             self.leave()
-            self.screen.tell("the agent acts again")
+            self.screen.tell("The agent acts again.")
             return
         snapshot = self.snapshot
         if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
-            return
-        refused = _refused(snapshot)
-        if refused:
-            self.screen.tell(refused)
             return
         if snapshot.playback.phase is not Phase.PAUSED:
             self.link.send(Pause())
@@ -79,7 +79,7 @@ class ManualControl(KeyMode):
         self.show(snapshot)
         if self.board.world is not None:
             self.board.world.action_follow()
-        text = f"you are the agent: act with {_keys(snapshot)}; y hands back"
+        text = f"You act, with {_keys(snapshot)}. y: stop."
         self.screen.tell(text)
 
     def resume(self, snapshot: Snapshot) -> None:
@@ -146,10 +146,10 @@ def _refused(snapshot: Snapshot) -> str:
     """Return why a person cannot act in place of the agent, empty if that is possible."""
     name = snapshot.agent.row.name
     if snapshot.agent.row.planner:
-        return f"{name} takes no actions: it plans with the model; a chooses an agent"
+        return f"{name} takes no actions: it plans with the model; a a chooses an agent"
     if snapshot.playback.phase is Phase.SPENT:
-        return "the budget is spent; r starts again"
-    return "the run has stopped; r starts again" if snapshot.playback.phase is Phase.STOPPED else ""
+        return "the budget is spent; r r starts again"
+    return "the run has stopped; r r starts again" if snapshot.playback.phase is Phase.STOPPED else ""
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:

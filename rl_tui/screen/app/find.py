@@ -1,0 +1,278 @@
+"""Finding anything by its name: actions, settings, words, worlds, lessons, sessions."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
+
+from rich.cells import cell_len
+from rich.text import Text
+from textual import on
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.screen import Screen
+from textual.widgets import Input, OptionList, Static
+from textual.widgets.option_list import Option
+
+from rl_tui.agents.catalogue import parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, Parameter
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.draw.canvas import shortened
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.glossary.glossary import glossary
+from rl_tui.screen.keys.action import Action
+from rl_tui.screen.theme.look import Look
+
+_WORD: Final = re.compile(r"^\W+|\W+$")
+_PLAIN: Final = str.maketrans({"×": "x", "−": "-", "–": "-"})
+_LONGEST: Final = 60  # characters of a search
+_SENTENCE: Final = 220  # characters of what is said of the row under the cursor
+Ask: TypeAlias = Callable[[], object]
+Put: TypeAlias = Callable[[float | str], object]
+NOTHING: Final = "Nothing has a word that begins so. ? shows all keys."
+
+
+class Entry(NamedTuple):
+    """What can be found: its name, what kind of thing it is, a sentence, and what enter does with it.
+
+    ``also`` are other words for it. What is ``refused`` can do nothing now, as its sentence says.
+    """
+
+    name: str
+    kind: str
+    sentence: str
+    do: Callable[[], object]
+    keys: str = ""
+    also: str = ""
+    refused: bool = False
+
+
+class FindScreen(Dialog[Entry]):
+    """A line to type, and the entries that it finds, one in a row. Answers the one that is chosen.
+
+    ``for_query`` makes entries of what is typed, such as a setting with its new value; ``more`` reads files,
+    in a thread, once the screen is there.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("up", "move('cursor_up')", "row above", id="find.up", tooltip="The row above."),
+        Binding("down", "move('cursor_down')", "row below", id="find.down", tooltip="The row below."),
+        Binding("pageup", "move('page_up')", "page up", id="find.page_up", tooltip="A page up."),
+        Binding("pagedown", "move('page_down')", "page down", id="find.page_down", tooltip="A page down."),
+    ]
+
+    def __init__(
+        self,
+        look: Look,
+        entries: Sequence[Entry],
+        for_query: Callable[[str], list[Entry]],
+        more: Callable[[], list[Entry]],
+    ) -> None:
+        super().__init__()
+        self._look = look
+        self._entries = list(entries)
+        self._for_query = for_query
+        self._more = more
+        self._found = list[Entry]()
+
+    def compose(self) -> ComposeResult:
+        """Yield the line, the rows and the sentence."""
+        with self.box("Find", self._written("↑ ↓: choose   enter: do or open   esc: close"), "tall"):
+            yield Input(placeholder="a few letters of anything", compact=True, max_length=_LONGEST)
+            yield OptionList(id="found")
+            yield Static(markup=False, classes="hint")
+
+    def on_mount(self) -> None:
+        """List all actions; what stands in files follows."""
+        super().on_mount()
+        self.query_one(OptionList).can_focus = False
+        self.query_one(Input).focus()
+        self.run_worker(self._read_more(), name="read what can be found")
+
+    async def _read_more(self) -> None:
+        self._entries += await asyncio.to_thread(self._more)
+        if self.query_one(Input).value:
+            self._list(self.query_one(Input).value)
+
+    def on_resize(self) -> None:
+        """Lay the rows out for the room there is."""
+        self.call_after_refresh(lambda: self._list(self.query_one(Input).value))
+
+    @on(Input.Changed)
+    def find(self, event: Input.Changed) -> None:
+        """List what was searched for."""
+        self._list(event.value)
+
+    @on(Input.Submitted)
+    @on(OptionList.OptionSelected)
+    def choose(self) -> None:
+        """Answer the row under the cursor; one that can do nothing now says why, and stays."""
+        place = self.query_one(OptionList).highlighted
+        if place is not None and not self._found[place].refused:
+            self.dismiss(self._found[place])
+
+    @on(OptionList.OptionHighlighted)
+    def explain(self, event: OptionList.OptionHighlighted) -> None:
+        """Show the sentence about the row under the cursor."""
+        self._tell(self._found[event.option_index].sentence)
+
+    def action_move(self, command: str) -> None:
+        """Move the cursor."""
+        getattr(self.query_one(OptionList), f"action_{command}")()
+
+    def _list(self, query: str) -> None:
+        found = self.query_one(OptionList)
+        self._found = found_by(query, [*self._for_query(query), *self._entries])
+        found.clear_options()
+        found.add_options(Option(self._row(entry, found.size.width - 2)) for entry in self._found)
+        if self._found:
+            found.highlighted = 0
+        else:
+            self._tell(NOTHING)
+
+    def _row(self, entry: Entry, width: int) -> Text:
+        """Return the name of ``entry`` at the left, its keys and kind at the right, in ``width`` columns."""
+        palette, glyphs = self._look.palette, self._look.glyphs
+        keys, kind = self._written(entry.keys), entry.kind
+        room = max(1, width - cell_len(keys) - cell_len(kind) - 3)
+        name = shortened(self._written(entry.name), room, glyphs.ellipsis)
+        row = Text(name.ljust(room), palette.dim if entry.refused else "")
+        return row.append(f" {keys}  ", palette.press).append(kind, palette.dim)
+
+    def _tell(self, sentence: str) -> None:
+        self.query_one(Static).update(self._written(shortened(sentence, _SENTENCE, "…")))
+
+    def _written(self, text: str) -> str:
+        return to_ascii(text, self._look.glyphs)
+
+
+# What fits best
+
+
+def found_by(query: str, entries: Sequence[Entry]) -> list[Entry]:
+    """Return those of ``entries`` that ``query`` is about, the best first; all actions for an empty one."""
+    if not query.strip():
+        return [entry for entry in entries if entry.keys]
+    ranked = [(relevance(query, entry), entry) for entry in entries]
+    found = [pair for pair in ranked if pair[0] > 0.0]
+    return [entry for _, entry in sorted(found, key=lambda pair: -pair[0])]
+
+
+def relevance(query: str, entry: Entry) -> float:
+    """Return how well ``query`` fits ``entry``, from 0 (not at all) to 1.
+
+    It may be the key of the entry. Else each word of it has to begin a word of the entry, or to be somewhere
+    in its name: letters strewn over a sentence find something for everything.
+    """
+    if entry.keys and query.strip() == entry.keys:
+        return 1.0
+    return min((_weight(word, entry) for word in _words(query)), default=0.0)
+
+
+def _weight(word: str, entry: Entry) -> float:
+    name = _words(entry.name)
+    if word in name:
+        return 1.0
+    if any(each.startswith(word) for each in name):
+        return 0.9 if name[0].startswith(word) else 0.8
+    if any(each.startswith(word) for each in _words(entry.also)):
+        return 0.7
+    if len(word) > 1 and word in " ".join(name):
+        return 0.5
+    return 0.3 if any(each.startswith(word) for each in _words(entry.sentence)) else 0.0
+
+
+def _words(text: str) -> list[str]:
+    """Return the words of ``text`` in small letters and plain signs; one without any is one word."""
+    return [_WORD.sub("", each) or each for each in text.lower().translate(_PLAIN).split()]
+
+
+# What there is
+
+
+def entries_on(screen: Screen[Any]) -> list[Entry]:
+    """Return what can be found on ``screen`` without reading files: actions, settings, words."""
+    if not isinstance(screen, ActionScreen):
+        return []
+    actions = [_of_action(screen, action) for action in screen.actions if action.id != "find"]
+    settings = [
+        Entry(parameter.name, "setting", _sentence(parameter), ask, also=parameter.symbol)
+        for parameter, ask, _ in _settings(screen)
+    ]
+    words = [
+        Entry(term.word, "word", term.text, partial(screen.show_words, (id_,)), also=" ".join(term.also))
+        for id_, term in glossary().items()
+    ]
+    return [*actions, *settings, *words]
+
+
+def new_values(screen: Screen[Any], query: str) -> list[Entry]:
+    """Return an entry for each setting that ``query`` names before a number, as in ``epsilon .3``."""
+    word, _, number = query.replace("=", " ").strip().rpartition(" ")
+    try:
+        value = float(number)
+    except ValueError:
+        return []
+    asked = word.strip().lower()
+    return [
+        Entry(
+            f"Set {parameter.symbol} to {value:g}",
+            "setting",
+            _sentence(parameter),
+            partial(put, value),
+            also=query,
+        )
+        for parameter, _, put in _settings(screen)
+        if asked
+        and (asked == parameter.symbol or parameter.name.startswith(asked))
+        and parameter.accepts(value)
+    ]
+
+
+def _of_action(screen: ActionScreen, action: Action) -> Entry:
+    name = action.label[0].upper() + action.label[1:]
+    do = partial(screen.run_action, action.textual_action)
+    return Entry(name, "action", action.sentence, do, action.shown, action.aliases, bool(action.refused))
+
+
+def _settings(screen: Screen[Any]) -> Iterator[tuple[Parameter, Ask, Put]]:
+    """Yield each setting that counts for the agent on ``screen``, what asks for it, and what sets it."""
+    from rl_tui.screen.playground.playground import Playground
+
+    if not isinstance(screen, Playground) or screen.program.program is not None:
+        return
+    values = screen.recipe.hyperparameters
+    for name in parameters_of(screen.recipe.algorithm, values.policy):
+        agent = screen.agent
+        yield PARAMETERS[name], partial(agent.ask_parameter, name), partial(agent.set_parameter, name)
+
+
+def _sentence(parameter: Parameter) -> str:
+    return f"{parameter.help[0].upper()}{parameter.help[1:]}."
+
+
+def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None) -> list[Entry]:
+    """Return the worlds, lessons and sessions; ``open_found`` opens one. To be called in a thread."""
+    from rl_tui.lessons.catalogue import read_lessons
+    from rl_tui.live.sessions.session import sessions_in
+    from rl_tui.worlds.files.catalogue import scenarios
+
+    worlds = [
+        Entry(each.title, "world", each.summary, partial(open_found, each), also=each.id)
+        for each in scenarios()
+    ]
+    lessons = [
+        Entry(each.title, "lesson", each.summary, partial(open_found, each), also=each.id)
+        for each in read_lessons().lessons
+    ]
+    kept = () if sessions is None else sessions_in(sessions)[0]
+    return [
+        *worlds,
+        *lessons,
+        *(Entry(each.title, "session", f"Step {each.step:,}.", partial(open_found, each)) for each in kept),
+    ]

@@ -1,0 +1,224 @@
+"""All keys of a place on one screen: those of the panel in focus, the single keys, the menus.
+
+It is the first of the three pages that ``?`` turns through: keys, words, pages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import ClassVar, Final, NamedTuple
+
+from rich.cells import cell_len
+from rich.style import Style
+from rich.text import Text
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.geometry import Size
+from textual.widget import Widget
+
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.keys.action import MENUS, Action, Group
+from rl_tui.screen.theme.look import Look
+
+KEYS: Final = "keys"
+WORDS: Final = "words"
+PAGES: Final = "pages"
+FIND: Final = "find"
+_TABS: Final = ("Keys", "Words", "Pages")
+_ROOMY: Final = (108, 34)  # columns and lines from which each menu is a list of its own
+_TOGETHER: Final = {
+    "time.step_back": ("b B", "back"),
+    "run.faster": ("+ −", "speed"),
+    "agent.focus_slider_1": ("1 2 3 4", "sliders"),
+}
+"""Keys that share an entry with the ones after them, which then have none."""
+_ELSEWHERE: Final = frozenset(
+    {*MENUS, "B", "minus,underscore", "2", "3", "4", "ctrl+p", "ctrl+l", "ctrl+z", "ctrl+c"}
+)
+"""Keys that another entry or a menu names, and those for emergencies, which the words explain."""
+_MOVING: Final = {
+    **dict.fromkeys(("up", "down", "left", "right"), "move"),
+    **dict.fromkeys(("page up", "page down"), "page"),
+}
+_SIGNS: Final = {
+    "up": "↑",
+    "down": "↓",
+    "left": "←",
+    "right": "→",
+    "pageup": "pgup",
+    "pagedown": "pgdn",
+    "escape": "esc",
+    "delete": "del",
+    "less_than_sign": "<",
+    "greater_than_sign": ">",
+    "left_curly_bracket": "{",
+    "right_curly_bracket": "}",
+    "full_stop": ".",
+    "comma": ",",
+}
+
+
+def tabs(current: str) -> Content:
+    """Return the title of a page of ``?``: the names of all three, the ``current`` one marked."""
+    parts = [(f" {name} ", "reverse" if name == current else "not bold") for name in _TABS]
+    return Content.assemble(*parts)
+
+
+class _Entry(NamedTuple):
+    """A key, what it does in a word or two, and whether it can do nothing now."""
+
+    key: str
+    label: str
+    is_dim: bool = False
+
+
+class _Page(Widget):
+    """Draws the lines that ``lines`` makes for its width, as high as they come out."""
+
+    DEFAULT_CSS = """
+    _Page {
+        width: 1fr;
+        height: auto;
+    }
+    """
+
+    def __init__(self, lines: Callable[[int], list[Text]]) -> None:
+        super().__init__()
+        self._lines = lines
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return the number of lines at ``width`` columns."""
+        return len(self._lines(width))
+
+    def render(self) -> Text:
+        """Return all lines."""
+        return Text("\n", no_wrap=True, overflow="crop").join(self._lines(self.size.width))
+
+
+class KeySheet(Dialog[str]):
+    """The keys of ``actions`` and of the ``panel`` in focus, which is called ``name``.
+
+    Answers ``WORDS``, ``PAGES`` or ``FIND`` where one of these is asked for.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("question_mark,tab,2", f"dismiss('{WORDS}')", "words", id="keys.words", tooltip="Words."),
+        Binding("3", f"dismiss('{PAGES}')", "pages", id="keys.pages", tooltip="Pages."),
+        Binding("slash", f"dismiss('{FIND}')", "find", id="keys.find", tooltip="Find."),
+        Binding("q", "cancel", "close", id="keys.close", tooltip="Close the keys."),
+    ]
+
+    def __init__(self, look: Look, actions: Sequence[Action], panel: Widget | None, name: str) -> None:
+        super().__init__()
+        self._look = look
+        self._actions = actions
+        self._panel = panel
+        self._name = name
+
+    def compose(self) -> ComposeResult:
+        """Yield the page."""
+        with self.box("", "?: words   /: find   esc: close", "whole") as box:
+            box.border_title = tabs("Keys")
+            with VerticalScroll():
+                yield _Page(self._page)
+
+    def on_mount(self) -> None:
+        """Let the arrows scroll."""
+        super().on_mount()
+        self.query_one(VerticalScroll).focus()
+
+    def _page(self, width: int) -> list[Text]:
+        """Return the lines of the page at ``width`` columns."""
+        room = self.app.size
+        return list(self._lines(width, room.width >= _ROOMY[0] and room.height >= _ROOMY[1]))
+
+    def _lines(self, width: int, is_roomy: bool) -> Iterator[Text]:
+        strong = self._look.palette.strong
+        count = 3 if width < 72 else 4
+        for heading, entries in self._sections():
+            if entries:
+                yield Text(self._written(heading), strong)
+                yield from self._columns(entries, count, width)
+                yield Text("")
+        yield from self._wide_menus(width) if is_roomy else self._narrow_menus(width)
+
+    def _sections(self) -> Iterator[tuple[str, list[_Entry]]]:
+        yield f"{self._name}, in focus", _panel_entries(self._panel)
+        for group in (Group.DRAWING, Group.LISTS, Group.LESSON):
+            entries = [_entry(each) for each in self._actions if not each.menu and each.group == group]
+            yield group, entries
+        rest = (Group.RUN, Group.PROGRAM)
+        singles = [each for each in self._actions if not each.menu and each.group in rest]
+        yield "Everywhere", [_entry(each) for each in singles if each.key not in _ELSEWHERE]
+
+    def _columns(self, entries: Sequence[_Entry], count: int, width: int) -> Iterator[Text]:
+        lines, column = -(-len(entries) // count), width // count
+        keys = max(len(entry.key) for entry in entries)
+        for line in range(lines):
+            yield self._joined(self._item(each, column, keys) for each in entries[line::lines])
+
+    def _wide_menus(self, width: int) -> Iterator[Text]:
+        """Yield the menus as lists, three side by side."""
+        column = width // 3
+        menus = self._menus()
+        for three in (menus[:3], menus[3:]):
+            yield self._joined(
+                Text(f"{key}  {MENUS[key]}".ljust(column), self._look.palette.strong) for key, _ in three
+            )
+            for line in range(max((len(entries) for _, entries in three), default=0)):
+                yield self._joined(
+                    self._item(entries[line], column, 5) if line < len(entries) else Text(" " * column)
+                    for _, entries in three
+                )
+            yield Text("")
+
+    def _narrow_menus(self, width: int) -> Iterator[Text]:
+        """Yield each menu in as few lines as it takes."""
+        palette = self._look.palette
+        for key, entries in self._menus():
+            line = Text(f"{key} ", palette.press).append(f"{MENUS[key]:<8}", palette.strong)
+            for each in entries:
+                item = self._item(each._replace(key=each.key[-1]), 0, 1)
+                if cell_len(line.plain) + cell_len(item.plain) + 2 > width:
+                    yield line
+                    line = Text(" " * 10)
+                line.append_text(item).append("  ")
+            yield line
+
+    def _menus(self) -> list[tuple[str, list[_Entry]]]:
+        listed = [(key, [_entry(each) for each in self._actions if each.menu == key]) for key in MENUS]
+        return [(key, entries) for key, entries in listed if entries]
+
+    def _item(self, entry: _Entry, width: int, keys: int) -> Text:
+        """Return ``entry`` in ``width`` columns, its key at the right of the first ``keys``."""
+        palette = self._look.palette
+        key, label = self._written(entry.key), self._written(entry.label)
+        style: Style = palette.dim if entry.is_dim else palette.text
+        text = Text(key.rjust(keys), palette.dim if entry.is_dim else palette.press)
+        return text.append(f" {label}".ljust(width - keys), style)
+
+    @staticmethod
+    def _joined(parts: Iterator[Text]) -> Text:
+        return Text().join(parts)
+
+    def _written(self, text: str) -> str:
+        return to_ascii(text, self._look.glyphs)
+
+
+def _entry(action: Action) -> _Entry:
+    key, label = _TOGETHER.get(action.id, (action.shown, action.label))
+    return _Entry(key, label, bool(action.refused))
+
+
+def _panel_entries(panel: Widget | None) -> list[_Entry]:
+    """Return the keys that the class of ``panel`` binds, those of one meaning together."""
+    meanings = dict[str, list[str]]()
+    for base in type(panel).__mro__ if panel is not None else ():
+        for each in Binding.make_bindings(base.__dict__.get("BINDINGS", ())):
+            word = each.description.lower()
+            if each.tooltip and not each.key.startswith("shift+") and each.key not in "jk":
+                meanings.setdefault(_MOVING.get(word, word), []).append(_SIGNS.get(each.key, each.key))
+    return [_Entry(" ".join(dict.fromkeys(keys)), meaning) for meaning, keys in meanings.items()]

@@ -1,0 +1,167 @@
+"""A menu over the last rows of the screen: a letter acts at once; arrows, enter and the mouse work too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final, NamedTuple
+
+from rich.cells import cell_len
+from rich.segment import Segment
+from textual import events
+from textual.app import ComposeResult
+from textual.reactive import reactive
+from textual.strip import Strip
+from textual.widget import Widget
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.draw.canvas import shortened
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.theme.look import Look
+
+_WIDE: Final = 110  # columns from which three rows of a menu stand side by side, else two
+_LABEL: Final = 18  # columns, the longest label and a blank
+_BEFORE_LABEL: Final = 5  # columns: the cursor, the letter and the blanks around them
+_MOVES: Final = {"down": 1, "j": 1, "tab": 1, "up": -1, "k": -1, "shift+tab": -1}
+_LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
+
+
+class MenuRow(NamedTuple):
+    """One row: an action, its letter and words, the current value, and why it cannot be done now."""
+
+    id: str
+    letter: str
+    label: str
+    value: str
+    sentence: str
+    refused: str
+
+
+class MenuRows(Widget):
+    """Draws the title, the rows in columns, and the sentence of the one ``at`` which the cursor is."""
+
+    at: reactive[int] = reactive(0)
+
+    def __init__(self, look: Look, title: str, rows: Sequence[MenuRow]) -> None:
+        super().__init__()
+        self.look = look
+        self.title = title
+        self.rows = rows
+
+    @property
+    def lines(self) -> int:
+        """The number of lines that the rows take; the columns are filled one after the other."""
+        return -(-len(self.rows) // self._columns)
+
+    @property
+    def _columns(self) -> int:
+        return 3 if self.app.size.width >= _WIDE else 2
+
+    def on_resize(self) -> None:
+        """Take as many lines as are needed."""
+        self.styles.height = self.lines + 2
+
+    def render_line(self, y: int) -> Strip:
+        """Draw the title, a line of rows, or the sentence."""
+        width, text = self.size.width, self.look.palette.text
+        if y == 0:
+            segments = self._title(width)
+        elif y <= self.lines:
+            places = range(y - 1, len(self.rows), self.lines)
+            segments = [segment for place in places for segment in self._row(place)]
+        else:
+            segments = self._sentence(width)
+        return Strip(segments).adjust_cell_length(width, text).apply_style(self.rich_style)
+
+    def _title(self, width: int) -> list[Segment]:
+        palette, line = self.look.palette, self.look.glyphs.axis_horizontal
+        title, close = f" {self.title} ", " esc "
+        rest = width - 4 - cell_len(title) - cell_len(close)
+        return [
+            Segment(line * 2, palette.rule),
+            Segment(title, palette.strong),
+            Segment(line * rest, palette.rule),
+            Segment(close, palette.dim),
+            Segment(line * 2, palette.rule),
+        ]
+
+    def _row(self, place: int) -> list[Segment]:
+        row, palette, glyphs = self.rows[place], self.look.palette, self.look.glyphs
+        is_here = place == self.at
+        width = self.size.width // self._columns - _BEFORE_LABEL
+        text = f"{to_ascii(row.label, glyphs):<{_LABEL}}{to_ascii(row.value, glyphs)}"
+        style = palette.dim if row.refused else palette.strong if is_here else palette.text
+        return [
+            Segment(f" {glyphs.cursor if is_here else ' '} ", palette.press),
+            Segment(f"{row.letter} ", palette.dim if row.refused else palette.press),
+            Segment(shortened(text, width - 1, glyphs.ellipsis).ljust(width), style),
+        ]
+
+    def _sentence(self, width: int) -> list[Segment]:
+        row, palette, glyphs = self.rows[self.at], self.look.palette, self.look.glyphs
+        text = f"Not now: {row.refused}." if row.refused else row.sentence
+        return [Segment(" " + shortened(to_ascii(text, glyphs), width - 2, glyphs.ellipsis), palette.text)]
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the number of the row drawn at column ``x`` of line ``y``, None beside the rows."""
+        place = y - 1 + self.lines * (x // (self.size.width // self._columns))
+        return place if 1 <= y <= self.lines and place < len(self.rows) else None
+
+
+class MenuStrip(Dialog[str]):
+    """Answers the id of an action. A row that cannot be done now says why, and the menu stays open."""
+
+    def __init__(self, look: Look, title: str, rows: Callable[[], Sequence[MenuRow]]) -> None:
+        super().__init__()
+        self._rows_now = rows
+        self.menu = MenuRows(look, title, rows())
+
+    def compose(self) -> ComposeResult:
+        """Yield the rows."""
+        yield self.menu
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the current values, and what can be done now."""
+        rows = self._rows_now()
+        if rows != self.menu.rows:
+            self.menu.rows = rows
+            self.menu.refresh()
+
+    def on_key(self, event: events.Key) -> None:
+        """Do what a letter says, or move the cursor; no key reaches the screen below."""
+        menu, key = self.menu, event.key
+        event.stop()
+        letters = [row.letter for row in menu.rows]
+        letter = event.character or key
+        if letter in letters:
+            self._choose(letters.index(letter))
+        elif key in ("escape", "q"):
+            self.action_cancel()
+        elif key == "enter":
+            self._choose(menu.at)
+        elif key in _MOVES:
+            menu.at = (menu.at + _MOVES[key]) % len(menu.rows)
+        elif key in ("left", "right"):
+            beside = menu.at + (menu.lines if key == "right" else -menu.lines)
+            menu.at = beside if 0 <= beside < len(menu.rows) else menu.at
+        elif key in ("home", "end"):
+            menu.at = 0 if key == "home" else len(menu.rows) - 1
+        elif key in _LEADING_ON:
+            self.dismiss(_LEADING_ON[key])
+
+    def on_click(self, event: events.Click) -> None:
+        """Do the row that is clicked; a click elsewhere closes the menu."""
+        region = self.menu.region
+        place = None
+        if region.contains(event.screen_x, event.screen_y):
+            place = self.menu.place_at(event.screen_x - region.x, event.screen_y - region.y)
+        if place is None:
+            self.action_cancel()
+        else:
+            self._choose(place)
+
+    def _choose(self, place: int) -> None:
+        self.menu.at = place
+        row = self.menu.rows[place]
+        if not row.refused:
+            self.dismiss(row.id)

@@ -1,0 +1,46 @@
+"""The menus: what each lists now, with the current values and why some rows cannot be done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from textual.actions import parse
+
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.frame.menu_strip import MenuRow, MenuStrip
+from rl_tui.screen.keys.action import MENUS, Action
+
+_AGENT: Final = "a"
+
+
+@dataclass(eq=False)
+class MenuActions(Subject):
+    """Opens the menus. Each row is an action of the screen whose key is that of the menu and a letter."""
+
+    def open(self, key: str) -> None:
+        """Open the menu of ``key``."""
+        is_of_program = key == _AGENT and self._watches_program
+        title = "Your program" if is_of_program else MENUS[key]
+        strip = MenuStrip(self.screen.look, title, lambda: [self._row(each) for each in self._listed(key)])
+        self.ask(strip, self._do)
+
+    @property
+    def _watches_program(self) -> bool:
+        return self.snapshot is not None and self.snapshot.program is not None
+
+    def _listed(self, key: str) -> list[Action]:
+        """Return the actions of the menu, without those of another kind of run."""
+        is_of_program = key == _AGENT and self._watches_program
+        listed = [action for action in self.screen.actions if action.menu == key]
+        return [action for action in listed if action.of_program or not is_of_program]
+
+    def _row(self, action: Action) -> MenuRow:
+        target, deed, _ = parse(action.command or action.id)
+        subject = getattr(self.screen, target, None)
+        value = subject.value(deed) if isinstance(subject, Subject) else ""
+        return MenuRow(action.id, action.letter, action.label, value, action.help, action.refused)
+
+    def _do(self, id_: str) -> None:
+        action = next(each for each in self.screen.actions if each.id == id_)
+        self.screen.call_later(self.screen.run_action, action.textual_action)

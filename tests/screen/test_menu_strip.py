@@ -1,0 +1,119 @@
+"""The menus: a letter, arrows, enter, the mouse; what cannot be done says why and leaves the menu open."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import MakeApp
+from seams import click, notes, on_screen, playground, press, snapshot, train
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.live.commands import Play
+from rl_tui.screen.dialogs.choice import Choice
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.frame.key_sheet import KeySheet
+from rl_tui.screen.frame.menu_strip import MenuStrip
+from rl_tui.screen.keys.action import MENUS
+from rl_tui.screen.playground.actions.lanes import ONE_RUN
+from rl_tui.screen.playground.playground import Playground
+
+
+def strip(pilot: Pilot[UserError]) -> MenuStrip:
+    screen = pilot.app.screen
+    assert isinstance(screen, MenuStrip)
+    return screen
+
+
+def lines(pilot: Pilot[UserError]) -> list[str]:
+    menu = strip(pilot).menu
+    return [menu.render_line(y).text for y in range(menu.size.height)]
+
+
+@pytest.mark.parametrize(
+    ("size", "ascii_only"), [((120, 40), False), ((80, 24), False), ((60, 18), True)], ids=["120", "80", "60"]
+)
+async def test_every_menu_shows_each_row_whole(
+    make_app: MakeApp, size: tuple[int, int], ascii_only: bool
+) -> None:
+    async with on_screen(make_app("frozenlake", ascii=ascii_only), size) as pilot:
+        for key, title in MENUS.items():
+            await press(pilot, key)
+            drawn = lines(pilot)
+            assert drawn[0].split()[1] == title
+            rows = [each for each in playground(pilot).actions if each.menu == key]
+            for row in rows:
+                label = to_ascii(row.label, playground(pilot).look.glyphs)
+                assert any(f"{row.letter} {label}" in line for line in drawn), row.id
+            assert strip(pilot).menu.region.bottom == size[1]
+            await press(pilot, "escape")
+            assert isinstance(pilot.app.screen, Playground)
+
+
+async def test_a_letter_acts_at_once_and_so_does_enter_on_the_row_under_the_cursor(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student")) as pilot:
+        await press(pilot, "r", "n")
+        assert snapshot(pilot).recipe.seed == 1
+        await press(pilot, "r", "down", "enter")
+        assert snapshot(pilot).recipe.seed == 2
+        await press(pilot, "r", "j", "k", "right", "left", "end", "home", "down", "enter")
+        assert snapshot(pilot).recipe.seed == 3
+        await press(pilot, "r", "s")
+        assert isinstance(pilot.app.screen, Prompt)
+        await press(pilot, "escape", "a", "enter")
+        assert isinstance(pilot.app.screen, Choice)
+
+
+async def test_the_mouse_does_a_row_and_closes_beside_them(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student")) as pilot:
+        await press(pilot, "r")
+        place = lines(pilot)[2].index("next seed")
+        await click(pilot, strip(pilot).menu, offset=(place, 2))
+        assert snapshot(pilot).recipe.seed == 1
+        await press(pilot, "r")
+        await click(pilot, offset=(3, 3))
+        assert isinstance(pilot.app.screen, Playground)
+        assert snapshot(pilot).recipe.seed == 1
+
+
+async def test_what_cannot_be_done_now_says_why_and_what_is_no_row_does_nothing(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student")) as pilot:
+        await press(pilot, "c", "l", "Z")
+        assert ONE_RUN in lines(pilot)[-1]
+        await press(pilot, "q")
+        assert isinstance(pilot.app.screen, Playground)
+        await press(pilot, "c", "question_mark")
+        assert isinstance(pilot.app.screen, KeySheet)
+
+
+async def test_rows_show_current_values_while_the_run_goes_on(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake")) as pilot:
+        await press(pilot, "t", "b", "t")
+        assert "1 set" in " ".join(lines(pilot))
+        await press(pilot, "escape", "a")
+        assert all(value in " ".join(lines(pilot)) for value in ("Q-learning", "ε-greedy", "random"))
+        before = snapshot(pilot).counters.step
+        playground(pilot).send(Play())
+        await train(pilot, 20)
+        assert isinstance(pilot.app.screen, MenuStrip)
+        assert playground(pilot).snapshot is not None
+        assert snapshot(pilot).counters.step > before
+
+
+async def test_escape_closes_the_menu_and_not_the_mode_below(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake")) as pilot:
+        await press(pilot, "y", "t", "escape")
+        assert playground(pilot).modes.current is playground(pilot).manual
+
+
+async def test_an_old_key_does_what_it_did_and_names_the_new_one_or_only_names_it(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
+        await press(pilot, "P")
+        assert playground(pilot).board.opened == "policies"
+        assert "t p" in notes(pilot.app)[-1]
+        await press(pilot, "P", "P")
+        assert notes(pilot.app) == []
+        hidden = playground(pilot).wanted.is_hidden
+        await press(pilot, "W")
+        assert "m w" in notes(pilot.app)[-1]
+        assert playground(pilot).wanted.is_hidden == hidden
