@@ -113,14 +113,13 @@ def test_an_axis_that_has_shrunk_does_not_grow_again_at_once() -> None:
     assert settled(narrow, -0.9, 1.4) is narrow
 
 
-def test_the_horizontal_axis_changes_rarely_and_goes_no_further_than_there_will_be_episodes() -> None:
+def test_the_horizontal_axis_changes_rarely() -> None:
     many = range(8, 100_000, 7)
     ends = [round_range(episodes) for episodes in many]
     assert ends == sorted(ends)
     assert len(set(ends)) <= 13 * 5  # thirteen to a power of ten
     assert all(episodes <= end + 1e-9 for episodes, end in zip(many, ends, strict=True))
     assert round_range(1) == 10.0
-    assert round_range(900, 950) == 950
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,6 @@ from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.dialogs.export import CommandLine
 from rl_tui.screen.frame.key_line import KeyLine
-from rl_tui.screen.kit.pointing import part_pointed_at
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.playground.playground import Playground
 
@@ -260,7 +259,7 @@ async def test_the_mouse_draws_towards_the_side_that_is_clicked_again_and_lanes_
         world = view(pilot)
         places = [(x, y) for y in range(world.size.height) for x in range(world.size.width)]
         cell = [each for each in places if world.place_at(*each) == 6]
-        sides = {part_pointed_at(world, *each): each for each in cell}
+        sides = {world.part_at(*each): each for each in cell}
         assert set(sides) == {None, (0, 1), (0, -1), (1, 0), (-1, 0)}
         for step, expected in (((0, 1), RIGHT), ((1, 0), DOWN), ((0, -1), LEFT), ((-1, 0), UP)):
             x, y = sides[step]

@@ -11,7 +11,7 @@ from drawn_grids import large_lake, q_of
 from samples import lake, look
 from snapshots import changed
 from textual.app import App, ComposeResult
-from textual.geometry import Region
+from textual.geometry import Region, Size
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.kit.scrolling import kept_in_view
@@ -52,10 +52,10 @@ def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:
     snapshot = large_lake()
     view = GridView(snapshot.world, look())
-    view.snapshot = snapshot
+    view.snapshot, view.cell = snapshot, Size(8, 1)
 
-    def text(width: int = 60) -> str:
-        return "".join(strip.text for strip in view.picture(snapshot, width, 10))
+    def text(width: int = 96) -> str:
+        return "".join(strip.text for strip in view.picture(snapshot, width, 11))
 
     assert "◉" in text()
     assert view.footing == "rows 0–9 of 40 · columns 0–11 of 40 · follows the agent"
@@ -63,22 +63,22 @@ def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:
     for _ in range(3):
         view.pan(1, 0)
     assert "◉" not in text()
-    assert view.footing == "3–12 of 40 · 0–11 of 40 · esc: follow the agent"
+    assert view.footing == "rows 3–12 of 40 · columns 0–11 of 40 · esc: follow the agent"
     view.action_page(1, 1)
     text()
     assert view.cursor == 10 * 40 + 12  # a page from the agent, at the start
-    assert view.footing.startswith("3–12 of 40 · 1–12 of 40")  # no further than it takes
+    assert view.footing.startswith("rows 3–12 of 40 · columns 1–12 of 40")  # no further than it takes
     view.action_move(3, 0)
     text()
-    assert view.footing.startswith("4–13 of 40 · 1–12 of 40")
+    assert view.footing.startswith("rows 4–13 of 40 · columns 1–12 of 40")
     view.action_page(9, -9)
     assert "★" not in text()
     assert view.cursor == 39 * 40
-    assert view.footing.startswith("30–39 of 40 · 0–11 of 40")
+    assert view.footing.startswith("rows 30–39 of 40 · columns 0–11 of 40")
     assert view.check_action("back", ()) is True
     view.follow()
     assert "◉" in text()
-    text(40)
+    text(64)
     assert view.footing == "rows 0–9 of 40 · columns 0–7 of 40"  # that it follows is seen
 
 
@@ -92,7 +92,7 @@ def test_a_legend_stands_below_a_whole_map_and_above_one_that_scrolls() -> None:
     view.picture(snapshot, 40, 10)
     assert view.heading == "World · angle down, speed across"
     view.picture(snapshot, 30, 10)
-    assert (view.heading, view.footing) == ("World 0–9/40, 0–5/40", "angle down, speed across")
+    assert (view.heading, view.footing) == ("World 0–9/40, 0–5/40", "0–9 of 40 · 0–5 of 40")
     view.keep_in_view(0)
     view.picture(snapshot, 30, 10)
     assert view.footing == "esc: follow the agent"
@@ -101,8 +101,11 @@ def test_a_legend_stands_below_a_whole_map_and_above_one_that_scrolls() -> None:
     assert (view.heading, view.footing) == ("World · V and greedy", "angle down, speed across")
     for legend in ("angle down, speed across, ace right", "towns: angle down, speed across"):
         narrow = GridView(World(snapshot.world.space, replace(drawing, legend=legend)), look())
-        narrow.picture(snapshot, 30, 10)
+        narrow.cell = Size(1, 1)
+        narrow.picture(snapshot, 58, 41)
         assert narrow.footing == "angle down, speed across"
+        narrow.picture(snapshot, 74, 11)
+        assert narrow.footing == "angle down, speed across · rows 0–9 of 40"
 
 
 def test_a_whole_map_does_not_scroll() -> None:
@@ -156,8 +159,9 @@ def test_an_end_far_from_where_the_agent_acted_does_not_move_the_map() -> None:
     assert last is not None
     last = replace(last, state=5, pair=20, next_state=goal, terminated=True)
     view = GridView(snapshot.world, look())
-    view.picture(changed(snapshot, state=goal, last_step=last), 60, 10)
+    view.cell = Size(8, 1)
+    view.picture(changed(snapshot, state=goal, last_step=last), 96, 11)
     assert view.footing.startswith("rows 0–9 of 40 · columns 0–11")
     near = replace(last, state=goal - 1)
-    view.picture(changed(snapshot, state=goal, last_step=near), 60, 10)
+    view.picture(changed(snapshot, state=goal, last_step=near), 96, 11)
     assert view.footing.startswith("rows 30–39 of 40")

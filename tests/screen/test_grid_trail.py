@@ -233,7 +233,7 @@ def test_a_gust_that_is_stronger_than_usual_says_so() -> None:
     assert shown == {12: "↑1", 7: "↑1", 2: "↑1+"}
 
 
-def test_without_a_free_row_the_wind_stands_on_the_border() -> None:
+def test_without_a_free_row_the_wind_is_told_in_a_line() -> None:
     snapshot = in_wind(windy(), 10, RIGHT)
     view = GridView(snapshot.world, look())
     rows = view.picture(snapshot, 30, 3)
@@ -241,13 +241,15 @@ def test_without_a_free_row_the_wind_stands_on_the_border() -> None:
     assert view.footing == "wind 0 ↑1 ↑2 0 0"
 
 
-def test_which_part_is_in_view_stands_on_the_border_before_the_wind() -> None:
+def test_which_part_is_in_view_is_told_rather_than_the_wind() -> None:
     snapshot = in_wind(windy(), 10, RIGHT)
     view = GridView(snapshot.world, look())
     view.picture(snapshot, 24, 2)
     assert view.footing == "1–2 of 3 · 0–3 of 5"
-    view.picture(snapshot, 42, 2)
+    view.picture(snapshot, 34, 2)
     assert view.footing == "rows 1–2 of 3 · follows the agent"
+    view.picture(snapshot, 42, 2)
+    assert view.footing == "wind 0 ↑1 ↑2 0 0 · rows 1–2 of 3"
     view.picture(snapshot, 90, 2)
     assert view.footing.startswith("wind 0 ↑1 ↑2 0 0 · rows 1–2 of 3")
 

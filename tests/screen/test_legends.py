@@ -49,19 +49,18 @@ def legend(panel: Panel) -> list[str]:
 
 
 def test_a_legend_stands_on_a_row_that_is_free() -> None:
-    grid = explained(GridView(lake().world, look()), lake(), 60, 13)
-    assert rows(grid)[-1].split() == ["0", ".60", "V", "◉", "agent", "▲", "greedy", "●", "hole", "★", "goal"]
-    assert not grid.foot
+    table = explained(QTable(look()), lake(), 64, 14)
+    assert rows(table)[-1] == " ▌▐ greedy: looks best  ▐ just updated  ◉ agent  · not tried"
+    assert "greedy" not in table.foot
 
 
 def test_without_a_free_row_it_is_on_the_border_as_far_as_there_is_room() -> None:
     for width, expected in (
-        (64, "tint V · ◉ agent · ↑ greedy · ● hole · ★ goal · S start"),
-        (42, "tint V · ◉ agent · ↑ greedy · ● hole"),
-        (33, "tint V · ◉ agent · ↑ greedy"),
+        (70, "▌▐ greedy · ▐ just updated · ◉ agent · v:"),
+        (60, "▌▐ greedy · ▐ just updated · v:"),
+        (44, "▌▐ greedy · v:"),
     ):
-        grid = explained(GridView(lake().world, look()), lake(), width, 8)
-        assert grid.foot == expected
+        assert explained(QTable(look()), lake(), width, 12).foot.startswith(expected)
 
 
 def test_signs_stand_closer_where_all_of_them_fit_so() -> None:
@@ -126,9 +125,9 @@ def test_ties_have_a_sign_where_arrows_have_no_room() -> None:
 
 def test_no_tint_is_explained_where_there_are_no_colours() -> None:
     for depth in ("truecolor", "256", "16", "none"):
-        for panel, shown in ((GridView, lake()), (GraphView, student())):
-            view = explained(panel(shown.world, look(depth=depth)), shown, 60, 13)
-            assert ("tint V" in legend(view)) is (depth != "none")
+        view = GridView(lake().world, look(depth=depth))
+        view.shows_actions = True
+        assert ("tint Q" in legend(explained(view, lake(), 60, 13))) is (depth != "none")
 
 
 def test_rewards_and_ties_have_signs_of_their_own() -> None:
@@ -147,9 +146,8 @@ def test_a_kind_of_cell_in_which_something_can_be_done_has_no_sign() -> None:
 
 
 def test_a_legend_is_told_in_full_where_all_of_it_has_room() -> None:
-    for width, expected in ((90, "tint value V(s)"), (70, "tint V")):
-        grid = explained(GridView(lake().world, look()), lake(), width, 8)
-        assert grid.foot.split(" · ")[0] == expected
+    for width, expected in ((90, "▌▐ greedy: looks best"), (70, "▌▐ greedy")):
+        assert explained(QTable(look()), lake(), width, 12).foot.split(" · ")[0] == expected
 
 
 @pytest.mark.screen

@@ -196,16 +196,6 @@ def test_while_steps_pass_too_fast_there_is_none(scenario: str) -> None:
     assert below(changed(fast, speed=10.0), 60, 20)
 
 
-def test_it_takes_the_place_of_the_legend_only_where_that_has_no_rows() -> None:
-    shown = snapshot_of(swept("frozenlake", "evaluation"))
-    for height, is_there in ((8, False), (11, True)):
-        view = GridView(shown.world, look())
-        view.snapshot = shown
-        view.picture(shown, 40, height)
-        assert view.footing.startswith("V(14) ←")
-        assert bool(view.legend(shown)) is is_there
-
-
 def test_a_cursor_and_a_lane_beside_come_before_it() -> None:
     shown = snapshot_of(swept("frozenlake", "evaluation"))
     for given in ({"cursor": 5}, {"lane": ("1 γ 0.9",)}):

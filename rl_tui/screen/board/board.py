@@ -367,7 +367,6 @@ class Board(Container):
 
     @staticmethod
     def _pairs_in(event: Pointed, panel: QTable | WorldView) -> range:
-        """Return the pairs of ``event`` as the world that ``panel`` shows has them."""
         source = event.panel.snapshot if isinstance(event.panel, QTable | WorldView) else None
         if source is None or panel.snapshot is None:
             return event.pairs

@@ -81,6 +81,5 @@ def _order(directions: tuple[Direction | None, ...]) -> tuple[int, ...]:
 
 @lru_cache
 def _inverse(directions: tuple[Direction | None, ...]) -> tuple[int, ...]:
-    """Return of each action, in the world's order, its place on screen."""
     order = _order(directions)
     return tuple(order.index(action) for action in range(len(order)))

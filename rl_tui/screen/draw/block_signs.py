@@ -73,7 +73,6 @@ def _shape(name: SignName, directions: tuple[Direction, ...], rows: int) -> _Ins
 
 
 def _arrow(down: int, right: int, rows: int) -> _Inside:
-    """Return a triangle, from 6 rows on with a shaft; a diagonal is the filled corner of a square."""
     if down and right:
         return lambda x, y: x * right + y * down >= -0.05 and max(abs(x), abs(y)) <= 0.9
 
@@ -97,7 +96,6 @@ def _head(x: float, y: float, rows: int, down: int, right: int) -> bool:
 
 
 def _star(x: float, y: float) -> bool:
-    """Return whether the point is in a star with five tips, one above."""
     fifth, inner, outer = 2 * math.pi / 5, 0.42, 1.05
     radius, angle = math.hypot(x, y + 0.05), math.atan2(x, -y - 0.05) % fifth
     angle = abs(angle - fifth / 2)  # from the notch between two tips, at which it is 0

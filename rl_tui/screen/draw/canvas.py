@@ -124,7 +124,6 @@ def strips_of_row(cells: Sequence[Drawn], width: int, style: Style) -> tuple[Str
 
 
 def _joined(segments: Iterable[Segment]) -> Iterator[Segment]:
-    """Yield ``segments``, neighbours of one and the same style as one."""
     for _, own in groupby(segments, key=lambda each: id(each.style)):
         found = list(own)
         yield found[0] if len(found) == 1 else Segment("".join(each.text for each in found), found[0].style)

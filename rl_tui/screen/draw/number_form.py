@@ -86,7 +86,6 @@ class NumberForm(NamedTuple):
         return max(1, self.decimals)
 
     def _tiny(self, x: float, glyphs: Glyphs) -> str:
-        """Return a number that the decimals cannot tell from 0."""
         if self.marks_by_bound:
             least = _least(self.shown_decimals, glyphs)
             return f">{glyphs.minus}{least}" if x < 0.0 else f"<{least}"
@@ -165,7 +164,6 @@ def _fit(form: NumberForm, ends: list[float]) -> bool:
 
 
 def _lengths(form: NumberForm, values: FloatArray) -> IntArray:
-    """Return how many cells each of ``values`` takes in a ``form`` without exponent."""
     rounded = np.round(np.abs(values), form.decimals)
     whole = np.floor(np.log10(np.maximum(rounded, 1.0))).astype(np.int64) + 1
     if form.decimals and not form.leading_zero:
@@ -174,5 +172,4 @@ def _lengths(form: NumberForm, values: FloatArray) -> IntArray:
 
 
 def _least(decimals: int, glyphs: Glyphs) -> str:
-    """Return the least number above 0 that so many decimals show."""
     return numbers.fixed(10.0**-decimals, decimals, glyphs, leading_zero=False)

@@ -159,7 +159,6 @@ def _without_leading_zero(text: str) -> str:
 
 
 def _widest_that_fits(forms: Iterable[str], width: int) -> str:
-    """Return the first of ``forms`` that fits, empty if none does."""
     return next((form for form in forms if len(form) <= width), "")
 
 

@@ -78,16 +78,14 @@ def settled(previous: Scale | None, low: float, high: float) -> Scale:
     return tight_scale(low, high)
 
 
-def round_range(last: float, limit: float | None = None) -> float:
+def round_range(last: float) -> float:
     """Return the right end of an axis from 0 to ``last`` or somewhat more.
 
-    It is 10 or more and goes in steps, so that it changes rarely and at most a fifth of the axis is empty;
-    ``limit``, the largest value that will ever come, keeps it from going further than needed.
+    It is 10 or more and goes in steps, so that it changes rarely and at most a fifth of the axis is empty.
     """
     needed = max(last, FIRST_RANGE)
     power = 10.0 ** math.floor(math.log10(needed))
-    right = next(power * digit for digit in _ROUND if needed <= power * digit * (1.0 + 1e-12))
-    return right if limit is None else min(right, limit)
+    return next(power * digit for digit in _ROUND if needed <= power * digit * (1.0 + 1e-12))
 
 
 def round_step(least: float) -> float:

@@ -223,7 +223,6 @@ class Table:
         return lines
 
     def _chosen(self, width: int, look: Look) -> tuple[Columns, list[int], bool]:
-        """Return the columns, the cells of each, and whether they fit."""
         columns: Columns = ()
         wanted: list[int] = []
         least: list[int] = []
@@ -255,7 +254,6 @@ def _aligned(piece: Piece, column: Column, cells: int, look: Look) -> Piece:
 def _stacked(
     columns: Columns, pieces: Sequence[Sequence[Piece]], place: int, width: int, look: Look
 ) -> Iterator[Line]:
-    """Yield the name of a row and below it the other cells, behind the heads of their columns."""
     (_, *names), *others = pieces
     if names[place].text:
         yield [Piece(f" {shortened(names[place].text, width - 1, look.glyphs.ellipsis)}", names[place].style)]

@@ -55,7 +55,6 @@ class Equation:
         return [line for place, part in parts for line in _pair(part, _INDENT if place else " ", look)]
 
     def _brace(self, look: Look) -> Iterator[Line]:
-        """Yield the brace from the opening bracket to the closing bracket."""
         start = end = 0
         column = 1 + _cells(self.left, look)
         for term in self.terms:

@@ -92,11 +92,9 @@ def _v(lane: Snapshot) -> tuple[FloatArray, BoolArray]:
 
 
 def _exits(world: World) -> BoolArray:
-    """Return of each state with actions whether it is an exit of a map."""
-    found = _EXITS.get(world)
-    if found is None:
-        found = _EXITS[world] = _find_exits(world)
-    return found
+    if world not in _EXITS:
+        _EXITS[world] = _find_exits(world)
+    return _EXITS[world]
 
 
 def _find_exits(world: World) -> BoolArray:

@@ -33,7 +33,6 @@ from rl_tui.worlds.world import World
 
 
 GREEDY_IN_FULL: Final = "greedy: looks best"
-POLICY_IN_FULL: Final = "policy: what it does"
 AGENT: Final = "agent"
 MAY_NEVER_END: Final = "may never end"
 _GAP: Final = "  "
@@ -46,15 +45,13 @@ class LegendSign(NamedTuple):
     """A ``sign`` as the panel draws it, characters and ``style``, and its ``meaning`` in a word or two.
 
     The sign is in the characters of the look already. ``in_full`` is the meaning where all of the legend has
-    room for that; empty: the same. ``pieces`` are what the sign looks like where it has several styles: in
-    rows, since a border has one.
+    room for that; empty: the same.
     """
 
     sign: str
     meaning: str
     style: Style
     in_full: str = ""
-    pieces: tuple[Piece, ...] = ()
 
 
 Legend = tuple[LegendSign, ...]
@@ -68,11 +65,6 @@ def agent_meaning(snapshot: Snapshot) -> str:
 def no_value_sign(look: Look) -> LegendSign:
     """Return how a state or pair is marked that has no value, since its policy may never end from there."""
     return LegendSign(numbers.missing(look.glyphs), "none", look.palette.text, f"no value: {MAY_NEVER_END}")
-
-
-def no_table_sign(look: Look) -> LegendSign:
-    """Return how a state is marked that has no value, since no table of the program is known."""
-    return LegendSign(numbers.missing(look.glyphs), "no table", look.palette.text, "no table, so no value")
 
 
 @lru_cache(_MOST_KEPT)
@@ -91,10 +83,7 @@ def _in_full(signs: Legend) -> Legend:
 def _lines(signs: Legend, width: int, look: Look) -> list[list[Piece]]:
     lines: list[list[Piece]] = []
     for sign in signs:
-        entry = [
-            *(sign.pieces or (Piece(sign.sign, sign.style),)),
-            Piece(f" {sign.meaning}", look.palette.dim),
-        ]
+        entry = [Piece(sign.sign, sign.style), Piece(f" {sign.meaning}", look.palette.dim)]
         if lines and length(spelled([*lines[-1], *entry], look)) + len(_GAP) <= width:
             lines[-1] += [Piece(_GAP, look.palette.dim), *entry]
         else:
@@ -128,6 +117,7 @@ def _entries(signs: Legend, look: Look) -> list[str]:
 
 BORDER_ENDS: Final = 1  # a blank between a title and the rule behind it
 _TITLE_GAP: Final = "  "  # between a title and its caption
+_WHEEL_ROWS: Final = 3
 _EDGES: Final = {  # by the name of a border in a style sheet: its rule, its upper and its lower corners
     "solid": ("─", "┌┐", "└┘"),
     "heavy": ("━", "┏┓", "┗┛"),
@@ -343,6 +333,17 @@ class Panel(BoardPanel):
         if key is not None:
             event.stop()
             self.app.simulate_key(key)
+
+    def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
+        """Scroll by so many rows, where there is more than fits."""
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Scroll down."""
+        self.turn_wheel(_WHEEL_ROWS, event)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Scroll up."""
+        self.turn_wheel(-_WHEEL_ROWS, event)
 
     def footing_column(self, event: events.MouseEvent) -> int | None:
         """Return which character of what stands on the lower border ``event`` points at, None if none."""

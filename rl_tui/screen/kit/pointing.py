@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
-from textual.geometry import Size
 from textual.message import Message
 from textual.widget import Widget
 
 NOWHERE: Final = range(0)
-_MIDDLE: Final = 0.2  # of half a place
 
 
 class Touched(Message):
@@ -61,32 +59,3 @@ class Wheeled(Touched):
     view: Widget
     place: int
     amount: float
-
-
-class PlacePicture(Protocol):
-    """A picture of places."""
-
-    @property
-    def size(self) -> Size:
-        """How many columns and rows it has."""
-
-    def place_at(self, x: int, y: int) -> int | None:
-        """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
-
-
-def part_pointed_at(places: PlacePicture, x: int, y: int) -> tuple[int, int] | None:
-    """Return towards which side of its place column ``x`` of row ``y`` is, None in the middle."""
-    here = places.place_at(x, y)
-    columns = [each for each in range(places.size.width) if places.place_at(each, y) == here]
-    rows = [each for each in range(places.size.height) if places.place_at(x, each) == here]
-    right, down = _off_centre(x, columns), _off_centre(y, rows)
-    if max(abs(right), abs(down)) < _MIDDLE:
-        return None
-    if abs(right) >= abs(down):
-        return 0, (1 if right > 0 else -1)
-    return (1 if down > 0 else -1), 0
-
-
-def _off_centre(at: int, cells: list[int]) -> float:
-    """Return how far from the middle of ``cells`` one of them is, from −1 to 1."""
-    return (2 * at - cells[0] - cells[-1]) / len(cells)

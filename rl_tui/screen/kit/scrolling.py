@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import ClassVar, Final
+from typing import ClassVar
 
 from textual import events
 from textual.binding import BindingType
@@ -43,9 +43,6 @@ def scrolled_to(first: int, place: int, shown: int) -> int:
 
 
 # A panel of rows
-
-
-_WHEEL_ROWS: Final = 3
 
 
 def scroll_bindings(panel: str) -> list[BindingType]:
@@ -139,15 +136,10 @@ class ScrolledPanel(Panel, can_focus=True):
         """Scroll by so many pages, a row less each, so that nothing is skipped."""
         self._scroll(pages * max(1, self.size.height - 1))
 
-    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Scroll down by a few rows."""
+    def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
+        """Scroll by so many rows."""
         event.stop()
-        self._scroll(_WHEEL_ROWS)
-
-    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Scroll up by a few rows."""
-        event.stop()
-        self._scroll(-_WHEEL_ROWS)
+        self._scroll(rows)
 
     def _scroll(self, rows: int) -> None:
         self._first = max(0, min(self._first + rows, self._rows_in_all - self.size.height))

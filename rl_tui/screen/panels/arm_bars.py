@@ -13,7 +13,6 @@ from typing import Final, NamedTuple
 from rich.cells import cell_len
 from rich.color import ColorType
 from rich.style import Style
-from textual.strip import Strip
 
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Canvas, shortened
@@ -159,23 +158,15 @@ def _beside(width: int) -> int:
 
 
 def draw_arms(
-    arms: Sequence[Arm],
-    scale: ArmsScale,
-    look: Look,
-    width: int,
-    height: int,
-    each: int,
-    names: int,
-    form: NumberForm,
-) -> list[Strip]:
-    """Return the bars of ``arms``, ``each`` rows an arm, and below them the axis where a row is left.
+    canvas: Canvas, arms: Sequence[Arm], scale: ArmsScale, look: Look, each: int, names: int, form: NumberForm
+) -> None:
+    """Draw the bars of ``arms``, ``each`` rows an arm, and below them the axis where a row is left.
 
     A row: ▸ where greedy, ◉ where pulled last, the name, a breakpoint, the bar; the best arm has a ★ at the
     end once the truth is shown. Names get ``names`` cells; estimates are in ``form``. Of three rows the last
     is blank, of two the second.
     """
-    glyphs, palette = look.glyphs, look.palette
-    canvas = Canvas(width, height, palette.text)
+    glyphs, palette, width, height = look.glyphs, look.palette, canvas.width, canvas.height
     left = 2 + names + 1
     plot = _Plot(left, width - left - _beside(width), scale)
     total = sum(arm.pulls for arm in arms)
@@ -193,7 +184,6 @@ def draw_arms(
     axis = len(arms) * each
     if axis < height and plot.width >= _LEAST_PLOT:
         _draw_axis(canvas, axis, plot, look)
-    return canvas.strips()
 
 
 def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None:
@@ -210,7 +200,6 @@ def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None
 
 
 def _draw_bar(canvas: Canvas, rows: range, arm: Arm, plot: _Plot, look: Look) -> None:
-    """Draw the bar from 0 to the estimate, over it the standard error and the true mean."""
     glyphs, palette, y = look.glyphs, look.palette, rows.start
     if arm.error is None:
         _draw_not_pulled(canvas, y, arm, plot, look)
@@ -246,7 +235,6 @@ def _bar_ground(greedy: bool, palette: Palette) -> Style:
 def _draw_numbers(
     canvas: Canvas, y: int, arm: Arm, total: int, plot: _Plot, look: Look, form: NumberForm
 ) -> None:
-    """Write estimate, pulls and their share of ``total`` right of the bar, as far as there is room."""
     if canvas.width < _VALUES_FROM or arm.error is None:
         return
     palette, x = look.palette, plot.left + plot.width + 1
@@ -270,7 +258,6 @@ def _draw_not_pulled(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) 
 
 
 def _draw_value(canvas: Canvas, y: int, arm: Arm, left: int, look: Look, form: NumberForm) -> None:
-    """Write the estimate where a bar would have no room."""
     if canvas.width - left < _LEAST_VALUE:
         return
     text = look.glyphs.ellipsis if arm.error is None else form.text(arm.estimate, look.glyphs)
@@ -278,7 +265,6 @@ def _draw_value(canvas: Canvas, y: int, arm: Arm, left: int, look: Look, form: N
 
 
 def _draw_axis(canvas: Canvas, y: int, plot: _Plot, look: Look) -> None:
-    """Write round values below their columns, as many as keep apart."""
     end = -1
     for value in ticks(plot.scale, max(2, plot.width // 8)):
         text = bound_text(value, look.glyphs)

@@ -14,10 +14,10 @@ from textual.strip import Strip
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.bandit import true_means
+from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.names import pair_in_words
-from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.numbers_in_common import all_q
-from rl_tui.screen.kit.panel import GREEDY_IN_FULL, BoardPanel, Legend, LegendSign
+from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
 from rl_tui.screen.kit.snapshot_facts import is_new_run, is_secret
 from rl_tui.screen.panels.arm_bars import (
@@ -61,14 +61,13 @@ class ArmsView(WorldView):
             raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
         super().enter(world, goes_on=goes_on)
         self._mdp = world.mdp
-        self._number_forms = SteadyForms()
         self.heading = HEADINGS[0]
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. The scale only ever widens, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
             self.scale = NO_SCALE
-            self._number_forms.clear()
+            self.number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -92,16 +91,17 @@ class ArmsView(WorldView):
         # where no row is left for the axis, its ends are named in the title
         ends = [] if len(arms) * each < height else [f"{form}  {self._ends(scale)}" for form in HEADINGS]
         self.heading = self.fitting([*ends, *self.captioned(ARMS), *HEADINGS], width)
-        self.free_rows = height - shown * each - 1
         hidden = len(arms) - shown
         parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
         if not is_secret(snapshot):
             parts.append(f"{true_mean_glyph(self.look)} true mean  {self.look.glyphs.best_arm} best arm")
         self.footing = self.fitting(("  ".join(parts), *parts), width)
         names = names_width(arms, self.look)
-        form = self._number_forms.form("estimates", all_q(snapshot), value_width(width, names))
+        form = self.number_forms.form("estimates", all_q(snapshot), value_width(width, names))
         in_view = arms[self._top : self._top + shown]
-        return draw_arms(in_view, scale, self.look, width, height, each, names, form)
+        canvas = Canvas(width, height, self.look.palette.text)
+        draw_arms(canvas, in_view, scale, self.look, each, names, form)
+        return canvas.strips()
 
     def signs(self) -> Legend:
         """Return the signs of an arm and its bar."""
@@ -115,7 +115,7 @@ class ArmsView(WorldView):
         return (
             *(truth if shows_truth else ()),
             LegendSign(glyphs.agent, "last pull", palette.agent),
-            LegendSign(glyphs.cursor, "greedy", palette.best, GREEDY_IN_FULL),
+            LegendSign(glyphs.cursor, "greedy", palette.best),
             LegendSign(glyphs.bar_end, "estimate", palette.text),
             LegendSign(glyphs.whisker, "standard error", palette.text),
         )
@@ -131,7 +131,6 @@ class ArmsView(WorldView):
         if isinstance(twin, ArmsView):
             self._top = twin._top if self.takes_stance_of(twin) else self._top
             self.scale = grown(self.scale, twin.scale)
-            self._number_forms = twin._number_forms
 
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
         """Return where an arm is once others were added or taken away; None where it is gone."""
@@ -197,12 +196,6 @@ class ArmsView(WorldView):
         return f"{low}…{'+' if scale.high > 0.0 else ''}{high}"
 
 
-def noise_of_pairs(mdp: TabularMDP) -> FloatArray:
-    """Return the standard deviation of the noise on each pair's rewards, [P], as the scenario states it."""
-    variance = np.bincount(mdp.outcome_pair, mdp.probability * mdp.reward_std**2, minlength=mdp.pairs)
-    return np.asarray(np.sqrt(variance))
-
-
 def true_means_now(mdp: TabularMDP, snapshot: Snapshot) -> FloatArray | None:
     """Return the true mean q*(a) of each pair at this step, [P]; None where it has drifted out of sight."""
     if mdp.drift_std > 0.0 and snapshot.counters.step > 0:
@@ -218,7 +211,8 @@ def noise_of_rewards(mdp: TabularMDP, q: FloatArray) -> FloatArray:
     """
     values = np.unique(mdp.reward)
     if len(values) != 2 or mdp.reward_std.any() or len(mdp.reward) == mdp.pairs:
-        return noise_of_pairs(mdp)
+        variance = np.bincount(mdp.outcome_pair, mdp.probability * mdp.reward_std**2, minlength=mdp.pairs)
+        return np.asarray(np.sqrt(variance))
     low, high = values
     inside = np.clip(q, low, high)
     return np.asarray(np.sqrt((inside - low) * (high - inside)))

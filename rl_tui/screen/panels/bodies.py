@@ -59,7 +59,6 @@ def body_strips(pose: Pose, width: int, height: int, look: Look) -> tuple[Strip,
 
 
 def _draw_cart(canvas: Canvas, pose: Pose, look: Look) -> None:
-    """Draw the cart on its track; where its place is not observed, in the middle."""
     glyphs, palette = look.glyphs, look.palette
     position, _, angle, turning = pose.numbers
     ground, half = canvas.height - 1, 4 if canvas.width >= _WIDE else 2
@@ -83,7 +82,6 @@ def _draw_cart(canvas: Canvas, pose: Pose, look: Look) -> None:
 
 
 def _draw_pole(canvas: Canvas, middle: int, rows: int, angle: float, look: Look) -> None:
-    """Draw the pole from the cart upwards into ``rows`` rows."""
     dots = np.zeros((rows * DOTS_DOWN, canvas.width * DOTS_ACROSS), dtype=np.bool_)
     along = np.linspace(0.0, rows * DOTS_DOWN - 1, _POINTS)
     x = np.rint(middle * DOTS_ACROSS + np.sin(angle) * along).astype(np.int64)
@@ -96,7 +94,6 @@ def _draw_pole(canvas: Canvas, middle: int, rows: int, angle: float, look: Look)
 
 
 def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
-    """Draw the hill below a line of text, with the flag on top and the car at its place."""
     glyphs, palette = look.glyphs, look.palette
     position, velocity = pose.numbers
     rows, low, high = canvas.height - 1, *_HILL
@@ -130,7 +127,6 @@ def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
 
 
 def _draw_push(canvas: Canvas, middle: int, beside: int, y: int, action: str, look: Look) -> None:
-    """Draw in which direction the last action pushes."""
     glyphs = look.glyphs
     if action == "right":
         canvas.put(middle + beside, y, glyphs.track_done * 2 + glyphs.head_right, look.palette.strong)
@@ -140,14 +136,12 @@ def _draw_push(canvas: Canvas, middle: int, beside: int, y: int, action: str, lo
 
 
 def _number(name: str, value: float, unit: str, decimals: int, look: Look) -> str:
-    """Return ``name`` and ``value`` with its sign; nothing where it is not observed."""
     if math.isnan(value):
         return ""
     return f"{name} {value:+.{decimals}f}{unit}".replace("-", look.glyphs.minus)
 
 
 def _put_dots(canvas: Canvas, top: int, dots: BoolArray, plain: str, style: Style, look: Look) -> None:
-    """Put dots from row ``top`` on, in braille or else as characters that are all ``plain``."""
     codes: Sequence[Sequence[int]] = braille_codes(dots).tolist()
     for y, row in enumerate(codes, start=top):
         for x, code in enumerate(row):

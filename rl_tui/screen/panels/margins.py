@@ -94,7 +94,6 @@ def labelled(
 
 @lru_cache(8)
 def _row_labels(axes: Axes, part: LabelledPart, left: int, height: int, look: Look) -> tuple[Strip, ...]:
-    """Return the labels of the rows in view, each in ``left`` columns beside the map."""
     texts = [""] * height
     for row in range(part.rows):
         y = row * part.cell[1] + (part.cell[1] - 1) // 2
@@ -107,7 +106,6 @@ def _row_labels(axes: Axes, part: LabelledPart, left: int, height: int, look: Lo
 def _column_labels(
     axes: Axes, part: LabelledPart, margins: Margins, width: int, look: Look
 ) -> tuple[Strip, ...]:
-    """Return the rows with the names of blocks and the labels of columns, as many as keep apart."""
     canvas = Canvas(width, margins.labels, look.palette.text)
     wide, start = part.cell[0], margins.left
     if margins.labels > 1:

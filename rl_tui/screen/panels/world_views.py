@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, Final
+
 from textual.widgets import Static
 
 from rl_tui.screen.kit.panel import BoardPanel
@@ -10,25 +12,15 @@ from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms, Graph, Grid
+from rl_tui.worlds.drawing import Arms, Drawing, Graph, Grid
 from rl_tui.worlds.world import World
 
+_VIEWS: Final[dict[type[Drawing], type[WorldView]]] = {Grid: GridView, Graph: GraphView, Arms: ArmsView}
 
-def make_world_view(
-    world: World,
-    look: Look,
-    *,
-    id: str | None = None,  # noqa: A002
-    classes: str | None = None,
-) -> WorldView:
-    """Return the view for how ``world`` is drawn."""
-    match world.drawing:
-        case Grid():
-            return GridView(world, look, id=id, classes=classes)
-        case Graph():
-            return GraphView(world, look, id=id, classes=classes)
-        case Arms():
-            return ArmsView(world, look, id=id, classes=classes)
+
+def make_world_view(world: World, look: Look, **options: Any) -> WorldView:
+    """Return the view for how ``world`` is drawn, with the ``options`` of a widget."""
+    return _VIEWS[type(world.drawing)](world, look, **options)
 
 
 class WorldPlaceholder(Static, BoardPanel):

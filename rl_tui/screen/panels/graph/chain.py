@@ -16,12 +16,10 @@ from rl_tui.screen.draw.canvas import Canvas, centred
 from rl_tui.screen.kit.snapshot_facts import followed_step, is_secret
 from rl_tui.screen.panels.graph.layout import GraphLayout
 from rl_tui.screen.panels.graph.routing import Box
-from rl_tui.screen.panels.graph.shape import GraphShape, Signs, reward_text
+from rl_tui.screen.panels.graph.shape import GraphScene, GraphShape, Signs, reward_text
 from rl_tui.screen.panels.world.edit_marks import marks_of
 
 if TYPE_CHECKING:
-    from textual.strip import Strip
-
     from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.draw.number_form import NumberForm
     from rl_tui.screen.panels.world.shown_policy import StateValues
@@ -103,12 +101,7 @@ class ChainScene(NamedTuple):
 
 
 def chain_scene(
-    space: FiniteSpace,
-    snapshot: Snapshot,
-    values: StateValues,
-    form: NumberForm,
-    signs: Signs,
-    rewards: Mapping[int, float | None],
+    space: FiniteSpace, snapshot: Snapshot, scene: GraphScene, rewards: Mapping[int, float | None]
 ) -> ChainScene:
     """Return the scene of ``snapshot``."""
     last, solution = followed_step(snapshot), snapshot.exact_answer.solution
@@ -122,26 +115,21 @@ def chain_scene(
         updated = space.state_of(last.updated_pair), last.error_sign
     if last is not None and not last.planned:
         way = last.state, last.next_state
-    return ChainScene(values, form, signs, rewards, exact, updated, way)
-
-
-def draw_chain(
-    shape: GraphShape, layout: GraphLayout, scene: ChainScene, look: Look, width: int, height: int
-) -> list[Strip]:
-    """Return the boxes of ``layout`` with all that ``scene`` has."""
-    return _ChainPicture(shape, layout.boxes, scene, look, Canvas(width, height, look.palette.text)).drawn()
+    return ChainScene(*scene, rewards, exact, updated, way)
 
 
 @dataclass
-class _ChainPicture:
+class ChainPicture:
+    """The ``boxes`` of a chain with all that ``scene`` has, on a ``canvas``."""
+
+    canvas: Canvas
     shape: GraphShape
     boxes: tuple[Box, ...]
     scene: ChainScene
     look: Look
-    canvas: Canvas
 
-    def drawn(self) -> list[Strip]:
-        """Return the rows of the picture."""
+    def draw(self) -> None:
+        """Draw links, boxes, agent and exact values."""
         self._put_links()
         for state, box in enumerate(self.boxes):
             self._fill(box, self._ground(state))
@@ -152,10 +140,8 @@ class _ChainPicture:
             self._put_marks(state, box)
         self._put_agent()
         self._put_exact()
-        return self.canvas.strips()
 
     def _put_links(self) -> None:
-        """Join neighbours by a line; the way of the last step is an arrow."""
         glyphs, palette = self.look.glyphs, self.look.palette
         row = sorted(enumerate(self.boxes), key=lambda each: each[1].x)
         for (state, box), (after, following) in pairwise(row):
@@ -185,7 +171,6 @@ class _ChainPicture:
         return fits
 
     def _put_end(self, state: int, box: Box) -> None:
-        """Put a star or a ring, with the reward on the way into it, and the name where a row is free."""
         glyphs, style, reward = self.look.glyphs, self._ground(state), self.scene.rewards.get(state)
         sign = glyphs.goal if reward is not None and reward > 0.0 else glyphs.hole
         paid = "" if reward is None else reward_text(reward, glyphs)
@@ -202,7 +187,6 @@ class _ChainPicture:
             self._put(box, edge if box.height > 3 else 0, name, style)
 
     def _put_state(self, state: int, box: Box) -> None:
-        """Put name, arrows and value one below the other; a low box has only its value."""
         scene, look, style = self.scene, self.look, self._ground(state)
         edge = int(box.height >= 5)
         name = self.shape.nodes[state].name
@@ -219,7 +203,6 @@ class _ChainPicture:
             self._put(box, box.height - 1 - edge, text, ink)
 
     def _put_arrows(self, state: int, box: Box, top: int, rows: int) -> None:
-        """Put the greedy actions, left or right, into ``rows`` of a box; of a single action nothing."""
         ways = [
             -1 if action.name == "left" else 1
             for action in self.shape.actions
@@ -235,7 +218,6 @@ class _ChainPicture:
             self._put(box, top + rows // 2, text, style)
 
     def _put_marks(self, state: int, box: Box) -> None:
-        """Frame the box of the last update; put breakpoints and marks of edits into its corners."""
         scene, glyphs, palette = self.scene, self.look.glyphs, self.look.palette
         right, last = box.x + box.width - 1, box.y + box.height - 1
         if scene.updated is not None and scene.updated[0] == state and box.width >= 3:
@@ -261,7 +243,6 @@ class _ChainPicture:
             self.canvas.put(x, max(0, box.y - 1), sign, self.look.palette.agent)
 
     def _put_exact(self) -> None:
-        """Put the exact values below the boxes, if there is room for the word before them."""
         scene, look = self.scene, self.look
         row = sorted(enumerate(self.boxes), key=lambda each: each[1].x)
         first, y = row[0][1], row[0][1].y + row[0][1].height

@@ -16,17 +16,17 @@ from textual.strip import Strip
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.world_editor import EditorView
 from rl_tui.screen.draw.canvas import Canvas, centred, shortened
-from rl_tui.screen.draw.names import DEPENDS, DEPENDS_IN_FULL
-from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
+from rl_tui.screen.draw.names import DEPENDS
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
 from rl_tui.screen.kit.snapshot_facts import keeps_back
-from rl_tui.screen.panels.graph.chain import chain_layout, chain_scene, draw_chain, end_rewards
+from rl_tui.screen.panels.graph.chain import ChainPicture, chain_layout, chain_scene, end_rewards
 from rl_tui.screen.panels.graph.layout import GraphLayout, graph_layout
 from rl_tui.screen.panels.graph.routing import Box
 from rl_tui.screen.panels.graph.shape import (
     GraphAction,
+    GraphScene,
     GraphShape,
     Node,
     Signs,
@@ -122,7 +122,6 @@ def _reward(entry: Mapping[str, Any], target: str) -> float:
 
 VALUE_WIDTH: Final = 6
 HEADING: Final = f"{TITLE} · bold ="
-KEPT_IN_FULL: Final = "A probability that the lesson keeps back for now"
 END: Final = "end"  # in place of the value of a terminal state
 THIN: Final = 1
 BOLD: Final = 2
@@ -151,12 +150,11 @@ class GraphView(WorldView):
             self._graph = replace(self._graph, places=tuple((place_of[s], 0) for s in range(len(chain))))
         self._ends = {} if world.mdp is None else end_rewards(world.mdp)
         self._take_shape(is_kept=False)
-        self._number_forms = SteadyForms()
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; the form of its numbers is steady until another run starts."""
         if self.begins_anew(snapshot):
-            self._number_forms.clear()
+            self.number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -178,23 +176,23 @@ class GraphView(WorldView):
         chain = () if self._is_draft else self._graph.chain
         layout = chain_layout(chain, width, height) if chain else None
         form = values.number_form(
-            min(VALUE_WIDTH, layout.boxes[0].width) if layout else VALUE_WIDTH, self._number_forms
+            min(VALUE_WIDTH, layout.boxes[0].width) if layout else VALUE_WIDTH, self.number_forms
         )
         stops = snapshot.playback.breakpoints
         signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)
+        scene, canvas = GraphScene(values, form, signs), Canvas(width, height, self.look.palette.text)
+        self._layout, self.footing = layout or graph_layout(self._shape, width, height), ""
         if layout is not None:
-            self._layout, self.footing = layout, ""
-            scene = chain_scene(self.world.space, snapshot, values, form, signs, self._ends)
-            return draw_chain(self._shape, layout, scene, self.look, width, height)
-        self._layout = layout = graph_layout(self._shape, width, height)
-        if layout is not None:
-            self.footing = ""
-            return draw_graph(self._shape, layout, values, form, signs, self.look, width, height)
-        rows = len(self._shape.actions)
-        self._height = height
-        self._top = max(0, min(self._top, rows - height))
-        self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
-        return draw_edge_list(self._shape, values, form, signs, self.look, width, height, self._top)
+            in_chain = chain_scene(self.world.space, snapshot, scene, self._ends)
+            ChainPicture(canvas, self._shape, layout.boxes, in_chain, self.look).draw()
+        elif self._layout is not None:
+            draw_graph(canvas, self._shape, self._layout, scene, self.look)
+        else:
+            rows = len(self._shape.actions)
+            self._height, self._top = height, max(0, min(self._top, rows - height))
+            self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
+            draw_edge_list(canvas, self._shape, scene, self.look, self._top)
+        return canvas.strips()
 
     def _take_shape(self, *, is_kept: bool) -> None:
         """Lay out boxes and edges anew, without probabilities where a lesson keeps them back."""
@@ -204,27 +202,21 @@ class GraphView(WorldView):
     def signs(self) -> Legend:
         """Return the signs of states and edges."""
         palette = self.look.palette
+        unknown = "depends" if self.world.prospects else "kept back" if self._keeps_chances else ""
         return (
             *self.valueless_signs(),
-            *(
-                (LegendSign(DEPENDS, "depends", palette.text, DEPENDS_IN_FULL),)
-                if self.world.prospects
-                else (LegendSign(DEPENDS, "kept back", palette.text, KEPT_IN_FULL),)
-                if self._keeps_chances
-                else ()
-            ),
+            *([LegendSign(DEPENDS, unknown, palette.text)] if unknown else ()),
             *self._policy_signs(),
-            *self.value_signs(),
+            *self.missing_table_signs(),
             self.agent_sign(),
         )
 
     def _policy_signs(self) -> Legend:
-        """Return how greedy actions are drawn: bold, in a chain as arrows; none where nothing is chosen."""
         if self._is_draft or not self._graph.chain:
-            return (self.policy_sign("bold", self.look.palette.best),)
+            return (LegendSign("bold", self.policy_shown, self.look.palette.best),)
         if len(self.world.space.action_names) == 1:
             return ()
-        return (self.policy_sign(self.look.glyphs.right, self.look.palette.strong),)
+        return (LegendSign(self.look.glyphs.right, self.policy_shown, self.look.palette.strong),)
 
     def moved(self, place: int, rows: int, columns: int) -> int:
         """Return the nearest state in that direction, ``place`` itself if there is none.
@@ -273,7 +265,6 @@ class GraphView(WorldView):
         super().align_with(twin)
         if isinstance(twin, GraphView):
             self._top = twin._top if self.takes_stance_of(twin) else self._top
-            self._number_forms = twin._number_forms
 
     def pan(self, rows: int, columns: int) -> None:
         """Scroll the list of edges."""
@@ -284,20 +275,11 @@ class GraphView(WorldView):
         self._top = 0
 
 
-def draw_graph(
-    shape: GraphShape,
-    layout: GraphLayout,
-    values: StateValues,
-    form: NumberForm,
-    signs: Signs,
-    look: Look,
-    width: int,
-    height: int,
-) -> list[Strip]:
-    """Return ``layout`` with the values, the greedy actions, agent, cursor and breakpoints stamped on it."""
-    canvas = Canvas(width, height, look.palette.text)
+def draw_graph(canvas: Canvas, shape: GraphShape, layout: GraphLayout, scene: GraphScene, look: Look) -> None:
+    """Draw ``layout`` with the values, the greedy actions, agent, cursor and breakpoints stamped on it."""
+    values, _, signs = scene
     for state, (node, box) in enumerate(zip(shape.nodes, layout.boxes, strict=True)):
-        _draw_box(canvas, box, node, values, form, state, signs, look)
+        _draw_box(canvas, box, node, state, scene, look)
     _draw_lines(canvas, layout, values, signs.agent, look)
     for fork in layout.forks:
         canvas.put(fork.x, fork.y, look.glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
@@ -314,11 +296,9 @@ def draw_graph(
         box = layout.boxes[state]
         canvas.put(box.x + box.width - 1, box.y, look.glyphs.breakpoint, look.palette.breakpoint)
     for state, box in enumerate(layout.boxes):
-        for y, mark in zip(
-            (box.y, box.y + box.height - 1), marks_of(signs.editor, state).signs(look), strict=False
-        ):
+        edits = marks_of(signs.editor, state).signs(look)
+        for y, mark in zip((box.y, box.y + box.height - 1), edits, strict=False):
             canvas.put(box.x, y, *mark)
-    return canvas.strips()
 
 
 def _with_new(values: StateValues, shape: GraphShape) -> StateValues:
@@ -327,16 +307,8 @@ def _with_new(values: StateValues, shape: GraphShape) -> StateValues:
     return replace(values, value=(*values.value, *(None if each.terminal else math.nan for each in new)))
 
 
-def _draw_box(
-    canvas: Canvas,
-    box: Box,
-    node: Node,
-    values: StateValues,
-    form: NumberForm,
-    state: int,
-    signs: Signs,
-    look: Look,
-) -> None:
+def _draw_box(canvas: Canvas, box: Box, node: Node, state: int, scene: GraphScene, look: Look) -> None:
+    values, form, signs = scene
     glyphs, palette, agent = look.glyphs, look.palette, state == signs.agent
     if node.terminal:
         horizontal, vertical, *corners = tuple(glyphs.double_box)

@@ -91,7 +91,6 @@ def place_labels(obstacles: Obstacles, wanted: Iterable[WantedLabel]) -> tuple[l
 def _placed(
     obstacles: Obstacles, choices: Iterable[tuple[WantedLabel, list[tuple[float, Block]]]]
 ) -> tuple[list[EdgeLabel], float, int]:
-    """Place each label in turn where it costs least."""
     text: set[Cell] = set()
     placed: list[EdgeLabel] = []
     cost, lost = 0.0, 0
@@ -130,7 +129,6 @@ def _choices(obstacles: Obstacles, wanted: WantedLabel) -> Iterator[tuple[float,
 
 
 def _broken(text: str) -> Iterator[list[str]]:
-    """Yield ``text`` in one line, in two, in three, broken at its blanks."""
     words = text.split()
     for breaks in range(min(3, len(words))):
         for places in combinations(range(1, len(words)), breaks):

@@ -124,7 +124,6 @@ def _lefts(
 
 
 def _tops(rows: int, height: int, box_height: int, wants: Sequence[int]) -> list[int] | None:
-    """Return the first row of each row of boxes."""
     gaps = [_LEAST_ROWS] * (rows - 1)
     free = height - rows * box_height - sum(gaps)
     if free < 0:
@@ -297,7 +296,6 @@ class _Drawing:
         return main.target == action.source, distance
 
     def _branches(self, action: GraphAction) -> list[GraphBranch]:
-        """Return the branches, one that leads to another state first."""
         return sorted(action.branches, key=lambda branch: branch.target == action.source)
 
     def _put_action(self, action: GraphAction) -> bool:
@@ -370,7 +368,6 @@ class _Drawing:
         return starts, self._ends(target, self._centres(target, action.source, action))
 
     def _loop(self, state: int) -> Route | None:
-        """Return the cheapest line from a box back to itself."""
         free, middle = self._ends(state, {}), self._boxes[state].x + self._boxes[state].width / 2
         loops: list[Route] = []
         for end, cost in free.items():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import count
@@ -148,13 +148,13 @@ def route(sheet: RoutingSheet, starts: Mapping[Port, float], ends: Mapping[Port,
     queue: list[tuple[float, int, Port, float]] = []
     came_from: dict[Port, Port] = {}
     best: dict[Port, float] = {}
-    nearest, lines = _Distance(ends), sheet.lines
+    least_cost, lines = _least_cost_to(ends), sheet.lines
 
     def offer(at: Port, cost: float, before: Port) -> None:
         if cost < best.get(at, math.inf):
             best[at] = cost
             came_from[at] = before
-            heappush(queue, (cost + nearest.least(*at[0]), next(order), at, cost))
+            heappush(queue, (cost + least_cost(*at[0]), next(order), at, cost))
 
     for start, cost in starts.items():
         cell = next_cell(start.cell, start.direction)
@@ -183,20 +183,19 @@ def route(sheet: RoutingSheet, starts: Mapping[Port, float], ends: Mapping[Port,
     return None
 
 
-class _Distance:
-    """A lower bound of what is left to pay: the way to the rectangle around all ends."""
+def _least_cost_to(ends: Iterable[Port]) -> Callable[[int, int], float]:
+    """Return a lower bound of what is left to pay from a cell: the way to the rectangle around all ends."""
+    columns = [port.cell[0] for port in ends] or [0]
+    rows = [port.cell[1] for port in ends] or [0]
+    left, right, top, bottom = min(columns), max(columns), min(rows), max(rows)
 
-    def __init__(self, ends: Iterable[Port]) -> None:
-        columns = [port.cell[0] for port in ends] or [0]
-        rows = [port.cell[1] for port in ends] or [0]
-        self._left, self._right = min(columns), max(columns)
-        self._top, self._bottom = min(rows), max(rows)
-
-    def least(self, x: int, y: int) -> float:
-        across = self._left - x if x < self._left else x - self._right if x > self._right else 0
-        down = self._top - y if y < self._top else y - self._bottom if y > self._bottom else 0
+    def least(x: int, y: int) -> float:
+        across = left - x if x < left else x - right if x > right else 0
+        down = top - y if y < top else y - bottom if y > bottom else 0
         # the last cell belongs to the box and costs nothing
         return max(0.0, across * _LENGTH[RIGHT] + (down - 1) * _LENGTH[DOWN])
+
+    return least
 
 
 def _traced(end: Port, cost: float, came_from: Mapping[Port, Port], starts: Mapping[Port, float]) -> Route:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from rich.style import Style
-from textual.strip import Strip
 
 from rl_tui.live.pace.until import Breakpoints
 from rl_tui.live.world_editor import EditorView
@@ -86,6 +85,14 @@ class Signs(NamedTuple):
     breakpoints: Breakpoints = NO_BREAKPOINTS
     differing: frozenset[int] = frozenset()
     editor: EditorView = NOBODY_DRAWS
+
+
+class GraphScene(NamedTuple):
+    """What a graph looks like at one moment: the ``values`` of states in one ``form``, and ``signs``."""
+
+    values: StateValues
+    form: NumberForm
+    signs: Signs
 
 
 def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = False) -> GraphShape:
@@ -188,26 +195,17 @@ _VALUE_WIDTH: Final = 6
 _LEAST_TEXT: Final = 20  # of an edge, below which names and values are left out
 
 
-def draw_edge_list(
-    shape: GraphShape,
-    values: StateValues,
-    form: NumberForm,
-    signs: Signs,
-    look: Look,
-    width: int,
-    height: int,
-    top: int,
-) -> list[Strip]:
-    """Return one line an action from number ``top`` on: state, V, action with its reward, where it may lead.
+def draw_edge_list(canvas: Canvas, shape: GraphShape, scene: GraphScene, look: Look, top: int) -> None:
+    """Draw one line an action from number ``top`` on: state, V, action with its reward, where it may lead.
 
     In narrow panels V is left out, then the names of the states.
     """
-    canvas = Canvas(width, height, look.palette.text)
+    (values, form, signs), width = scene, canvas.width
     names = max((len(shape.nodes[action.source].name) for action in shape.actions), default=0)
     with_values = width >= names + _VALUE_WIDTH + 3 + _LEAST_TEXT
     with_names = width >= names + 2 + _LEAST_TEXT
     x = 1 + (names + 1) * with_names + (_VALUE_WIDTH + 1) * with_values
-    shown = shape.actions[top : top + height]
+    shown = shape.actions[top : top + canvas.height]
     for y, action in enumerate(shown):
         if y == 0 or shown[y - 1].source != action.source:
             state = action.source
@@ -234,11 +232,9 @@ def draw_edge_list(
         canvas.put(x, y, whole_words(text, width - x, look), style)
         if action.pair in signs.breakpoints.pairs:
             canvas.put(x, y, look.glyphs.breakpoint, look.palette.breakpoint)
-    return canvas.strips()
 
 
 def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> None:
-    """Put the agent, a breakpoint or the cursor before a state; the agent has the colour of what it is on."""
     here, palette = state == signs.agent, look.palette
     if state in signs.breakpoints.states:
         canvas.put(0, y, look.glyphs.agent if here else look.glyphs.breakpoint, palette.breakpoint)

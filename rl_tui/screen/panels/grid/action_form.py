@@ -119,19 +119,17 @@ def forms_for(
     """Yield the forms that cells of that size have room for, the best first; numbers need ``digits``."""
     if kinds.have_sides:
         yield from _with_sides(kinds, width, height, digits)
-    rows, entry = kinds.most, sign_width + digits + 1
-    lists = ActionForm(Places.LIST, width, height, digits, sign_width, rows)
-    if height >= rows and lists.entry_width >= entry:
-        yield lists._replace(digits=_digits(lists.entry_width - sign_width - FRAME - 1, digits))
-    lists = lists._replace(places=Places.TWO_LISTS)
-    if rows > 1 and 2 * height >= rows and lists.entry_width >= entry:
-        yield lists._replace(digits=_digits(lists.entry_width - sign_width - FRAME - 1, digits))
+    rows = kinds.most
+    for places, is_high in ((Places.LIST, height >= rows), (Places.TWO_LISTS, 2 * height >= rows > 1)):
+        form = ActionForm(places, width, height, digits, sign_width, rows)
+        room = form.entry_width - sign_width
+        if is_high and room > digits:
+            yield form._replace(digits=_digits(room - FRAME - 1, digits))
     if kinds.have_sides and width >= _LEAST_TINTED and height >= (3 if kinds.are_diagonal else 2):
         yield ActionForm(Places.TINTS, width, height, digits, sign_width, rows)
 
 
 def _with_sides(kinds: ActionKinds, width: int, height: int, digits: int) -> Iterable[ActionForm]:
-    """Yield those with each number on its side, all of them with room for frames."""
     in_three = (width - 3 * FRAME) // 3
     beside = (width - 2 * FRAME - 1) // 2  # a mark between them
     if not kinds.are_diagonal and height >= _ROWS and beside >= digits:

@@ -83,7 +83,6 @@ class ActionArtist:
         return reward_text(reward, _reward_room(self.form), self.look)
 
     def _strips(self, faces: tuple[ActionFace | Face, ...], width: int) -> tuple[Strip, ...]:
-        """Return a row of cells with these ``faces``."""
         cells = [self._idle.drawn(each) if isinstance(each, Face) else self._drawn(each) for each in faces]
         return strips_of_row(cells, width, self.look.palette.text)
 
@@ -148,7 +147,6 @@ def _block(form: ActionForm) -> _Block:
 
 
 def _draw_sides(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
-    """Draw each number on its side, marks in the middle and in the corners that are free."""
     block, others = _block(form), 0
     for entry in face.entries:
         side = side_of(entry.sign)
@@ -249,7 +247,6 @@ def _put_name(canvas: Canvas, x: int, y: int, face: ActionFace, form: ActionForm
 
 
 def _draw_list(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
-    """Draw the actions below one another, in one column or two, and the marks above, before or between."""
     width = form.sign_width + form.digits + (FRAME if form.is_framed else 1)
     if form.places is Places.LIST:
         start, blank = form.width - form.entry_width, form.entry_width - width
@@ -270,7 +267,6 @@ def _draw_list(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -
 
 
 def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, column: int, look: Look) -> None:
-    """Put the marks in the row above, else in ``column``."""
     palette = look.palette
     if form.has_header:
         centre = form.width // 2
@@ -296,7 +292,6 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
 
 
 def _draw_tints(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
-    """Draw each side of the cell in the tint of its action, with an arrow where that is greedy."""
     diagonals = any(all(side) for each in face.entries if (side := side_of(each.sign)) is not None)
     width, edge = form.tinted_width, _edge(form, diagonals)
     columns = ((0, edge), (edge, width - edge), (width - edge, width))
@@ -347,7 +342,6 @@ def _fill(
 
 
 def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge: int, look: Look) -> None:
-    """Put the marks in the middle; in two rows that is beside the arrows up and down."""
     low, width = form.height == 2, form.tinted_width
     has_letter = any(side_of(entry.sign) is None for entry in face.entries)
     centre, row = (width - 1) // 2 - has_letter, 0 if low else form.height // 2
@@ -365,7 +359,6 @@ def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge
 
 
 def _put_number(canvas: Canvas, x: int, y: int, entry: ActionEntry, form: ActionForm, look: Look) -> None:
-    """Put a number with its tint, and around it, else after it, what marks it as greedy."""
     digits, glyphs, greedy = form.digits, look.glyphs, look.palette.best
     number = entry.text.center(digits) if entry.text == glyphs.untried else entry.text.rjust(digits)
     canvas.put(x, y, number, entry.style)

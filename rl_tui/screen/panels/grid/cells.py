@@ -91,7 +91,6 @@ class CellArtist:
         self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
 
     def _strips(self, faces: tuple[Face, ...], width: int) -> tuple[Strip, ...]:
-        """Return a row of cells with these ``faces``."""
         return strips_of_row([self.drawn(face) for face in faces], width, self.look.palette.text)
 
     def drawn(self, face: Face) -> Drawn:
@@ -228,7 +227,6 @@ class _Cell:
             self.canvas.put_where_blank(0, last, below * width, blank)
 
     def _put_frame(self, error: int, share: float) -> None:
-        """Frame a wide cell; in ASCII its number is reversed instead."""
         if self.glyphs.braille and self.form.width >= 5:
             put_frame(self.canvas, error, share, self.ink, self.look)
         elif self.form.has_values:
@@ -237,7 +235,6 @@ class _Cell:
     # Signs and values
 
     def _draw_end(self) -> None:
-        """Draw the sign of a cell without actions: a ring, a star, or a character for it."""
         kind, form = self.face.kind, self.form
         rows = sign_size(form.width, form.height)[1] if self.has_blocks else 0
         if kind is CellKind.HOLE and rows:
@@ -249,7 +246,6 @@ class _Cell:
 
     @property
     def _end_sign(self) -> str:
-        """The character of a cell in which nothing can be done."""
         glyphs = self.glyphs
         signs = {CellKind.HOLE: glyphs.hole, CellKind.GOAL: glyphs.goal, CellKind.CLIFF: glyphs.cliff}
         return signs.get(self.face.kind, "")
@@ -271,7 +267,6 @@ class _Cell:
 
     @property
     def _sign_ink(self) -> Style:
-        """The ink of the greedy action, the paler the less it leads."""
         if self.extra.is_off_way:
             return off_way_style(self.ink, self.look)
         if self.extra.has_turned:
@@ -279,7 +274,6 @@ class _Cell:
         return paled(self.ink + _BOLD, self.face.lead / _LEADS)
 
     def _draw_sign(self) -> None:
-        """Draw the greedy actions of a cell of several rows: blocks, else letters; or a faint dot."""
         form, face, canvas = self.form, self.face, self.canvas
         directions = tuple(each for each in face.greedy if isinstance(each, tuple))
         are_blocks = self.has_blocks and len(directions) == len(face.greedy)
@@ -326,7 +320,6 @@ class _Cell:
         return (1 if self.form.width >= 11 else 0), 2 * rows + more, rows
 
     def _draw_letters(self, row: int) -> None:
-        """Put the letters of the greedy actions into ``row``, right of the agent where it needs the room."""
         form = self.form
         text = self._letters(form.most_signs, form.width - 2)
         left = (form.inner - len(text)) // 2
@@ -346,7 +339,6 @@ class _Cell:
         return text if len(text) <= self.form.inner else self.glyphs.no_room
 
     def _draw_row(self) -> None:
-        """Draw mark, letters and value in one row; without room for the value, mark and letters."""
         form, has_signs = self.form, bool(self.face.greedy)
         start = form.inner - form.digits if form.has_values else max(1, (form.width - 1) // 2)
         if not has_signs and not (self._text and form.has_values):
@@ -398,7 +390,6 @@ class _Cell:
             put_reward(canvas, x, 0, 1, face.reward, self.look)
 
     def _put_marks(self) -> None:
-        """Put what belongs into the corners: name and reward left, breakpoint, trail and start right."""
         form, canvas, face, inner = self.form, self.canvas, self.face, self.form.inner
         if form.height == 1:
             if face.text is None:
@@ -427,7 +418,6 @@ class _Cell:
         put_marks(canvas, self.extra.marks, (left, 0), self.look)
 
     def _put_start(self) -> None:
-        """Write that episodes start here, in the upper right corner, as long as there is room."""
         end = self.form.inner
         while end > 1 and not self.canvas.is_blank(end - 1, 0, 1):
             end -= 1
@@ -440,7 +430,6 @@ class _Cell:
                 return
 
     def _put_one_way(self, way: Direction) -> None:
-        """Put the sign of the only way out at the edge it leads over."""
         down, right = way
         middle = (self.form.inner - 1) // 2
         x = middle if down else (self.form.inner - 1 if right > 0 else 0)
@@ -457,7 +446,6 @@ class _Cell:
                 return
 
     def _put_agent(self) -> None:
-        """Put the agent on its plate: a disc of blocks, or its character."""
         form, style = self.form, self.look.palette.agent
         if form.height == 1:
             return
@@ -483,7 +471,6 @@ class _Cell:
             self.face = face._replace(greedy=())
 
     def _draw_draft(self, draft: DraftCell) -> None:
-        """Draw what stands in a cell that is not in force yet, the agent before it, without values."""
         face, form, look = self.face, self.form, self.look
         palette = look.palette
         ways = "".join(sign_text(each, look) for each in draft.ways)

@@ -16,7 +16,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import Cells
 from rl_tui.runs.large_worlds import is_large
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
+from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.counterparts import are_same_size
 from rl_tui.screen.kit.layers import ACTION_LAYERS, Layer
 from rl_tui.screen.kit.numbers_in_common import all_q, all_v, ends
@@ -28,8 +28,6 @@ from rl_tui.screen.panels.grid.action_values import ActionArtist, draw_grid, nam
 from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.screen.panels.grid.headings import (
-    FOLLOWS,
-    STATE_NUMBERS,
     heading_of_actions,
     heading_of_values,
     headings_of_part,
@@ -40,7 +38,7 @@ from rl_tui.screen.panels.grid.headings import (
 )
 from rl_tui.screen.panels.grid.landscape import LandscapeArtist, has_landscape, line_step
 from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, carried_place, with_extra
-from rl_tui.screen.panels.grid.marks import sign_text
+from rl_tui.screen.panels.grid.marks import SEVERAL, sign_text
 from rl_tui.screen.panels.grid.motion import Mover
 from rl_tui.screen.panels.grid.signs import (
     action_signs,
@@ -48,7 +46,6 @@ from rl_tui.screen.panels.grid.signs import (
     ground_signs,
     place_signs,
     reward_signs,
-    tie_sign,
     wind_line,
     wind_strip,
 )
@@ -56,7 +53,7 @@ from rl_tui.screen.panels.grid.trail import trace_signs, traces
 from rl_tui.screen.panels.margins import NO_MARGINS, LabelledPart, margins_in
 from rl_tui.screen.panels.world.scale_line import NamedScale
 from rl_tui.screen.panels.world.shown_policy import TITLE
-from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.panels.world.view import SCALE_ROOM, WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.world import World
@@ -93,7 +90,6 @@ class GridView(WorldView):
         self._kinds = frozenset(world.drawing.kinds)
         if not goes_on:
             self._top, self._left, self._following = 0, 0, True
-        self._number_forms = SteadyForms()
         self.heading = TITLE
 
     @cached_property
@@ -189,7 +185,6 @@ class GridView(WorldView):
         if isinstance(twin, GridView):
             if self.takes_stance_of(twin):
                 self._following, self._top, self._left = twin._following, twin._top, twin._left
-            self._number_forms = twin._number_forms
             self._digits = max(self._digits, twin._digits)
             self._action_digits = max(self._action_digits, twin._action_digits)
 
@@ -198,7 +193,7 @@ class GridView(WorldView):
         if self.begins_anew(snapshot):
             self._digits = self._action_digits = LEAST_DIGITS + self.waits_for_study(snapshot)
             self._action_artist = None
-            self._number_forms.clear()
+            self.number_forms.clear()
         self.mover.follow(self.snapshot, snapshot, self._map, self._form if self._moves else None)
         super().show(snapshot)
 
@@ -223,7 +218,6 @@ class GridView(WorldView):
         return surrounded(strips, snapshot, place, margins, width, self.look)
 
     def _drawn_map(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the map, below it the wind of its columns where a row is free for that."""
         grid = self._map.grid
         if not grid.wind:
             return self._drawn_cells(snapshot, width, height)
@@ -275,8 +269,7 @@ class GridView(WorldView):
                 self._action_digits = needed
             return self._drawn_cells(snapshot, width, height)
         self.heading = self._title(self._what_is_drawn(form, width), width)
-        self.footing = self._where(width - self.scale_room) or self._where(width)
-        self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
+        self.footing = self._where(width - SCALE_ROOM) or self._where(width)
         self._form = form
         if self.drawn_layer is Layer.LANDSCAPE:
             landscape = self._landscape(cells, part, form, width, height)
@@ -292,9 +285,7 @@ class GridView(WorldView):
     @property
     def has_landscape(self) -> bool:
         """Whether V is known, its cells are large enough for a landscape, and nobody draws in it."""
-        form = self._form
-        cell = self.cell or (None if form is None else Size(form.width, form.height))
-        return not (self.title or self.lacks_table) and has_landscape(self.world, cell, self.look)
+        return not (self.title or self.lacks_table) and has_landscape(self.world, self.cell, self.look)
 
     @property
     def named_scale(self) -> NamedScale | None:
@@ -308,7 +299,6 @@ class GridView(WorldView):
     def _landscape(
         self, cells: Sequence[CellContent], part: MapPart, form: CellForm, width: int, height: int
     ) -> list[Strip] | None:
-        """Return the map as a landscape, None where V is much the same everywhere."""
         artist = self._landscapes
         if artist is None or artist.look is not self.look:
             artist = self._landscapes = LandscapeArtist(self.look)
@@ -319,8 +309,8 @@ class GridView(WorldView):
         """Return the form of all ``values`` of the layer, not only those in view; visits are whole."""
         key, layer = type(form).__name__, self.drawn_layer
         if layer is Layer.VISITS and isinstance(form, CellForm):
-            return self._number_forms.form((key, layer), values, form.most_digits, most=0)
-        return self._number_forms.form((key, layer), values, form.digits, most=_DECIMALS)
+            return self.number_forms.form((key, layer), values, form.most_digits, most=0)
+        return self.number_forms.form((key, layer), values, form.digits, most=_DECIMALS)
 
     def _cell_form(self, width: int, height: int) -> CellForm:
         """Return the form of cells; first it settles whether they show every action."""
@@ -333,7 +323,6 @@ class GridView(WorldView):
         return cell_form(grid.rows, grid.columns, width, height, self._digits)
 
     def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
-        """Return the form of cells with every action, None where they are not wanted or have no room."""
         if not self.shows_actions or self.veils or self.drawn_layer not in ACTION_LAYERS:
             return None
         grid, kinds, digits = self._map.grid, self._map.action_kinds, self._action_digits
@@ -342,10 +331,7 @@ class GridView(WorldView):
         return whole_map_form(kinds, *size, tints=self.look.palette.tints) or part_form(kinds, *size)
 
     def _what_is_drawn(self, form: CellForm, width: int) -> str:
-        """Return the heading without what rows and columns mean.
-
-        Where the border has no room for the legend, it says what is drawn; with every action it always does.
-        """
+        """Return the heading without what rows and columns mean."""
         actions, arrows = self._action_form, self.policy_shown
         if studies := self.study_headings("V" if actions is None else "Q"):
             return self.fitting(studies, width) or studies[-1]
@@ -372,7 +358,6 @@ class GridView(WorldView):
 
     @property
     def _own_name(self) -> str:
-        """The name of the agent's state, for the legend."""
         return "" if self.snapshot is None else self.world.space.state_names[self.snapshot.counters.state]
 
     def _name_beside_arrows(self, form: CellForm) -> str:
@@ -391,22 +376,23 @@ class GridView(WorldView):
         name = self._name_beside_arrows(form) if form else ""
         has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
         if form is not None and self.differing:
-            yield differing_sign(form.width, name, self.policy_shown, self.look)
+            yield differing_sign(form.width, name, self.look)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             texts = [self._artist_for(form).shown_reward(each) for each in self._map.rewards]
             yield from reward_signs(self._map.rewards, texts, self.look)
-        yield from self.study_signs(has_numbers=bool(form and form.has_values), has_actions=bool(actions))
+        if actions is not None or (form and form.has_values):
+            yield from self.valueless_signs()
         if actions is not None:
             yield from action_signs(actions, self.look)
         elif form and len(signs) > form.most_signs and has_arrows and not self.shows_drawing:
-            yield tie_sign(self.look, is_kept=self.shows_kept_policy)
+            yield LegendSign(SEVERAL, "tie", palette.strong)
         yield from ground_signs(self._map, self.look)
         if self._map.unreached:
-            yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
+            yield LegendSign(glyphs.unreached, "unreached", palette.dim)
         if form is not None and self._longest_name > self._room_for_names(form):
-            yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
-        if actions is None and self.studied is None:
-            yield from self.value_signs()
+            yield LegendSign("#", "no room", palette.dim)
+        if actions is None:
+            yield from self.missing_table_signs()
         yield self.agent_sign()
         if self.snapshot is not None and form is not None:
             left = traces(self.snapshot, self._map.grid)
@@ -414,20 +400,15 @@ class GridView(WorldView):
         if actions is None and has_arrows and not self.lacks_table:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
             is_block = form is not None and form.has_blocks and glyphs.braille and isinstance(greedy, tuple)
-            yield self._greedy_sign(glyphs.head_up if is_block else sign_text(greedy, self.look))
+            is_paled = palette.has_shades and not self.shows_drawing
+            sign = glyphs.head_up if is_block else sign_text(greedy, self.look)
+            yield LegendSign(sign, PALE if is_paled else self.policy_shown, palette.strong)
         says_start = form is not None and form.says_start and actions is None
         yield from place_signs(self._map, self._kinds, self.look, says_start=says_start)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
         if form is not None and 0 < self._longest_name <= self._room_for_names(form):
-            yield LegendSign(self._own_name, "state", palette.text, "number of a state")
-
-    def _greedy_sign(self, sign: str) -> LegendSign:
-        """Return the ``sign`` of the greedy actions, which are paler where they hardly lead."""
-        said = self.policy_sign(sign, self.look.palette.strong)
-        if self.shows_drawing or not self.look.palette.has_shades:
-            return said
-        return said._replace(meaning=PALE if self.has_line else said.meaning, in_full=PALE)
+            yield LegendSign(self._own_name, "state", palette.text)
 
     def redraw(self) -> None:
         """Draw again; say so where another part of a large map has come into view."""
@@ -448,7 +429,6 @@ class GridView(WorldView):
         self._following = True
 
     def _artist_for(self, form: CellForm) -> CellArtist | ActionArtist:
-        """Return what draws cells of ``form``, with every action where these have a form."""
         if self._action_form is not None:
             drawing = self._action_artist
             if drawing is None or drawing.form != self._action_form or drawing.look is not self.look:
@@ -484,8 +464,4 @@ class GridView(WorldView):
         legend = self._map.grid.legend
         if self._is_whole or self._part is None:
             return self.fitting(shorter(legend), width)
-        has_heading = self.cell is None
-        if has_heading and self._following and legend and legend not in self.heading:
-            return self.fitting((*shorter(legend), FOLLOWS), width)
-        forms = where(self._map.grid, self._part, follows=self._following, has_heading=has_heading)
-        return self.fitting(forms, width)
+        return self.fitting(where(self._map.grid, self._part, follows=self._following), width)

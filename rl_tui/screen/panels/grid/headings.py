@@ -66,18 +66,17 @@ def headings_of_part(down: str, across: str) -> tuple[str, ...]:
     return f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief
 
 
-def where(grid: Grid, part: MapPart, *, follows: bool, has_heading: bool) -> tuple[str, ...]:
+def where(grid: Grid, part: MapPart, *, follows: bool) -> tuple[str, ...]:
     """Return which part is in view, the longest form first, and how to follow the agent again.
 
-    Rows or columns that are all in view are not named. Where the panel has no heading, which would say what
-    rows and columns mean, that comes first.
+    Rows or columns that are all in view are not named. While it follows, what they mean comes first.
     """
     follow = FOLLOWS if follows else FOLLOW_HINT
     is_cut = part.rows < grid.rows, part.columns < grid.columns
     stretches = tuple(compress(in_view(grid, part), is_cut))
     named = " · ".join(map(" ".join, zip(compress(("rows", "columns"), is_cut), stretches, strict=True)))
     brief = " · ".join(stretches)
-    legends = () if has_heading or not (grid.legend and follows) else shorter(grid.legend)
+    legends = shorter(grid.legend) if grid.legend and follows else ()
     return (
         *(f"{legend} · {named}" for legend in legends),
         f"{named}, counted from 0 · {follow}",

@@ -109,7 +109,6 @@ def _values(cells: Sequence[CellContent], part: MapPart, scale: ValueScale) -> F
 
 
 def _plates(cells: Sequence[CellContent], part: MapPart, cell: Size, look: Look) -> list[tuple[Plate, ...]]:
-    """Return the signs of each row of characters: actions, agent and ends in the middle of cells."""
     plates: list[list[Plate]] = [[] for _ in range(part.rows * cell.height)]
     for place, content in enumerate(cells):
         row, column = divmod(place, part.columns)
@@ -151,12 +150,7 @@ class LandscapeArtist:
         self._ink = lru_cache(_MOST_KEPT)(self._ink_on)
 
     def strips(
-        self,
-        cells: Sequence[CellContent],
-        part: MapPart,
-        cell: Size,
-        scale: ValueScale,
-        size: Size,
+        self, cells: Sequence[CellContent], part: MapPart, cell: Size, scale: ValueScale, size: Size
     ) -> list[Strip] | None:
         """Return the landscape of ``cells``, those of ``part``, on ``size`` characters.
 
@@ -179,7 +173,6 @@ class LandscapeArtist:
         return rows + [blank] * (height - len(rows))
 
     def _drawn_row(self, row: bytes, plates: tuple[Plate, ...], is_signed: bool) -> Strip:
-        """Return a row of characters, one segment for all that look the same side by side."""
         upper, lower = np.frombuffer(row, dtype=np.int64).reshape(2, -1)
         last = len(upper)
         signs = {

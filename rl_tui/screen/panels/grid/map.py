@@ -333,7 +333,6 @@ class GridMap:
     def _mark(
         self, contents: list[CellContent], part: MapPart, snapshot: Snapshot, cursors: frozenset[int]
     ) -> None:
-        """Put what steps left, breakpoints and cursors into ``contents``, which are those of ``part``."""
         for cell, trace in traces(snapshot, self.grid).items():
             marked = self._place(part, cell)
             if marked is not None:
@@ -350,7 +349,6 @@ class GridMap:
     def _actions(
         self, q: list[float], visits: list[int], actions: list[int], known: bool
     ) -> tuple[ActionValue, ...]:
-        """Return the actions of one state; none is greedy where nothing is ``known``."""
         best = max(q) if known else None
         own = {
             action: ActionValue(self.signs[action], each, not taken, each == best)
@@ -382,12 +380,7 @@ class GridMap:
         return row * part.columns + column if inside else None
 
     def _content(
-        self,
-        kind: CellKind,
-        agent: bool,
-        q: list[float],
-        visits: list[int],
-        signs: list[Sign],
+        self, kind: CellKind, agent: bool, q: list[float], visits: list[int], signs: list[Sign]
     ) -> CellContent:
         value = max(q)
         known = min(q) != value or any(visits)

@@ -131,12 +131,7 @@ class Motion(NamedTuple):
         return moved
 
     def laid_over(
-        self,
-        strips: list[Strip],
-        form: CellForm,
-        columns: int,
-        number_form: NumberForm,
-        look: Look,
+        self, strips: list[Strip], form: CellForm, columns: int, number_form: NumberForm, look: Look
     ) -> list[Strip]:
         """Return the ``strips`` of a map, which has ``columns`` of cells, with the chip over them."""
         if self.chip is None or self.tick >= len(self.path):
@@ -182,7 +177,6 @@ def resting(now: Snapshot, grid_map: GridMap) -> Motion | None:
 
 
 def _updated_cell(last: LastStep, shown: Snapshot, grid_map: GridMap) -> tuple[int, CellContent]:
-    """Return the cell of the pair that ``last`` updated, and its content in ``shown``."""
     grid = grid_map.grid
     cell = int(grid.cell_of_state[shown.world.space.state_of(last.updated_pair)])
     (content,) = grid_map.contents(MapPart(*divmod(cell, grid.columns), 1, 1), shown)

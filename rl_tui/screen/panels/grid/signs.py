@@ -10,18 +10,11 @@ from textual.strip import Strip
 
 from rl_tui.live.last_step.gust import gust_of
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.kit.panel import GREEDY_IN_FULL, LegendSign
+from rl_tui.screen.kit.panel import LegendSign
 from rl_tui.screen.panels.grid.action_form import ActionForm, Places
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.screen.panels.grid.map import GridMap, MapPart
-from rl_tui.screen.panels.grid.marks import (
-    SEVERAL,
-    START,
-    CellReward,
-    differing_style,
-    one_way_sign,
-    reward_style,
-)
+from rl_tui.screen.panels.grid.marks import START, CellReward, differing_style, one_way_sign, reward_style
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind, Grid
 
@@ -56,10 +49,7 @@ def wind_strip(
 
 def wind_sign(grid: Grid, look: Look) -> LegendSign:
     """Return what the numbers below a map mean, by the strongest wind."""
-    strongest = max(grid.wind, key=abs)
-    where = "up" if strongest > 0 else "down"
-    in_full = f"{WIND}: cells it blows {where}, lit when it did"
-    return LegendSign(wind_text(strongest, look), WIND, look.palette.text, in_full)
+    return LegendSign(wind_text(max(grid.wind, key=abs), look), WIND, look.palette.text)
 
 
 def wind_text(strength: int, look: Look) -> str:
@@ -78,8 +68,8 @@ def wind_line(grid: Grid, part: MapPart, look: Look) -> str:
 # The legend
 
 
-def differing_sign(width: int, name: str, arrows: str, look: Look) -> LegendSign:
-    """Return how cells say that the lane beside this one has other ``arrows``, greedy ones or a policy's.
+def differing_sign(width: int, name: str, look: Look) -> LegendSign:
+    """Return how cells say that the lane beside this one has other arrows, greedy ones or a policy's.
 
     They have room for ``width`` characters, of which ``name``, if any, takes that of the arrows.
     """
@@ -89,12 +79,7 @@ def differing_sign(width: int, name: str, arrows: str, look: Look) -> LegendSign
     else:
         is_name = width - len(name) < LEAST_ARROWS
         sign, style = name if is_name else glyphs.up, differing_style(strong)
-    return LegendSign(sign, "differs", style, f"{arrows} in the other lane differs")
-
-
-def tie_sign(look: Look, *, is_kept: bool) -> LegendSign:
-    """Return how a narrow cell says that there are several actions; ``is_kept``: of a planner's policy."""
-    return LegendSign(SEVERAL, "tie", look.palette.strong, f"tie: equally {'likely' if is_kept else 'good'}")
+    return LegendSign(sign, "differs", style)
 
 
 def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
@@ -103,12 +88,12 @@ def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
     # first: between others it would be taken for the dot that separates them
     yield LegendSign(glyphs.untried, "not tried", palette.unvisited)
     if form.places is Places.TINTS:
-        yield LegendSign(glyphs.up, "greedy", palette.strong, GREEDY_IN_FULL)
+        yield LegendSign(glyphs.up, "greedy", palette.strong)
     else:
         frame = glyphs.mark_left + glyphs.mark_right if form.is_framed else glyphs.mark_after
-        yield LegendSign(frame, "greedy", palette.best, GREEDY_IN_FULL)
+        yield LegendSign(frame, "greedy", palette.best)
     if palette.tints:
-        yield LegendSign(" tint ", "Q", palette.value(1.0), "value Q(s,a)")
+        yield LegendSign(" tint ", "Q", palette.value(1.0))
 
 
 def ground_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
@@ -117,7 +102,7 @@ def ground_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
         yield wind_sign(of.grid, look)
     if of.ways:
         sign = "".join(one_way_sign(way, look) for way in sorted(set(of.ways.values())))
-        yield LegendSign(sign, "one-way", look.palette.strong, "left in that direction only")
+        yield LegendSign(sign, "one-way", look.palette.strong)
 
 
 def place_signs(
@@ -143,6 +128,4 @@ def reward_signs(rewards: Sequence[CellReward], texts: Sequence[str], look: Look
     if len(texts[0]) > 1:
         yield LegendSign(texts[0], "reward", reward_style(rewards[0], look))
         return
-    signs = "".join(dict.fromkeys(texts))
-    in_full = f"{' or '.join({'+': 'more'}.get(each, 'less') for each in signs)} reward than usual"
-    yield LegendSign(signs, "reward", look.palette.strong, in_full)
+    yield LegendSign("".join(dict.fromkeys(texts)), "reward", look.palette.strong)

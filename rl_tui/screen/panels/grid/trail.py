@@ -138,7 +138,7 @@ def way_text(way: LastWay, look: Look) -> str:
 def trace_signs(left: dict[int, Trace], look: Look, *, has_ways: bool) -> Iterator[LegendSign]:
     """Yield the signs of trail and slip, as far as there are any; cells may have room for ways."""
     if any(trace.was_here for trace in left.values()):
-        yield LegendSign(look.glyphs.trail, "trail", look.palette.strong, "trail of the episode")
+        yield LegendSign(look.glyphs.trail, "trail", look.palette.strong)
     slips = (trace.way for trace in left.values() if trace.way is not None and trace.way.slipped)
     for way in slips if has_ways else ():
-        yield LegendSign(way_text(way, look), "slipped", look.palette.bad, "slipped that way")
+        yield LegendSign(way_text(way, look), "slipped", look.palette.bad)

@@ -62,7 +62,6 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
-_WHEEL_ROWS: Final = 3
 
 
 class QTable(Panel, can_focus=True):
@@ -276,13 +275,14 @@ class QTable(Panel, can_focus=True):
         """Return the pair drawn at column ``x`` of row ``y``, None where there is none."""
         return None if self._sheet is None else self._sheet.pair_at(x, y)
 
-    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Scroll down."""
-        self._scroll_by(_WHEEL_ROWS, event)
-
-    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Scroll up."""
-        self._scroll_by(-_WHEEL_ROWS, event)
+    def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
+        """Scroll by so many rows; the table then stands still until it follows the agent again."""
+        if self._sheet is not None and self._sheet.is_scrolled:
+            event.stop()
+            self._following = False
+            self._first += rows
+            self.redraw()
+            self.post_message(Moved(self))
 
     def on_resize(self) -> None:
         """Bring the rows that are in view now into view in the lane beside."""
@@ -329,14 +329,6 @@ class QTable(Panel, can_focus=True):
         if self.is_attached:
             pair = self.cursor_pair if self.has_focus else None
             self.post_message(Pointed(self, NOWHERE if pair is None else range(pair, pair + 1)))
-
-    def _scroll_by(self, rows: int, event: events.MouseEvent) -> None:
-        if self._sheet is not None and self._sheet.is_scrolled:
-            event.stop()
-            self._following = False
-            self._first += rows
-            self.redraw()
-            self.post_message(Moved(self))
 
     def _put_cursor(self, pair: int) -> None:
         self.cursor_pair, self._following = pair, False

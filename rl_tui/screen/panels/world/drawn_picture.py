@@ -12,24 +12,21 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.kit.counterparts import state_in
 from rl_tui.screen.kit.pointing import PointerStroke, Wheeled
 from rl_tui.screen.panels.world.shown_policy import PolicyPicture
-from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
 _FINE: Final = 0.1  # of a turn of the wheel, with shift
+_MIDDLE: Final = 0.2  # of half a place
 
 
 class DrawnPicture(PolicyPicture):
     """A picture of places that tells over which of them the pointer was drawn, while that is wanted."""
 
     cursor: int | None
-
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self.is_drawn_on = False
-        """Whether a person draws the world: then the pointer paints, and the wheel changes what is paid."""
-        self._picked: frozenset[int] = frozenset()
-        self._stroke: list[int] = []
-        self._pointer = Offset()  # where it was last, during a stroke
+    is_drawn_on = False
+    """Whether a person draws the world: then the pointer paints, and the wheel changes what is paid."""
+    _picked: frozenset[int] = frozenset()
+    _stroke: tuple[int, ...] = ()
+    _pointer = Offset()  # where it was last, during a stroke
 
     @property
     def picked(self) -> frozenset[int]:
@@ -46,6 +43,18 @@ class DrawnPicture(PolicyPicture):
         """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
         raise NotImplementedError
 
+    def part_at(self, x: int, y: int) -> tuple[int, int] | None:
+        """Return towards which side of its place column ``x`` of row ``y`` is, None in the middle."""
+        here = self.place_at(x, y)
+        columns = [each for each in range(self.size.width) if self.place_at(each, y) == here]
+        rows = [each for each in range(self.size.height) if self.place_at(x, each) == here]
+        right, down = _off_centre(x, columns), _off_centre(y, rows)
+        if max(abs(right), abs(down)) < _MIDDLE:
+            return None
+        if abs(right) >= abs(down):
+            return 0, (1 if right > 0 else -1)
+        return (1 if down > 0 else -1), 0
+
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
         """Return where the ``place`` of ``before`` is in ``now``, another world; None where it is gone."""
         return self.place_in(place, before.world, now.world)
@@ -59,7 +68,7 @@ class DrawnPicture(PolicyPicture):
         place, offset = self._place_under(event), event.get_content_offset(self)
         if self.is_drawn_on and place is not None and offset is not None:
             self.capture_mouse()
-            self._stroke, self._pointer = [place], offset
+            self._stroke, self._pointer = (place,), offset
             self.redraw()
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
@@ -71,14 +80,14 @@ class DrawnPicture(PolicyPicture):
         for x, y in _straight(before, offset):
             place = self.place_at(x, y)
             if place is not None and place != self._stroke[-1]:
-                self._stroke.append(place)
+                self._stroke = (*self._stroke, place)
                 self.redraw()
 
     def on_mouse_up(self) -> None:
         """End the stroke, and tell of it."""
         if self._stroke:
             self.release_mouse()
-            stroke, self._stroke = tuple(self._stroke), []
+            stroke, self._stroke = self._stroke, ()
             self.redraw()
             self.post_message(PointerStroke(self, stroke))
 
@@ -95,8 +104,11 @@ class DrawnPicture(PolicyPicture):
         return None if offset is None else self.place_at(offset.x, offset.y)
 
 
+def _off_centre(at: int, cells: list[int]) -> float:
+    return (2 * at - cells[0] - cells[-1]) / len(cells)
+
+
 def _straight(start: Offset, end: Offset) -> Iterator[tuple[int, int]]:
-    """Yield the cells of the screen on the straight line from ``start``, which is left out, to ``end``."""
     across = end - start
     steps = max(abs(across.x), abs(across.y))
     for step in range(1, steps + 1):

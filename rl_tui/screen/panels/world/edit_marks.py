@@ -53,7 +53,7 @@ def put_marks(canvas: Canvas, marks: EditMarks, wish: tuple[int, int], look: Loo
 def edit_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:
     """Yield the signs of a legend, as far as there are any: what is drawn and not in force, and the marks."""
     if editor.draft is not editor.base:
-        yield LegendSign(look.glyphs.drafted, "drawn", look.palette.dim, "drawn, not in force yet")
+        yield LegendSign(look.glyphs.drafted, "drawn", look.palette.dim)
     yield from mark_signs(editor, look)
 
 

@@ -47,8 +47,8 @@ def scale_line(
     if named is not None and named.note:
         _add(line, [(Piece(named.note, look.palette.dim),)], width, look)
     for sign in signs:
-        pieces = sign.pieces or (Piece(sign.sign.strip(), sign.style),)
-        _add(line, [(*pieces, Piece(f" {sign.meaning}", look.palette.dim))], width, look)
+        pieces = Piece(sign.sign.strip(), sign.style), Piece(f" {sign.meaning}", look.palette.dim)
+        _add(line, [pieces], width, look)
     return strips_of([line], width, 1, look)[0]
 
 
@@ -62,7 +62,6 @@ def _add(line: list[Piece], forms: Iterable[Line], width: int, look: Look) -> No
 
 
 def _scale_forms(named: NamedScale, look: Look) -> Iterator[tuple[Piece, ...]]:
-    """Yield the scale behind its word, the longest form first."""
     dim = look.palette.dim
     for every in (1, 2):
         if pieces := scale_pieces(named.scale, look, every=every):

@@ -20,17 +20,9 @@ from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
 from rl_tui.screen.kit.numbers_in_common import all_v
-from rl_tui.screen.kit.panel import (
-    GREEDY_IN_FULL,
-    POLICY_IN_FULL,
-    Legend,
-    LegendSign,
-    Panel,
-    no_table_sign,
-    no_value_sign,
-)
+from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, no_value_sign
 from rl_tui.screen.kit.snapshot_facts import is_new_run
-from rl_tui.screen.kit.value_scale import Ramp, SteadyScale, ValueScale, scale_pieces
+from rl_tui.screen.kit.value_scale import Ramp, ValueScale
 from rl_tui.screen.panels.policies.studied import as_studied, studied_kind, study_headings
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
@@ -40,7 +32,6 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 AT_RANDOM: Final = "?"
 """In place of an arrow: no action was drawn, so it acts at random."""
-DRAWN_IN_FULL: Final = "drawn: your choice"
 
 
 def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
@@ -79,14 +70,6 @@ def off_way_style(style: Style, look: Look) -> Style:
     return style + look.palette.dim + Style(bold=False)
 
 
-def random_signs(look: Look) -> tuple[LegendSign, ...]:
-    """Return how states are marked in which nothing was drawn: those it may come to, and all others."""
-    return (
-        LegendSign(AT_RANDOM, "random", look.palette.strong, "nothing drawn: at random"),
-        LegendSign(AT_RANDOM, "off its way", look.palette.dim, "off its way"),
-    )
-
-
 # A picture with values and actions
 
 
@@ -96,43 +79,30 @@ TITLE: Final = "World"
 class PolicyPicture(Panel):
     """A picture with values and actions of states, and what it says of whose they are."""
 
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self.cell: Size | None = None
-        """The size of a cell that the board gives it, 0 × 0 where it is no map; None without a board."""
-        self.studied: PolicyKind | None = None
-        """The policy whose values and actions are drawn; None: they are what the agent has learned."""
-        self.shows_kept_policy = False
-        """Whether arrows and values are those of the policy that a planner keeps, not the greedy ones."""
-        self.shows_drawing = False
-        """Whether actions are those that a person drew, whether their values are known or not."""
-        self.policy_shown = "greedy"
-        """What the arrows are, in a word."""
-        self.lacks_table = False
-        """Whether a program is watched of which no table is known."""
-        self.names_policies_key = True
-        """Whether its border names the key that opens the panel of policies: not while that is open."""
-        self.differing: frozenset[int] = frozenset()
-        """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
-        self.steady_scale = SteadyScale()
-        """The scale of all tints, which that of the lane beside shares."""
-        self.tints = ValueScale()
-        """That scale as it was drawn last."""
-
-    @property
-    def has_line(self) -> bool:
-        """Whether a line with the scale of the tints is below the picture: a board has a row for it."""
-        return self.cell is not None
+    cell: Size | None = None
+    """The size of a cell that the board gives it, 0 × 0 where it is no map; None in a preview."""
+    studied: PolicyKind | None = None
+    """The policy whose values and actions are drawn; None: they are what the agent has learned."""
+    shows_drawing = False
+    """Whether actions are those that a person drew, whether their values are known or not."""
+    policy_shown = "greedy"
+    """What the arrows are, in a word."""
+    lacks_table = False
+    """Whether a program is watched of which no table is known."""
+    names_policies_key = True
+    """Whether it names the key that opens the panel of policies: not while that is open."""
+    differing: frozenset[int] = frozenset()
+    """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
+    tints = ValueScale()
+    """The scale of the tints as it was drawn last."""
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot`` with values and actions of the policy that is studied, else of the agent."""
         shown, program = as_studied(snapshot), snapshot.program
         self.studied = studied_kind(snapshot)
-        self.shows_kept_policy = len(shown.agent.policy) > 0
         self.shows_drawing = snapshot.answers.studied is PolicyKind.DRAWN
-        self.policy_shown = (
-            "drawn" if self.shows_drawing else "policy" if self.shows_kept_policy else "greedy"
-        )
+        is_kept = len(shown.agent.policy) > 0  # by a planner
+        self.policy_shown = "drawn" if self.shows_drawing else "policy" if is_kept else "greedy"
         self.lacks_table = program is not None and program.table is None and self.studied is None
         super().show(shown)
 
@@ -156,8 +126,14 @@ class PolicyPicture(Panel):
         return study_headings(self.snapshot, self.studied, TITLE, what, names_key=key)
 
     def random_signs(self) -> Legend:
-        """Return the signs of states in which nothing was drawn; none where no drawing is shown."""
-        return random_signs(self.look) if self.shows_drawing else ()
+        """Return the signs of states in which nothing was drawn: those it may come to, and all others."""
+        if not self.shows_drawing:
+            return ()
+        palette = self.look.palette
+        return (
+            LegendSign(AT_RANDOM, "random", palette.strong),
+            LegendSign(AT_RANDOM, "off its way", palette.dim),
+        )
 
     def valueless_signs(self) -> Legend:
         """Return the sign of a state of no value; none where there is no such state."""
@@ -166,36 +142,10 @@ class PolicyPicture(Panel):
             return ()
         return (no_value_sign(self.look),)
 
-    def study_signs(self, *, has_numbers: bool, has_actions: bool) -> Legend:
-        """Return the signs of values of the policy that is studied, for cells with their numbers or without.
-
-        Cells that have every action, in place of V, tell of tints themselves. None where none is studied.
-        """
-        if self.studied is None:
-            return ()
-        valueless = self.valueless_signs() if has_numbers or has_actions else ()
-        return valueless if has_actions else (*valueless, *self.value_signs())
-
-    def value_signs(self) -> Legend:
-        """Return the sign of V(s), a colour; none without colours, or where a line has the scale.
-
-        Where a program has no table it is that of a value that is missing.
-        """
-        palette, studied = self.look.palette, self.studied is not None
-        if self.lacks_table:
-            return (no_table_sign(self.look),)
-        if self.has_line or not palette.tints:
-            return ()
-        name, in_full = ("Vπ", "value Vπ(s)") if studied else ("V", "value V(s)")
-        pieces = scale_pieces(self.tints, self.look)
-        return (LegendSign(" tint ", name, palette.value(1.0), in_full, pieces),)
-
-    def policy_sign(self, sign: str, style: Style) -> LegendSign:
-        """Return the ``sign`` of the actions that are drawn."""
-        in_full = POLICY_IN_FULL if self.shows_kept_policy else GREEDY_IN_FULL
-        if self.shows_drawing:
-            in_full = DRAWN_IN_FULL
-        return LegendSign(sign, self.policy_shown, style, in_full)
+    def missing_table_signs(self) -> Legend:
+        """Return the sign of a value that is missing, since a program has no table; else none."""
+        sign = LegendSign(numbers.missing(self.look.glyphs), "no table", self.look.palette.text)
+        return (sign,) if self.lacks_table else ()
 
 
 # V(s) and actions of all states

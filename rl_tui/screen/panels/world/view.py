@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 from rich.cells import cell_len
 from rich.style import Style
@@ -16,13 +16,14 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import Cells
 from rl_tui.screen.draw.canvas import Canvas, Piece, shortened
 from rl_tui.screen.draw.names import state_name
+from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.counterparts import are_alike
 from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, scale_numbers, veils_exact, world_layer
 from rl_tui.screen.kit.panel import AGENT, BoardPanel, Legend, LegendSign, agent_meaning
-from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
+from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
-from rl_tui.screen.kit.value_scale import Ramp, ValueScale
+from rl_tui.screen.kit.value_scale import Ramp, SteadyScale, ValueScale
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
 from rl_tui.screen.panels.world.drawn_picture import DrawnPicture
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
@@ -40,8 +41,8 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 WAITING: Final = "the world is being built"
-_WHEEL: Final = 3
-_SCALE_ROOM: Final = 28
+SCALE_ROOM: Final = 28
+"""The cells that the scale needs behind what is said first in the line below the picture."""
 
 
 class WorldView(DrawnPicture, can_focus=True):
@@ -50,11 +51,11 @@ class WorldView(DrawnPicture, can_focus=True):
     In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
     arrow key or a click moves it, it stays with the agent; escape takes it back there. ``is_manual``
     says that a person is the agent: then the cursor is not drawn. While a mode is on that has keys of its
-    own, ``title`` and ``prompt``, the longest forms first, stand in the border. So does the name of a
-    ``lane`` where another one stands beside it, and below it, without focus, a ``note`` about both.
+    own, ``title`` and ``prompt``, the longest forms first, are said. So is the name of a ``lane`` where
+    another one stands beside it, and without focus a ``note`` about both.
 
-    While a planner works, and its steps can be followed, the Bellman equation of the state backed up last
-    stands below the picture, in place of the legend where that has no rows of its own.
+    On a board a line with the scale of the tints is below the picture, in which all this is said, and the
+    Bellman equation of the state that a planner backed up last, where its steps can be followed.
 
     Subclasses implement :meth:`drawing`, which may set ``heading`` and ``footing`` on the way, and say what
     the places are.
@@ -73,35 +74,30 @@ class WorldView(DrawnPicture, can_focus=True):
         binding("escape,full_stop", "back", "world.back", "Follow the agent again, where a cursor was put"),
     ]
 
-    def __init__(
-        self,
-        world: World,
-        look: Look,
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
-        super().__init__(look, id=id, classes=classes)
-        self.title: tuple[str, ...] = ()
-        self.prompt: tuple[str, ...] = ()
-        self.lane: tuple[str, ...] = ()
-        self.note: tuple[str, ...] = ()
-        self.is_manual = False
-        """Whether a person takes the actions."""
-        self._has_equation = False
-        self._said = "", ""  # a mode or a lane, and what is said with it, in one line
-        self.wanted_layer = Layer.Q
-        """What is drawn, if this world has that; the same as in the table beside it."""
-        self.drawn_layer = Layer.Q
-        """The layer that was drawn last."""
-        self.veils = False
-        """Whether there are dots in place of its numbers, which are hidden."""
-        self.range_of_v = self.tints
-        """The scale of V, by which actions lead, whatever is tinted."""
-        self.is_numbered = False
-        """Whether the cells of a map have the numbers of their states."""
-        self.shows_actions = False
-        """Whether the cells of a map show Q of every action, where they have room, in place of V."""
+    title: tuple[str, ...] = ()
+    prompt: tuple[str, ...] = ()
+    lane: tuple[str, ...] = ()
+    note: tuple[str, ...] = ()
+    is_manual = False
+    """Whether a person takes the actions."""
+    wanted_layer = Layer.Q
+    """What is drawn, if this world has that; the same as in the table beside it."""
+    drawn_layer = Layer.Q
+    """The layer that was drawn last."""
+    veils = False
+    """Whether there are dots in place of its numbers, which are hidden."""
+    range_of_v = ValueScale()
+    """The scale of V, by which actions lead, whatever is tinted."""
+    is_numbered = False
+    """Whether the cells of a map have the numbers of their states."""
+    shows_actions = False
+    """Whether the cells of a map show Q of every action, where they have room, in place of V."""
+    _said = "", ""  # a mode or a lane, and what is said with it, in one line
+
+    def __init__(self, world: World, look: Look, **options: Any) -> None:
+        super().__init__(look, **options)
+        self.steady_scale = SteadyScale()
+        """The scale of all tints, which that of the lane beside shares."""
         self.enter(world)
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
@@ -109,7 +105,7 @@ class WorldView(DrawnPicture, can_focus=True):
 
         Its place is that of :meth:`carried`.
         """
-        self.world = world
+        self.world, self.number_forms = world, SteadyForms()
         if not goes_on:
             self.cursor: int | None = None  # where the user put it; None while it stays with the agent
         self._pointed: int | None = None  # where the cursor of another panel stands
@@ -124,7 +120,7 @@ class WorldView(DrawnPicture, can_focus=True):
         return True
 
     def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...], *, has_keys: bool) -> None:
-        """Write on the border what mode is on, and which keys it has; without a title none is.
+        """Say what mode is on, and which keys it has; without a title none is.
 
         A thick border says that it ``has_keys`` here and now.
         """
@@ -155,13 +151,9 @@ class WorldView(DrawnPicture, can_focus=True):
         return self.cursor is not None
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs of the world; none where keys or an equation need the border they were on."""
-        if self.has_line and self.title:  # which has those of what is drawn
-            return *self.random_signs(), *self.signs()
-        is_taken = (bool(self.title) or self._has_equation) and not self.has_line
-        if is_taken and self.free_rows < 1:
-            return ()
-        return *self.random_signs(), *edit_signs(snapshot.editor, self.look), *self.signs()
+        """Return the signs of the world; those of what is drawn and not in force may be in the title."""
+        drawn = () if self.title else edit_signs(snapshot.editor, self.look)
+        return *self.random_signs(), *drawn, *self.signs()
 
     def signs(self) -> Iterable[LegendSign]:
         """Return the signs that pictures of this world may have, those that matter most first."""
@@ -180,10 +172,6 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def moved(self, place: int, rows: int, columns: int) -> int:
         """Return the place so many rows below and columns to the right, or as far as there is one."""
-        raise NotImplementedError
-
-    def place_at(self, x: int, y: int) -> int | None:
-        """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
         raise NotImplementedError
 
     def state_at(self, place: int) -> int | None:
@@ -245,9 +233,9 @@ class WorldView(DrawnPicture, can_focus=True):
         """Scroll so far that ``place`` is seen."""
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take cursor and scale of the view ``twin``; subclasses take the rest of its stance."""
+        """Take cursor, scale and forms of the view ``twin``; subclasses take the rest of its stance."""
         if isinstance(twin, WorldView):
-            self.steady_scale, at = twin.steady_scale, twin.cursor
+            self.steady_scale, self.number_forms, at = twin.steady_scale, twin.number_forms, twin.cursor
             place = None if at is None else self.place_in(at, twin.world, self.world)
             if place is not None or self.takes_stance_of(twin):
                 self.cursor = place
@@ -264,15 +252,15 @@ class WorldView(DrawnPicture, can_focus=True):
         """Return the drawing of ``snapshot``, a moment of a run in this view's world."""
         if snapshot is None:
             return self._waiting(width, height)
-        rows = height - 1 if self.has_line and height > 1 else height
+        has_line = self.cell is not None and height > 1
+        rows = height - has_line
         self.drawn_layer = layer = self._layer_of(snapshot, self.wanted_layer)
         self.veils = layer is Layer.OPTIMAL and veils_exact(snapshot)
         self.tints = ValueScale() if self.veils else self.steady_scale.of(snapshot, layer)
         self.range_of_v = self.tints if self.tints.ramp is Ramp.VALUES else self.steady_scale.of_v
         strips = self.drawing(as_layer(snapshot, layer), width, rows)
-        self.free_rows = 0 if self.has_line else self.free_rows
-        self._write_border_texts(snapshot, width)
-        return strips if rows == height else [*strips, self._line(snapshot, width)]
+        self._say_what_matters(snapshot, width)
+        return [*strips, self._line(snapshot, width)] if has_line else strips
 
     def has_layer(self, layer: Layer) -> bool:
         """Return whether it is drawn otherwise in ``layer`` than in others; V is drawn where it is not."""
@@ -297,19 +285,16 @@ class WorldView(DrawnPicture, can_focus=True):
         canvas.put((width - len(text)) // 2, (height - 1) // 2, text, palette.dim)
         return canvas.strips()
 
-    def _write_border_texts(self, snapshot: Snapshot, width: int) -> None:
+    def _say_what_matters(self, snapshot: Snapshot, width: int) -> None:
         """Set heading and footing where a mode, a lane, the cursor or an equation has something to say."""
-        self._has_equation = not (self.footing or self.lane or self.is_manual or self.cursor is not None)
-        if self._has_equation:
+        if not (self.footing or self.lane or self.is_manual or self.cursor is not None):
             self.footing = self.fitting(self._equation(snapshot), width)
-            self._has_equation = bool(self.footing)
         if not self.footing and self.has_focus:
             self.footing = self.fitting(self._about_cursor(), width)
         if self.lane:
             self._name_lane(width)
         if self.title:
-            lacks_legend = self.is_explained and self.free_rows < 1
-            titles = with_signs(self.title, snapshot.editor, self.look) if lacks_legend else self.title
+            titles = with_signs(self.title, snapshot.editor, self.look) if self.is_explained else self.title
             self._say(titles, self.prompt, width)
 
     def _say(self, headings: Sequence[str], footings: Sequence[str], width: int) -> None:
@@ -321,12 +306,9 @@ class WorldView(DrawnPicture, can_focus=True):
         self._said = next(fitting, (self.heading, ""))
 
     def _explain(self, snapshot: Snapshot) -> None:
-        """Put the legend where it belongs; where there is a line with the scale, the signs are in that."""
-        if not self.has_line:
-            super()._explain(snapshot)
+        """Do nothing: the line below the picture has the signs."""
 
     def _line(self, snapshot: Snapshot, width: int) -> Strip:
-        """Return the line below the picture: the mode, the lane or the cursor, then scale and signs."""
         palette = self.look.palette
         said: list[Piece] = []
         heading, footing = self._said if self.title or self.lane else (self.heading, self.footing)
@@ -340,11 +322,6 @@ class WorldView(DrawnPicture, can_focus=True):
         return scale_line(tuple(said), self.named_scale, signs, width, self.look)
 
     @property
-    def scale_room(self) -> int:
-        """The cells that the scale needs behind what is said first; 0 where it is in no line."""
-        return _SCALE_ROOM if self.has_line else 0
-
-    @property
     def named_scale(self) -> NamedScale | None:
         """The scale of the tints and the word for it; None where nothing is tinted."""
         layer = self.drawn_layer
@@ -355,7 +332,7 @@ class WorldView(DrawnPicture, can_focus=True):
         return NamedScale(WORDS.get(layer, VALUE), self.tints, unknown)
 
     def _name_lane(self, width: int) -> None:
-        """Write the lane in the border, and below it the note, else what the picture shows."""
+        """Say the name of the lane, and with it the note, else what the picture shows."""
         shows = self.heading.removeprefix(f"{TITLE} · ")
         footings = (self.footing, *self._about_cursor())
         if not self.has_focus:
@@ -365,7 +342,6 @@ class WorldView(DrawnPicture, can_focus=True):
         self._say(self.lane, tuple(filter(None, footings)), width)
 
     def _equation(self, snapshot: Snapshot) -> Sequence[str]:
-        """Return the Bellman equation of the state that a planner backed up last, the longest form first."""
         last = snapshot.counters.last_step
         if last is None or not last.planned or self.studied is not None or passes_too_fast(snapshot):
             return ()
@@ -376,7 +352,6 @@ class WorldView(DrawnPicture, can_focus=True):
         return backup_text(snapshot.world, story.state_backup, glyphs).lines(glyphs.arrow_update)
 
     def _about_cursor(self) -> tuple[str, ...]:
-        """Return where the cursor stands and what may be done there, the longest form first."""
         if self.cursor is None:
             usual = "arrows: cursor · k: breakpoint"
             return f"{usual} · ?: words", usual, "arrows: cursor"
@@ -436,7 +411,7 @@ class WorldView(DrawnPicture, can_focus=True):
         was_there = place == self.cursor
         self.put_cursor(place)
         if was_there:
-            self.post_message(PartPointed(self, part_pointed_at(self, offset.x, offset.y)))
+            self.post_message(PartPointed(self, self.part_at(*offset)))
 
     def on_resize(self) -> None:
         """Bring the part that is in view now into view in the lane beside."""
@@ -450,19 +425,12 @@ class WorldView(DrawnPicture, can_focus=True):
         shown = self.cursor if has_focus else None
         self._tell(NOWHERE if shown is None else self.pairs_at(shown))
 
-    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Scroll down; to the right with shift or ctrl."""
-        self._turn_wheel(_WHEEL, event)
-
-    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Scroll up; to the left with shift or ctrl."""
-        self._turn_wheel(-_WHEEL, event)
-
-    def _turn_wheel(self, lines: int, event: events.MouseEvent) -> None:
+    def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
+        """Scroll by so many rows, with shift or ctrl by columns; where it is drawn on, tell of the turn."""
         event.stop()
-        if self.turns(event, lines):
+        if self.turns(event, rows):
             return
         sideways = event.shift or event.ctrl
-        self.pan(0 if sideways else lines, lines if sideways else 0)
+        self.pan(0 if sideways else rows, rows if sideways else 0)
         self.redraw()
         self.post_message(Moved(self))
