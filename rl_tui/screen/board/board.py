@@ -82,7 +82,7 @@ class LessonPlace:
     @property
     def is_docked(self) -> bool:
         """Whether there is room for the page beside the world."""
-        return docks_lesson(self._board.screen.size)
+        return docks_lesson(self._board.screen.size, self._arrangement.in_view)
 
     @property
     def reads(self) -> bool:
@@ -256,6 +256,12 @@ class Board(Container):
         shape = replace(self._arrangement.shape, **changes)
         if shape != self._arrangement.shape:
             self._arrangement.shape = shape
+            self._arrange_again()
+
+    def show_only(self, panels: frozenset[str] | None) -> None:
+        """Give a place only to these panels, by their ids, None: to all."""
+        if panels != self._arrangement.shown:
+            self._arrangement.shown = panels
             self._arrange_again()
 
     def _take_lead(self, snapshot: Snapshot) -> None:

@@ -19,7 +19,10 @@ _AROUND = 2  # rows of the screen that the board has not: header and keys
 
 
 class BoardLayout(Layout):
-    """Gives each panel the region that the arrangement has for it: of its ``shape``, and what is open."""
+    """Gives each panel the region that the arrangement has for it: of its ``shape``, and what is open.
+
+    ``shown`` are the ids of the panels to show, None: all.
+    """
 
     name = "board"
 
@@ -27,13 +30,20 @@ class BoardLayout(Layout):
         self.shape = shape
         self.zoomed: str | None = None
         self.opened: str | None = None
+        self.shown: frozenset[str] | None = None
         self.placed: frozenset[str] = frozenset()
         self._rows = {row.id: row for row in panels}
+
+    @property
+    def in_view(self) -> frozenset[str] | None:
+        """The ids of the panels in view: all, if one is open, two runs are, or the world is edited."""
+        is_whole = self.opened is not None or self.shape.lanes or self.shape.is_drawn
+        return None if is_whole else self.shown
 
     def has_lesson_in_a_row(self, size: Size) -> bool:
         """Return whether a lesson has one row only: its page is not read, and has no room beside all else."""
         shape = self.shape
-        is_page = shape.reads or docks_lesson(_screen(size)) or self.zoomed == LESSON
+        is_page = shape.reads or docks_lesson(_screen(size), self.in_view) or self.zoomed == LESSON
         return shape.has_lesson and not is_page
 
     def has_place(self, panel: str, size: Size) -> bool:
@@ -53,7 +63,7 @@ class BoardLayout(Layout):
 
     def _place(self, size: Size, shape: Shape, zoomed: str | None) -> Arrangement:
         is_wide = self.opened is not None and self._rows[self.opened].is_wide
-        return arrange(_screen(size), shape, self.opened, zoomed=zoomed, is_wide=is_wide)
+        return arrange(_screen(size), shape, self.opened, zoomed=zoomed, is_wide=is_wide, shown=self.in_view)
 
     def arrange(
         self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True

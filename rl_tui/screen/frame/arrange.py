@@ -83,9 +83,9 @@ def arrange(
     sheet = ScreenPlan(size, shape, shown)
     if zoomed is not None:
         return sheet.alone(zoomed)
-    if shape.has_lesson and shape.reads and not docks_lesson(size):
+    if shape.has_lesson and shape.reads and not docks_lesson(size, shown):
         return sheet.alone(LESSON)
-    if shape.has_lesson and not docks_lesson(size):
+    if shape.has_lesson and not docks_lesson(size, shown):
         sheet.put(LESSON, Region(0, 1, size.width, 1))
         sheet.top = 2
     if sheet.room is SMALL and opened is not None:
@@ -103,7 +103,7 @@ class _Bands:
         self.sheet, self.shape, self.room = sheet, sheet.shape, sheet.room
         self.wide = opened if is_wide and not sheet.lanes and not sheet.shape.is_drawn else None
         self.drawing = self.shape.drawing
-        docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size) else None
+        docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size, sheet.shown) else None
         tools = DRAW if self.shape.is_drawn and self.room is not SMALL else None
         self.table = DRAW if self.shape.is_drawn and self.room is SMALL else TABLE
         """The panel at the right of the world."""
@@ -429,10 +429,12 @@ class _Bands:
         """Put last step, agent and curve with timeline in a line each."""
         sheet, x, width = self.sheet, self.sheet.margin, self.sheet.usable
         half = width // 2
-        sheet.put(LAST_STEP, Region(x, y, width, 1))
-        sheet.put(self.shape.settings, Region(x, y + 1, width, 1))
-        sheet.put(CURVE, Region(x, y + 2, half - 1, 1))
-        sheet.put(TIMELINE, Region(x + half, y + 2, width - half, 1))
+        for panel in filter(sheet.shows, (LAST_STEP, self.shape.settings)):
+            sheet.put(panel, Region(x, y, width, 1))
+            y += 1
+        if sheet.shows(CURVE):
+            sheet.put(CURVE, Region(x, y, half - 1, 1))
+            sheet.put(TIMELINE, Region(x + half, y, width - half, 1))
 
     def _on_top(self, cell: Size, extra: int) -> Arrangement:
         """Return the place of a wide map above all else: below it the last step, curve and table."""

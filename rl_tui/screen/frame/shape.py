@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 from textual.geometry import Region, Size
 
-from rl_tui.screen.kit.row import CONTROLS, CURVE, PROGRAM, TIMELINE, WORLD, beside
+from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, PROGRAM, TABLE, TIMELINE, WORLD, beside
 from rl_tui.screen.panels.margins import wanted_margins
 from rl_tui.worlds.drawing import Drawing, Grid
 from rl_tui.worlds.sections.schema import WorldSection
@@ -67,6 +67,7 @@ class SizeClass(IntEnum):
 
 
 SMALL, MEDIUM, ROOMY = SizeClass
+_AT_THE_RIGHT: Final = frozenset({TABLE, LAST_STEP, CONTROLS})
 
 
 def size_class(size: Size) -> SizeClass:
@@ -76,9 +77,10 @@ def size_class(size: Size) -> SizeClass:
     return MEDIUM if size.width >= MEDIUM_WIDTH and size.height >= MEDIUM_HEIGHT else SMALL
 
 
-def docks_lesson(size: Size) -> bool:
-    """Return whether there is room for a page of a lesson beside the world."""
-    return size_class(size) is ROOMY
+def docks_lesson(size: Size, shown: Collection[str] | None) -> bool:
+    """Return whether there is room for a page of a lesson beside the world and all else that is ``shown``."""
+    room = size_class(size)
+    return room is ROOMY or (room is MEDIUM and shown is not None and not _AT_THE_RIGHT.intersection(shown))
 
 
 # Cells of a map

@@ -402,6 +402,12 @@ _MORE: Final[tuple[Action, ...]] = (
         for_the_owner=True,
         not_for_program="this writes runs of built-in agents; your program is in {file} already",
     ),
+    Action(
+        "panels.turn",
+        "m p",
+        "panels",
+        "Show all panels from now on, or only those that mean something so far.",
+    ),
     Action("turn_legends", "m l", "legends", "Hide or show what symbols on panels mean.", old="L"),
     Action(
         "theme",

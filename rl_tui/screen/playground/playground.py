@@ -58,6 +58,7 @@ from rl_tui.screen.playground.actions.session import SessionActions
 from rl_tui.screen.playground.actions.time import TimeActions
 from rl_tui.screen.playground.actions.until import UntilActions
 from rl_tui.screen.playground.actions.view import ViewActions
+from rl_tui.screen.playground.disclosure import Disclosure
 from rl_tui.screen.playground.modes.drawing import PolicyDrawing
 from rl_tui.screen.playground.modes.editing import WorldEditing
 from rl_tui.screen.playground.modes.manual import ManualControl
@@ -151,6 +152,8 @@ class Playground(ActionScreen):
         self.export = ExportActions(*of)
         self.program = ProgramActions(*of)
         self.menus = MenuActions(*of)
+        self.panels = Disclosure(*of)
+        self.panels.is_gradual = watches
         self.kept_back = KeptBack(*of)
         self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
         self._by_command = {each.command or each.id: each for each in self.known_actions}
@@ -218,6 +221,7 @@ class Playground(ActionScreen):
             self.tell(f"{refused[0].upper()}{refused[1:]}.")
         else:
             self.kept_back.show_world_for(command)
+            self.panels.note(command)
             super().action_do(command)
 
     async def action_old_key(self, id_: str) -> None:
@@ -391,6 +395,7 @@ class Playground(ActionScreen):
             self.session.show_name()
             self.status.show(snapshot)
             self.modes.show(snapshot)
+            self.panels.follow(snapshot)
             self.board.show(snapshot)
             before, self._moment = self._moment, self._moment_of(snapshot)
             if self._moment != before:

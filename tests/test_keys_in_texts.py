@@ -1,0 +1,63 @@
+"""The keys that texts name are current ones, and each row of a menu is in the table."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from rl_tui.screen.keys.action import MENUS
+from rl_tui.screen.keys.registry import ACTIONS
+
+ROOT: Final = Path(__file__).parents[1]
+GLOSSARY: Final = ROOT / "rl_tui/screen/glossary/glossary.toml"
+PLAIN: Final = [*sorted(ROOT.glob("lessons/*.toml")), *sorted(ROOT.glob("scenarios/*.toml"))]
+PAGES: Final = [ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))]
+MADE: Final = re.compile(r"<!-- made by make docs: .*?<!-- end -->", re.DOTALL)
+QUOTED: Final = re.compile(r"`([^`\s]|[a-z] [^`\s])`")
+SIGNS: Final = {"number_sign": "#", "left_square_bracket": "[", "right_square_bracket": "]"}
+
+CURRENT: Final = {key for each in ACTIONS for key in (each.shown, *each.key.split(","))}
+ONLY_OLD: Final = {SIGNS.get(each.old, each.old) for each in ACTIONS if each.old} - CURRENT
+PATHS: Final = {each.key for each in ACTIONS if each.menu}
+
+OTHERS: Final = {
+    "atlas.md": "n",  # a key of the map of settings
+    "commands.md": "V",  # of JSON
+    "drawing.md": "#CFGHIiNopSVz",  # tools and characters of maps
+    "keys.md": "op",  # a tool; the letter of a menu
+    "own-code.md": "PQ",  # attributes of programs
+    "questions.md": "C",  # a tool
+    "README.md": "z",  # a tool
+    "scenario-files.md": "#GHSV",  # characters of maps
+    "sweeps.md": "n",  # a setting
+    "terminals.md": "GO",  # characters in ASCII
+}
+"""What stands in quotes on a page like a key, and is something else."""
+
+
+def quoted_in(path: Path) -> set[str]:
+    return set(QUOTED.findall(MADE.sub("", path.read_text(encoding="utf-8"))))
+
+
+@pytest.mark.parametrize("path", [*PLAIN, *PAGES, GLOSSARY], ids=lambda path: path.name)
+def test_no_text_names_an_old_key_or_a_row_that_no_menu_has(path: Path) -> None:
+    named = quoted_in(path)
+    assert named & ONLY_OLD <= set(OTHERS.get(path.name, ""))
+    assert {each for each in named if " " in each and each[0] in MENUS} <= PATHS
+
+
+@pytest.mark.parametrize("path", PLAIN, ids=lambda path: path.name)
+def test_lessons_and_notes_name_a_menu_with_its_letter(path: Path) -> None:
+    others = (
+        {*MENUS, "j", "k"} if path.parent.name == "lessons" else {*MENUS, *"hjk"}
+    )  # h: a hint, in lessons
+    assert others.isdisjoint(quoted_in(path))
+
+
+def test_the_glossary_names_current_keys() -> None:
+    text = " ".join(GLOSSARY.read_text(encoding="utf-8").split())
+    named = re.findall(r"(?<![\w(] )\b((?:[a-z] )?[A-Za-z]) (?:lists|shows|runs|counts|goes|opens)\b", text)
+    assert {"v", "t p"} <= set(named) <= CURRENT
