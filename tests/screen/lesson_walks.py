@@ -24,7 +24,7 @@ from rl_tui.runs.recipe import JournalEntry
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.panels.controls.slider import Slider
-from rl_tui.screen.panels.lesson.stage import open_page
+from rl_tui.screen.panels.lesson.words import open_page
 from rl_tui.screen.playground.actions.lesson import NOT_DONE
 from rl_tui.screen.playground.modes.action_keys import action_towards, acts_in, digit_keys, has_directions
 from rl_tui.screen.playground.modes.mode import STEPS

@@ -17,7 +17,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.results import Curve
-from rl_tui.screen.panels.curve import words
+from rl_tui.screen.panels.curve import text as words
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import curve_data
 from rl_tui.worlds.files.catalogue import find

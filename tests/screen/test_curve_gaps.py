@@ -13,7 +13,7 @@ from snapshots import changed
 
 from rl_tui.live.program_view import ProgramView
 from rl_tui.runs.results import Marks
-from rl_tui.screen.panels.curve import words
+from rl_tui.screen.panels.curve import text as words
 
 BROAD = (110, 13)
 

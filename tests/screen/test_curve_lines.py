@@ -30,7 +30,7 @@ from rl_tui.screen.panels.curve.area import area_of, area_styles
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import MovingMean, curve_data, moving_mean
 from rl_tui.screen.panels.curve.seed_band import smoothed
-from rl_tui.screen.panels.curve.words import GREEDY, OPTIMAL
+from rl_tui.screen.panels.curve.text import GREEDY, OPTIMAL
 
 # Axes
 

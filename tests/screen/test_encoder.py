@@ -16,10 +16,9 @@ from rich.style import Style
 from textual.strip import Strip
 from wcwidth import wcwidth
 
-from rl_tui.screen.terminal.cells import Cutter
 from rl_tui.screen.terminal.encoder import Encoder
 from rl_tui.screen.terminal.pens import Pen, Pens
-from rl_tui.screen.terminal.screen_buffer import ScreenBuffer
+from rl_tui.screen.terminal.screen_buffer import Cutter, ScreenBuffer
 
 COLOURS = (None, "default", "red", "bright_blue", "color(7)", "color(99)", "#102030", "#fedcba")
 SHOWS_ON_BLANKS = ("underscore", "strikethrough", "reverse", "blink")

@@ -6,7 +6,7 @@ import pytest
 from samples import look
 
 from rl_tui.screen.draw.canvas import Piece
-from rl_tui.screen.kit.equation import Equation, Term
+from rl_tui.screen.kit.blocks import Equation, Term
 
 STYLE = look().palette.text
 EQUATION = Equation(

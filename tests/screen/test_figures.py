@@ -24,7 +24,7 @@ from rl_tui.screen.kit.row import BUDGET, CURVE, LAST_STEP, TABLE, WORLD
 from rl_tui.screen.panels import seed_figures as study_figures
 from rl_tui.screen.panels.budget import budget_blocks
 from rl_tui.screen.panels.catalogue import PANELS
-from rl_tui.screen.panels.curve.words import BEST_ARM, GREEDY, OPTIMAL
+from rl_tui.screen.panels.curve.text import BEST_ARM, GREEDY, OPTIMAL
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
 from rl_tui.screen.panels.status_line import status_line
 from rl_tui.screen.panels.world.scale_line import VALUE

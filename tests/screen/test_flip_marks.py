@@ -16,8 +16,7 @@ from rl_tui.runs.library import recipe_named
 from rl_tui.runs.recipe import begin
 from rl_tui.screen.panels.controls.controls import flip_marks
 from rl_tui.screen.panels.controls.slider import Slider, key_hints
-from rl_tui.screen.panels.controls.slider_picture import SliderMark, SliderState, slider_strip
-from rl_tui.screen.panels.controls.slider_scale import scale_of
+from rl_tui.screen.panels.controls.slider_picture import SliderMark, SliderState, scale_of, slider_strip
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

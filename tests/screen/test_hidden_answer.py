@@ -18,7 +18,7 @@ from rl_tui.screen.kit.blocks import lines_of
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.snapshot_facts import ANSWER_KEY, hides_means, is_secret
 from rl_tui.screen.panels.curve.data import curve_data
-from rl_tui.screen.panels.curve.words import HIDDEN_OPTIMUM, OPTIMAL
+from rl_tui.screen.panels.curve.text import HIDDEN_OPTIMUM, OPTIMAL
 from rl_tui.screen.panels.microscope.microscope import history_strips
 from rl_tui.screen.panels.model.pair import pair_blocks
 from rl_tui.screen.theme.glyphs import UNICODE

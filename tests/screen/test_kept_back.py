@@ -18,7 +18,7 @@ from rl_tui.screen.panels.budget import budget_blocks
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
 from rl_tui.screen.panels.model.pair import means_key
-from rl_tui.screen.panels.policies.notes import notes
+from rl_tui.screen.panels.policies.policies import notes
 from rl_tui.screen.playground.modes.drawing import title
 from rl_tui.screen.theme.glyphs import UNICODE
 

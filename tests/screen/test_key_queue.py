@@ -11,9 +11,8 @@ from textual.events import Event, Key, MouseUp, Paste
 from textual.widgets import Input
 
 from rl_tui.screen.app.app import Idleness, RlTuiApp
-from rl_tui.screen.frame.early_keys import EarlyKeys
 from rl_tui.screen.terminal.driver import MOST_WAITING, TerminalDriver
-from rl_tui.screen.terminal.key_queue import FLOOD, EscapeOrAlt, KeyQueue, TypeFirst
+from rl_tui.screen.terminal.key_queue import FLOOD, EarlyKeys, EscapeOrAlt, KeyQueue, TypeFirst
 
 
 async def test_of_a_flood_of_keys_only_so_many_are_held() -> None:

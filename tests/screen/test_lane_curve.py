@@ -13,7 +13,7 @@ from snapshots import changed
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.results import Curve
 from rl_tui.runs.timeline.branches import Branch, Timeline
-from rl_tui.screen.panels.curve import words
+from rl_tui.screen.panels.curve import text as words
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import curve_data
 from rl_tui.screen.theme.look import Look

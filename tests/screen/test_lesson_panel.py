@@ -16,10 +16,8 @@ from snapshots import changed
 from rl_tui.lessons.file.view import ConditionView, Given, LessonRecord, LessonView, Passed, TaskView, begun
 from rl_tui.lessons.lesson import lesson_folder, lesson_of, read_lesson
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.panels.lesson.lesson import LessonPanel
-from rl_tui.screen.panels.lesson.page_lines import Spotlight
-from rl_tui.screen.panels.lesson.stage import PageStage, keeping_page, stage_of
-from rl_tui.screen.panels.lesson.words import NOT_COUNTED, next_keys
+from rl_tui.screen.panels.lesson.lesson import LessonPanel, Spotlight
+from rl_tui.screen.panels.lesson.words import NOT_COUNTED, PageStage, keeping_page, next_keys, stage_of
 
 CONDITIONS = (ConditionView("study is greedy", False, "check phone"), ConditionView("no step by you", True))
 SAID = Given("predict", -2.0, is_right=False, step=3, digest="x")

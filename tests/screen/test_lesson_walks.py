@@ -16,8 +16,7 @@ from rl_tui.lessons.lesson import Lesson
 from rl_tui.live.sessions.grade import LessonGrading
 from rl_tui.live.sessions.progress import lesson_entries
 from rl_tui.screen.panels.lesson.prose import plain
-from rl_tui.screen.panels.lesson.stage import is_last_page, steps_to_truth
-from rl_tui.screen.panels.lesson.words import NOT_COUNTED, reply_to, truth_text
+from rl_tui.screen.panels.lesson.words import NOT_COUNTED, is_last_page, reply_to, steps_to_truth, truth_text
 from rl_tui.screen.theme.glyphs import UNICODE
 
 WIDE = (120, 40)

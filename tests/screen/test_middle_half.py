@@ -18,7 +18,7 @@ from rl_tui.screen.draw.scale import Scale
 from rl_tui.screen.panels.curve.area import band_cells, band_styles, middle_half, pixel_styles
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import moving_mean
-from rl_tui.screen.panels.curve.words import MEAN_AND_BAND
+from rl_tui.screen.panels.curve.text import MEAN_AND_BAND
 
 SIZE = (90, 9)
 

@@ -12,7 +12,7 @@ from test_policies_panel import SIZES, drawn, said, studied
 
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.exact_answers import NO_TABLE
-from rl_tui.screen.panels.policies.notes import OF_MEANS_NOW
+from rl_tui.screen.panels.policies.policies import OF_MEANS_NOW
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 

@@ -33,12 +33,10 @@ from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.row import CURVE, POLICIES, TABLE, WORLD
 from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.catalogue import PANELS
-from rl_tui.screen.panels.curve.lane_text import plot_columns
 from rl_tui.screen.panels.curve.text import amount as curve_amount
-from rl_tui.screen.panels.policies.names import POLICY_NAMES
-from rl_tui.screen.panels.policies.notes import AS_MUCH_AS_OPTIMAL, SHORT_OF_OPTIMAL, WITHOUT_LIMIT, amount
-from rl_tui.screen.panels.policies.policies import FIGURES, Policies
-from rl_tui.screen.panels.policies.studied import as_studied
+from rl_tui.screen.panels.curve.text import plot_columns
+from rl_tui.screen.panels.policies import policies
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES, as_studied
 from rl_tui.screen.panels.side_by_side import sides
 from rl_tui.screen.theme.glyphs import UNICODE
 
@@ -78,7 +76,7 @@ def drawn(
     *,
     ascii: bool = False,  # noqa: A002
 ) -> str:
-    panel = Policies(look(ascii))
+    panel = policies.Policies(look(ascii))
     panel.snapshot = shown
     rows = panel.picture(shown, width, height)
     assert [row.cell_length for row in rows] == [width] * height
@@ -99,7 +97,9 @@ def test_each_policy_has_its_figures() -> None:
     for kind in KINDS[:4]:
         answer = answers[kind]
         figures = (answer.expected_return, answer.value_at_start, answer.steps)
-        assert rows[POLICY_NAMES[kind].row][:3] == [amount(x, look()) for x in figures if x is not None]
+        assert rows[POLICY_NAMES[kind].row][:3] == [
+            policies.amount(x, look()) for x in figures if x is not None
+        ]
     assert rows["drawn"] == rows["uniform random"]  # nothing was drawn
     assert "nothing drawn: at random; D draws" in said(studied(lake()))
 
@@ -111,7 +111,7 @@ def test_what_exploring_costs_is_the_difference() -> None:
     assert acts is not None
     assert acts > greedy  # this greedy policy goes round
     text = said(studied(lake()))
-    assert f"exploring (ε .10) brings {amount(acts - greedy, look())} an episode" in text
+    assert f"exploring (ε .10) brings {policies.amount(acts - greedy, look())} an episode" in text
     assert "greedy earns as much as optimal" in text
     worse = replace(answers[PolicyKind.OPTIMAL], expected_return=greedy + 0.25)
     assert "greedy is .250 an episode short of optimal" in said(studied(lake(), optimal=worse))
@@ -166,8 +166,8 @@ def test_a_hidden_optimum_is_not_told() -> None:
     hidden = changed(shown, is_hidden=True)
     rows = [line for line in drawn(hidden).splitlines() if "optimal" in line]
     assert rows[0].split()[-1] == "?"
-    assert SHORT_OF_OPTIMAL not in said(hidden)
-    assert AS_MUCH_AS_OPTIMAL not in said(hidden)
+    assert policies.SHORT_OF_OPTIMAL not in said(hidden)
+    assert policies.AS_MUCH_AS_OPTIMAL not in said(hidden)
 
 
 @pytest.mark.parametrize("ascii", [False, True])
@@ -193,7 +193,7 @@ def test_the_cursor_is_always_seen(height: int, kind: PolicyKind) -> None:
 def test_its_figures_can_be_asked() -> None:
     terms = next(row.terms for row in PANELS if row.id == POLICIES)
     assert set(terms) <= set(glossary())
-    for column in FIGURES:
+    for column in policies.FIGURES:
         ids = {term_at(column.head, place, UNICODE) for place in range(len(column.head))}
         assert any(glossary()[each].figure is not None for each in ids if each is not None), column.head
     line = "exploring (ε .10) costs .146 an episode"
@@ -291,7 +291,7 @@ async def test_a_state_that_a_policy_may_never_leave_has_a_dash_and_arrows_are_t
         await train(pilot, 300)
         await press(pilot, "t", "p", "down")
         assert "γ 1 " in screen_text(pilot.app)
-        assert WITHOUT_LIMIT not in screen_text(pilot.app)  # there is no limit
+        assert policies.WITHOUT_LIMIT not in screen_text(pilot.app)  # there is no limit
         shown = await press(pilot, "enter")
         board, values = playground(pilot).board, shown.answers.policies[PolicyKind.GREEDY].v
         assert values is not None

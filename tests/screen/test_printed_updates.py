@@ -20,8 +20,7 @@ from rl_tui.screen.kit.blocks import lines_of
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
 from rl_tui.screen.panels.last_step.update_text import UpdateText, subtracts, update_text
 from rl_tui.screen.panels.last_step.words import words_of
-from rl_tui.screen.panels.microscope.backup import outcome_table
-from rl_tui.screen.panels.microscope.targets import target_blocks
+from rl_tui.screen.panels.microscope.backup import outcome_table, target_blocks
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 
 LAKE = lake()

@@ -11,6 +11,7 @@ from seams import sized
 
 from rl_tui.programs.evidence.verdict import CodeFault, ProgramVerdict, Rule, UpdateFound
 from rl_tui.programs.watched.program_log import OutputLine
+from rl_tui.screen.panels.program import output
 from rl_tui.screen.panels.program.findings import (
     EXAMINED,
     EXAMINED_WITHOUT_RULE,
@@ -18,8 +19,6 @@ from rl_tui.screen.panels.program.findings import (
     NOTHING,
     FindingsPanel,
 )
-from rl_tui.screen.panels.program.output import MOST_LINES, NOTHING_WRITTEN, OutputPanel
-from rl_tui.screen.panels.program.source import safe_line, source_lines
 from rl_tui.screen.panels.program.words import IN_SHORT, is_own
 
 BOTH = ProgramVerdict(update=KNOWN, findings=(TIES, AFTER_END))
@@ -131,21 +130,21 @@ def test_declared_is_said() -> None:
 
 
 def test_source_is_data() -> None:
-    assert safe_line("\ta = 1\x1b[31m\n") == "    a = 1\\u001b[31m"
-    lines = source_lines(["a = '[bold]'", "b", "c"], 1, look(), 30)
+    assert output.safe_line("\ta = 1\x1b[31m\n") == "    a = 1\\u001b[31m"
+    lines = output.source_lines(["a = '[bold]'", "b", "c"], 1, look(), 30)
     assert "".join(piece.text for piece in lines[0]) == " ▸ 1 a = '[bold]'"
-    assert source_lines(["a"], 2, look(), 30) == source_lines([], 1, look(), 30) == []
+    assert output.source_lines(["a"], 2, look(), 30) == output.source_lines([], 1, look(), 30) == []
 
 
 def test_the_line_that_is_meant_is_shown_whole() -> None:
-    lines = source_lines(SOURCE, 15, look(), 30)
+    lines = output.source_lines(SOURCE, 15, look(), 30)
     code = "".join(piece.text for line in lines for piece in line if piece.style == look().palette.strong)
     assert "".join(code.split()) == "".join(SOURCE[14].split())
 
 
 def test_the_last_lines_are_in_view_until_somebody_scrolls_up() -> None:
     lines = tuple(OutputLine(step, "out", f"line {step}") for step in range(30))
-    panel = OutputPanel(look())
+    panel = output.OutputPanel(look())
 
     def last(*more: OutputLine) -> str:
         return panel.picture(watched(program(output=(*lines, *more))), 40, 5)[-1].text
@@ -158,13 +157,13 @@ def test_the_last_lines_are_in_view_until_somebody_scrolls_up() -> None:
 
 
 def test_stderr_is_marked_and_steps_stand_before_the_lines() -> None:
-    text = drawn(OutputPanel, watched(), 80)
+    text = drawn(output.OutputPanel, watched(), 80)
     assert " 1,200 │ episode 100 return 0.0" in text
     assert " 2,410 ! UserWarning: a warning of some library" in text
 
 
 def test_an_exception_stands_at_the_end_with_traceback_and_line() -> None:
-    lines = drawn(OutputPanel, failed(), 80).splitlines()
+    lines = drawn(output.OutputPanel, failed(), 80).splitlines()
     assert " Traceback (most recent call last):" in lines
     assert " ■ IndexError: index 16 is out of bounds for axis 0 with size 16 (line 15)" in lines
     assert any(line.startswith(" ▸ 15 ") for line in lines)
@@ -173,6 +172,6 @@ def test_an_exception_stands_at_the_end_with_traceback_and_line() -> None:
 
 def test_floods_are_bounded_and_silence_is_said() -> None:
     flood = tuple(OutputLine(step, "out", "x" * 5_000) for step in range(2_000))
-    panel = OutputPanel(look())
-    assert len(panel.rows(watched(program(output=flood)), 40, 10)) <= 8 * MOST_LINES
-    assert NOTHING_WRITTEN in drawn(OutputPanel, watched(program(output=())))
+    panel = output.OutputPanel(look())
+    assert len(panel.rows(watched(program(output=flood)), 40, 10)) <= 8 * output.MOST_LINES
+    assert output.NOTHING_WRITTEN in drawn(output.OutputPanel, watched(program(output=())))

@@ -20,7 +20,7 @@ from rl_tui.screen.keys.playground_keys import DECIDES
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import MAY_NEVER_END
 from rl_tui.screen.kit.row import CONTROLS, FINDINGS, LAST_STEP, OUTPUT, PROGRAM, TABLE
-from rl_tui.screen.panels.curve.words import GREEDY
+from rl_tui.screen.panels.curve.text import GREEDY
 from rl_tui.screen.panels.discount import DiscountPanel
 from rl_tui.screen.panels.q_table.sheet import NO_TABLE
 from rl_tui.screen.panels.side_by_side import DIFFERS

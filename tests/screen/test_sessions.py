@@ -26,7 +26,7 @@ from rl_tui.runs.timeline.branches import FIRST, RunRecord
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.catalogue.catalogue import CatalogueScreen
-from rl_tui.screen.catalogue.scenario_list import LEARN
+from rl_tui.screen.catalogue.facts import LEARN
 from rl_tui.screen.catalogue.session_text import (
     SessionList,
     SessionRow,

@@ -10,8 +10,14 @@ from textual.widgets import Button
 
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Parameter, Range
 from rl_tui.screen.panels.controls.slider import Slider
-from rl_tui.screen.panels.controls.slider_picture import SliderState, slider_form, slider_strip
-from rl_tui.screen.panels.controls.slider_scale import SliderScale, parsed, scale_of
+from rl_tui.screen.panels.controls.slider_picture import (
+    SliderScale,
+    SliderState,
+    parsed,
+    scale_of,
+    slider_form,
+    slider_strip,
+)
 
 ALPHA, GAMMA, EPSILON = (PARAMETERS[name] for name in ("alpha", "gamma", "epsilon"))
 UNIT, OPEN = SliderScale(Range(0, 1)), SliderScale(Range(0, 1, open_low=True))

@@ -18,9 +18,8 @@ from rl_tui.runs.recipe import EditWorld, JournalEntry, SetParameter, SwitchAlgo
 from rl_tui.runs.results import Curve, Marks
 from rl_tui.runs.run import WorldChanged
 from rl_tui.runs.timeline.branches import Branch, Furthest, Timeline
-from rl_tui.screen.panels.curve.axis import episode_axis
-from rl_tui.screen.panels.curve.data import curve_data
-from rl_tui.screen.panels.curve.lane_text import plot_columns
+from rl_tui.screen.panels.curve.data import curve_data, episode_axis
+from rl_tui.screen.panels.curve.text import plot_columns
 from rl_tui.screen.panels.timeline import TimelineBar, TimelineState, Track, timeline_strip, track_of
 from rl_tui.screen.theme.look import Palette
 from rl_tui.worlds.editing.edit import read_edits

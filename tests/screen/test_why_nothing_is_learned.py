@@ -18,7 +18,7 @@ from rl_tui.commands.main import program
 from rl_tui.runs.answers.first_update_words import episodes_in_words
 from rl_tui.runs.answers.view import FirstUpdateView
 from rl_tui.screen.dialogs.why import Why, remedies_of, said, written
-from rl_tui.screen.panels.curve.words import NOTHING_LEARNED
+from rl_tui.screen.panels.curve.text import NOTHING_LEARNED
 from rl_tui.screen.theme.glyphs import UNICODE
 
 EPISODES = ("e",) * 11

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.screen.theme.encoding import encoding_of
+from rl_tui.screen.theme.glyphs import encoding_of
 
 
 @pytest.mark.parametrize(

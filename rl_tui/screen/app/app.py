@@ -42,13 +42,10 @@ from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.terminal.driver_choice import driver_class
 from rl_tui.screen.terminal.ending import HUNG_UP, end_on_signal
 from rl_tui.screen.terminal.key_queue import KeyQueue, TypeFirst
-from rl_tui.screen.terminal.linked_app import LinkedApp
-from rl_tui.screen.terminal.textual_workarounds import forget_left_screens
-from rl_tui.screen.theme.encoding import encoding_of
-from rl_tui.screen.theme.glyphs import ASCII
+from rl_tui.screen.terminal.linked_app import LinkedApp, forget_left_screens
+from rl_tui.screen.theme.glyphs import ASCII, encoding_of
 from rl_tui.screen.theme.look import Depth, Look, choose_look, depth_of, environment_for, is_native
-from rl_tui.screen.theme.scroll_bars import use_scroll_bars
-from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
+from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for, use_scroll_bars
 from rl_tui.worlds.files.catalogue import scenarios
 from rl_tui.worlds.files.scenario import Scenario
 
@@ -241,7 +238,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self._start = None  # from here on a fault leads back to the catalogue
         self.switch_screen(self._opener.playground(self.look, event.recipe, watches=event.watches))
 
-    def on_saved_sessions_resumed(self, event: CatalogueScreen.Resumed) -> None:
+    def on_catalogue_screen_resumed(self, event: CatalogueScreen.Resumed) -> None:
         """Go on with a session."""
         self._start = None
         self.switch_screen(self._opener.resumed(self.look, event.session, event.record))

@@ -38,10 +38,7 @@ _NAMES: Final = {
 
 
 async def screenshot(
-    start: Start,
-    size: tuple[int, int],
-    keys: Sequence[str] = (),
-    display: Display | None = None,
+    start: Start, size: tuple[int, int], keys: Sequence[str] = (), display: Display | None = None
 ) -> str:
     """Return the SVG of the screen that the app begins with, after ``keys``.
 

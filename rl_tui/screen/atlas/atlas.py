@@ -45,7 +45,6 @@ MOST_FIELD: Final = 11
 LEAST_FIELD: Final = 5
 _MARKS: Final = 1
 _TALL: Final = 3
-_BRACKETS: Final = ("[", "]")
 BEST, ALIKE, NOT_DONE, IMPOSSIBLE, FAILED = "*", "'", "·", "×", "fails"
 
 
@@ -191,7 +190,7 @@ def _draw_cell(canvas: Canvas, plan: MapPlan, index: int) -> None:
     style = scene.style(index)
     for line in range(plan.tall):
         canvas.put(left, top + line, " " * plan.field, style)
-    brackets = _BRACKETS if index == scene.in_force else ("", "")
+    brackets = ("[", "]") if index == scene.in_force else ("", "")
     room = plan.field - _MARKS - (sum(map(len, brackets)) or _MARKS)
     text = f"{brackets[0]}{scene.text(index, room)}{scene.mark(index)}{brackets[1]}"
     middle = top + (plan.tall - 1) // 2
@@ -272,7 +271,6 @@ class AtlasMap(Widget, can_focus=True):
 
 
 _ROOM: Final = 6
-_STARTING: Final = "the first cell is being trained"
 
 
 def head(scene: AtlasScene, runs: int, how_long: str = "") -> str:
@@ -288,7 +286,7 @@ def progress(atlas: Atlas, how_long: str) -> str:
     if atlas.state is AtlasState.FAILED:
         return f"it failed, {atlas.message}"
     if atlas.state is AtlasState.STARTING:
-        return ", ".join(filter(None, (_STARTING, how_long)))
+        return ", ".join(filter(None, ("the first cell is being trained", how_long)))
     if atlas.state is AtlasState.OUT_OF_TIME:
         return f"{done}: {atlas.message}"
     if atlas.state is AtlasState.DONE:

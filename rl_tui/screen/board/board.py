@@ -49,9 +49,8 @@ from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.discount import DiscountPanel
 from rl_tui.screen.panels.draw_panel import DrawPanel
-from rl_tui.screen.panels.lesson.lesson import LessonPanel
-from rl_tui.screen.panels.lesson.page_lines import Spotlight
-from rl_tui.screen.panels.lesson.stage import open_page
+from rl_tui.screen.panels.lesson.lesson import LessonPanel, Spotlight
+from rl_tui.screen.panels.lesson.words import open_page
 from rl_tui.screen.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.timeline import HINTS, TimelineBar

@@ -28,6 +28,11 @@ from rl_tui.live.sessions.session import SessionError, StoredSession, files_in, 
 from rl_tui.runs.library import read_catalogue, recipe_for
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.catalogue.facts import (
+    LEARN,
+    WATCH,
+    Course,
+    Demonstration,
+    ScenarioList,
     about,
     about_learning,
     about_watching,
@@ -35,8 +40,7 @@ from rl_tui.screen.catalogue.facts import (
     faults_text,
     keys_while_watching,
 )
-from rl_tui.screen.catalogue.scenario_list import LEARN, WATCH, Course, Demonstration, ScenarioList
-from rl_tui.screen.catalogue.session_text import SessionList, session_facts, session_fault
+from rl_tui.screen.catalogue.session_text import SessionList, session_facts
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.frame.notes import Notes
@@ -54,114 +58,6 @@ if TYPE_CHECKING:
     from rl_tui.screen.dialogs.dialog import Dialog
 
 
-# The list of sessions
-
-
-class SavedSessions(ActionScreen):
-    """A screen with a list of sessions, which are read in a thread. Subclasses put the list somewhere.
-
-    ``sessions`` is their folder, None where none are kept.
-    """
-
-    @dataclass
-    class Resumed(Message):
-        """The user wants to go on with a session; ``record`` is what it says."""
-
-        session: StoredSession
-        record: Record
-
-    @dataclass
-    class SessionsRead(Message):
-        """The files of the sessions are read."""
-
-        entries: list[StoredSession | SessionError]
-
-    def __init__(self, look: Look, sessions: Path | None) -> None:
-        super().__init__(look)
-        self._sessions = sessions
-        self._sessions_read = asyncio.Event()
-
-    def new_session_list(self) -> SessionList:
-        """Return the list, with room for as many sessions as there are files."""
-        return SessionList(self.look, 0 if self._sessions is None else len(files_in(self._sessions)))
-
-    def show_current(self) -> None:
-        """Show what is under the cursor."""
-        raise NotImplementedError
-
-    def on_mount(self) -> None:
-        """Begin what is slow once the first paint is done."""
-        self.run_worker(self._begin_when_painted, name="begin", group="begin")  # type: ignore[arg-type]
-
-    async def _begin_when_painted(self) -> None:
-        if isinstance(self.app, LinkedApp):
-            await self.app.painted()
-        self.begin()
-
-    def begin(self) -> None:
-        """Begin to read the files."""
-        self._read_sessions()
-
-    async def sessions_read(self) -> None:
-        """Wait until the files are read and listed."""
-        await self._sessions_read.wait()
-
-    def _read_sessions(self) -> None:
-        if self._sessions is None:
-            self._sessions_read.set()
-            return
-        self._sessions_read.clear()
-        Thread(target=self._read, args=(self._sessions,), name="read sessions", daemon=True).start()
-
-    def _read(self, folder: Path) -> None:
-        """In the thread: only messages leave it."""
-        sound, broken = sessions_in(folder)
-        with suppress(RuntimeError):  # the program has ended meanwhile
-            self.post_message(self.SessionsRead([*sound, *broken]))
-
-    def on_saved_sessions_sessions_read(self, event: SessionsRead) -> None:
-        """List the sessions."""
-        sessions = self.query_one(SessionList)
-        had_focus = sessions.has_focus
-        sessions.show(event.entries, datetime.now(UTC))
-        if had_focus and not event.entries:
-            self.query_one("#scenarios").focus()
-        self._sessions_read.set()
-        if had_focus:
-            self.show_current()
-
-    def resume(self, session: StoredSession) -> None:
-        """Go on with ``session``."""
-        self.run_worker(self._resume(session), name="resume the session", exclusive=True, group="resume")
-
-    async def _resume(self, session: StoredSession) -> None:
-        try:
-            record = await asyncio.to_thread(session.record)  # may import Gymnasium
-        except UserError as fault:
-            self.notify(str(fault), severity="error", timeout=15, markup=False)
-        else:
-            self.post_message(self.Resumed(session, record))
-
-    def ask_to_delete(self, session: StoredSession) -> None:
-        """Delete ``session`` once that is confirmed."""
-        from rl_tui.screen.dialogs.dialog import Confirm
-
-        def delete(answer: bool | None) -> None:
-            if not answer:
-                return
-            try:
-                remove(session)
-            except UserError as fault:
-                self.notify(str(fault), severity="error", markup=False)
-            self._read_sessions()
-
-        question = f"Delete the session {session.title}, at step {session.step:,}? It cannot be brought back."
-        self.app.push_screen(Confirm("Delete", question, "delete", self.look.glyphs), delete)
-
-
-# The start screen
-
-
 _SEED = 0
 _DETAILS = "details"
 _GREETING = "New here? Begin with the first row: enter."
@@ -171,11 +67,11 @@ _NEEDED_TO_PLAY = ("rl_tui.screen.playground.playground", "rl_tui.agents.learner
 Entry = Course | Demonstration | Scenario | ScenarioError | StoredSession | SessionError
 
 
-class CatalogueScreen(SavedSessions):
+class CatalogueScreen(ActionScreen):
     """Left the scenarios and the sessions, right what is known of the one under the cursor.
 
-    Lessons are read in a thread after the first paint, and worlds built: that of the row that is watched, and
-    then, once all that is needed to play it is there, the others, those of Gymnasium last.
+    Sessions and lessons are read in threads after the first paint, and worlds built: that of the row that is
+    watched, and then, once all that is needed to play it is there, the others, those of Gymnasium last.
     ``sessions`` is the folder of sessions, None where none are kept.
     """
 
@@ -189,6 +85,19 @@ class CatalogueScreen(SavedSessions):
 
         recipe: Recipe
         watches: bool = False
+
+    @dataclass
+    class Resumed(Message):
+        """The user wants to go on with a session; ``record`` is what it says."""
+
+        session: StoredSession
+        record: Record
+
+    @dataclass
+    class SessionsRead(Message):
+        """The files of the sessions are read."""
+
+        entries: list[StoredSession | SessionError]
 
     @dataclass
     class LessonsWanted(Message):
@@ -214,13 +123,11 @@ class CatalogueScreen(SavedSessions):
         reason: str
 
     def __init__(
-        self,
-        look: Look,
-        start_at: str = "",
-        fault: UserError | None = None,
-        sessions: Path | None = None,
+        self, look: Look, start_at: str = "", fault: UserError | None = None, sessions: Path | None = None
     ) -> None:
-        super().__init__(look, sessions)
+        super().__init__(look)
+        self._sessions = sessions
+        self._sessions_read = asyncio.Event()
         self._catalogue = read_catalogue()
         self._start_at = start_at
         self._fault = fault
@@ -246,23 +153,38 @@ class CatalogueScreen(SavedSessions):
         )
         details.border_subtitle = "tab, arrows: scroll"
         scenarios = ScenarioList(self.look, self._catalogue)
-        lists = Vertical(scenarios, self.new_session_list(), id="lists")
+        sessions = SessionList(self.look, 0 if self._sessions is None else len(files_in(self._sessions)))
+        lists = Vertical(scenarios, sessions, id="lists")
         yield Horizontal(lists, details, id="columns")
 
     def on_mount(self) -> None:
-        """Put the cursor where the user came from."""
+        """Put the cursor where the user came from, and begin what is slow once the first paint is done."""
         scenarios = self.query_one(ScenarioList)
         scenarios.start_at(self._start_at)
         scenarios.focus()
         if self._fault is not None:
             self.notify(str(self._fault), severity="error", timeout=15, markup=False)
+        self.run_worker(self._begin_when_painted, name="begin", group="begin")  # type: ignore[arg-type]
 
-    def begin(self) -> None:
-        """Begin to read the sessions and lessons, and to build the worlds."""
-        super().begin()
+    async def _begin_when_painted(self) -> None:
+        if isinstance(self.app, LinkedApp):
+            await self.app.painted()
+        self._read_sessions()
         Thread(target=self._read_and_build, name="read and build", daemon=True).start()
 
-    # In the thread: only messages leave it
+    def _read_sessions(self) -> None:
+        if self._sessions is None:
+            self._sessions_read.set()
+            return
+        self._sessions_read.clear()
+        Thread(target=self._list_sessions, args=(self._sessions,), name="read sessions", daemon=True).start()
+
+    # In the threads: only messages leave them
+
+    def _list_sessions(self, folder: Path) -> None:
+        sound, broken = sessions_in(folder)
+        with suppress(RuntimeError):  # the program has ended meanwhile
+            self.post_message(self.SessionsRead([*sound, *broken]))
 
     def _read_and_build(self) -> None:
         with suppress(RuntimeError):  # the program has ended meanwhile
@@ -295,6 +217,17 @@ class CatalogueScreen(SavedSessions):
         except ImportError as error:
             self.post_message(self.NotImported(str(error)))
 
+    def on_catalogue_screen_sessions_read(self, event: SessionsRead) -> None:
+        """List the sessions."""
+        sessions = self.query_one(SessionList)
+        had_focus = sessions.has_focus
+        sessions.show(event.entries, datetime.now(UTC))
+        if had_focus and not event.entries:
+            self.query_one("#scenarios").focus()
+        self._sessions_read.set()
+        if had_focus:
+            self.show_current()
+
     def on_catalogue_screen_lessons_read(self, event: LessonsRead) -> None:
         """Say how far one has come."""
         self._lessons = event.found
@@ -315,6 +248,10 @@ class CatalogueScreen(SavedSessions):
     def on_catalogue_screen_not_imported(self, event: NotImported) -> None:
         """Show why the scenario cannot be opened."""
         self.notify(event.reason, title="cannot load", severity="error", timeout=30, markup=False)
+
+    async def sessions_read(self) -> None:
+        """Wait until the files of the sessions are read and listed."""
+        await self._sessions_read.wait()
 
     async def settled(self) -> None:
         """Wait until every world is built, lessons and sessions are read and the details are drawn."""
@@ -383,9 +320,11 @@ class CatalogueScreen(SavedSessions):
         if isinstance(entry, Course):
             self._show_text(LEARN, about_learning(self._lessons, self.look))
         elif isinstance(entry, ScenarioError):
-            self._show_text("Faults", faults_text(entry, self.look))
+            head = "This file cannot be played until it is mended."
+            self._show_text("Faults", faults_text(head, entry.faults, self.look))
         elif isinstance(entry, SessionError):
-            self._show_text("Faults", session_fault(entry, self.look))
+            head = "This file cannot be resumed. It is left as it is."
+            self._show_text("Faults", faults_text(head, [entry], self.look))
         elif entry is not None:
             self._show_text(f"Session: {entry.title}", session_facts(entry, datetime.now(UTC), self.look))
         drawing = self.query_one("#preview")
@@ -439,7 +378,7 @@ class CatalogueScreen(SavedSessions):
         if isinstance(entry, Course):
             self.post_message(self.LessonsWanted())
         elif isinstance(entry, StoredSession):
-            self.resume(entry)
+            self.run_worker(self._resume(entry), name="resume the session", exclusive=True, group="resume")
         elif isinstance(entry, SessionError):
             self.notify("this file cannot be resumed", severity="warning")
         elif isinstance(entry, ScenarioError):
@@ -452,6 +391,14 @@ class CatalogueScreen(SavedSessions):
             except UserError as fault:
                 self.notify(str(fault), severity="error", markup=False)
 
+    async def _resume(self, session: StoredSession) -> None:
+        try:
+            record = await asyncio.to_thread(session.record)  # may import Gymnasium
+        except UserError as fault:
+            self.notify(str(fault), severity="error", timeout=15, markup=False)
+        else:
+            self.post_message(self.Resumed(session, record))
+
     def action_delete_session(self) -> None:
         """Delete the session under the cursor, once that is confirmed."""
         entry = self._current
@@ -459,14 +406,23 @@ class CatalogueScreen(SavedSessions):
             self.tell("no sessions are kept here: this is a kiosk")
             return
         if not isinstance(entry, StoredSession):
-            faulty = isinstance(entry, SessionError)
-            self.notify(
-                "a faulty file is left alone; remove it yourself"
-                if faulty
-                else "only sessions can be deleted"
-            )
+            is_faulty = isinstance(entry, SessionError)
+            faulty = "a faulty file is left alone; remove it yourself"
+            self.notify(faulty if is_faulty else "only sessions can be deleted")
             return
-        self.ask_to_delete(entry)
+        from rl_tui.screen.dialogs.dialog import Confirm
+
+        def delete(answer: bool | None) -> None:
+            if not answer:
+                return
+            try:
+                remove(entry)
+            except UserError as fault:
+                self.notify(str(fault), severity="error", markup=False)
+            self._read_sessions()
+
+        question = f"Delete the session {entry.title}, at step {entry.step:,}? It cannot be brought back."
+        self.app.push_screen(Confirm("Delete", question, "delete", self.look.glyphs), delete)
 
     def help_screen(self) -> Dialog[str]:
         """Return the help, from its first line on or from the keys on."""

@@ -1,4 +1,4 @@
-"""What the catalogue says of a scenario: summary, sizes, defaults; or the faults of its file."""
+"""The scenarios of the catalogue: what is said of each, and their list in groups."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rich.text import Text
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
 from rl_tui.screen.draw.canvas import KEPT_BLANK, kept, wrapped
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
@@ -23,6 +23,18 @@ from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from rl_tui.live.sessions.progress import LessonEntries
+
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from textual.content import Content
+from textual.widgets import OptionList
+from textual.widgets.option_list import Option
+
+from rl_tui.common.errors import ScenarioError
+from rl_tui.common.findings import one_line
+from rl_tui.worlds.files.catalogue import YOURS, Catalogue, group_of
 
 _DOT: Final = " · "
 _SHORT: Final = 30
@@ -96,27 +108,27 @@ def about_watching(look: Look) -> Text:
 
 def keys_while_watching(look: Look) -> Table:
     """Return what can be pressed once it is watched."""
-    rows = {key: Text(to_ascii(what, look.glyphs)) for key, what in _KEYS.items()}
-    return labelled({to_ascii(key, look.glyphs): what for key, what in rows.items()}, look)
+    rows = ((to_ascii(key, look.glyphs), Text(to_ascii(what, look.glyphs))) for key, what in _KEYS.items())
+    return _in_two_columns(rows, look)
 
 
 def bullets(lines: Iterable[str], look: Look) -> Table:
     """Return ``lines``, each after a dash; where one is broken it goes on behind that."""
-    table = Table.grid(padding=(0, 1, 0, 0))
-    table.add_column(no_wrap=True, style=look.palette.dim)
-    table.add_column(style=look.palette.text)
-    for line in lines:
-        table.add_row(Text(to_ascii("–", look.glyphs)), Text(to_ascii(line, look.glyphs)))
-    return table
+    dash = to_ascii("–", look.glyphs)
+    return _in_two_columns(((dash, Text(to_ascii(line, look.glyphs))) for line in lines), look)
 
 
 def labelled(rows: Mapping[str, RenderableType], look: Look) -> Table:
     """Return a table of ``rows``, each after its label."""
+    return _in_two_columns(rows.items(), look)
+
+
+def _in_two_columns(rows: Iterable[tuple[str, RenderableType]], look: Look) -> Table:
     table = Table.grid(padding=(0, 1, 0, 0))
     table.add_column(no_wrap=True, style=look.palette.dim)
     table.add_column(style=look.palette.text)
-    for label, what in rows.items():
-        table.add_row(label, what)
+    for row in rows:
+        table.add_row(*row)
     return table
 
 
@@ -155,7 +167,14 @@ def defaults(values: Mapping[str, object]) -> str:
     return _DOT.join(parts) or "those of the program"
 
 
-class _Parts:
+class FullWidth:
+    """What takes all the width that there is."""
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        return Measurement(1, options.max_width)
+
+
+class _Parts(FullWidth):
     """Parts between dots, of which none that is short is broken across lines."""
 
     def __init__(self, line: str, look: Look) -> None:
@@ -169,13 +188,87 @@ class _Parts:
         for line in wrapped(self._text, options.max_width, self._look.palette.text, self._look):
             yield from (Text(piece.text, piece.style) for piece in line)
 
-    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        return Measurement(1, options.max_width)
 
-
-def faults_text(error: ScenarioError, look: Look) -> Text:
-    """Return every fault of a file, a paragraph each."""
-    text = Text("This file cannot be played until it is mended.\n", look.palette.text)
-    for fault in error.faults:
+def faults_text(head: str, faults: Iterable[object], look: Look) -> Text:
+    """Return ``head`` and every fault of a file, a paragraph each."""
+    text = Text(f"{head}\n", look.palette.text)
+    for fault in faults:
         text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)
     return text
+
+
+# The list of scenarios
+
+
+_LONGEST_NAME: Final = 255
+_LEARN_ID: Final = "/learn"  # no file can have that name
+_WATCH_ID: Final = "/watch"
+LEARN: Final = "Learn step by step"
+"""What the first row is called, which leads to the lessons."""
+WATCH: Final = "Watch it learn"
+"""What the second row is called."""
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """The lessons, all of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demonstration:
+    """``scenario`` with its defaults, watched while it learns."""
+
+    scenario: Scenario
+
+
+Entry = Course | Demonstration | Scenario | ScenarioError
+
+
+class ScenarioList(OptionList):
+    """A list of ``catalogue``, of which ``current`` is under the cursor; faulty files stand at the end."""
+
+    def __init__(self, look: Look, catalogue: Catalogue) -> None:
+        self._look = look
+        rows = list(self._rows(catalogue))
+        super().__init__(*(option for option, _ in rows), id="scenarios", classes="panel")
+        self.border_title = "Scenarios"
+        self._entries = [entry for _, entry in rows]
+
+    @property
+    def current(self) -> Entry | None:
+        """The entry under the cursor, None where there is no cursor."""
+        return None if self.highlighted is None else self._entries[self.highlighted]
+
+    def start_at(self, scenario: str) -> None:
+        """Put the cursor on ``scenario``, an id, or on the first row where there is none of that name."""
+        ids = [option.id for option in self.options]
+        self.highlighted = ids.index(scenario) if scenario in ids else 0
+
+    def show_finished(self, finished: int, lessons: int) -> None:
+        """Say in the first row how many of the ``lessons`` are ``finished``, if one is."""
+        if finished:
+            done = f"{LEARN}: {finished} of {lessons} ✓"
+            self.replace_option_prompt(_LEARN_ID, self._content(done))
+
+    def _rows(self, catalogue: Catalogue) -> Iterator[tuple[Option, Entry | None]]:
+        """Yield each row with what it stands for, None for a heading, which the cursor passes over."""
+        yield Option(self._content(f"{LEARN}: lessons"), id=_LEARN_ID), Course()
+        if catalogue.scenarios:
+            yield Option(self._content(WATCH), id=_WATCH_ID), Demonstration(catalogue.scenarios[0])
+        group = ""
+        for scenario in catalogue.scenarios:
+            if group_of(scenario) != group:
+                group = group_of(scenario)
+                yield self._heading(group), None
+            yield Option(self._content(scenario.title), id=scenario.id), scenario
+        if catalogue.broken and group != YOURS:
+            yield self._heading(YOURS), None
+        for error in catalogue.broken:
+            name = one_line(error.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)
+            yield Option(self._content(f"{name} (faulty)")), error
+
+    def _heading(self, group: str) -> Option:
+        return Option(self._content(f"{self._look.glyphs.axis_horizontal} {group}"), disabled=True)
+
+    def _content(self, text: str) -> Content:
+        return Content(to_ascii(text, self._look.glyphs))

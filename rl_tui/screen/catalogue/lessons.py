@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
-from rich.measure import Measurement
 from rich.text import Text
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
@@ -29,14 +28,14 @@ from rl_tui.common.words import counted
 from rl_tui.lessons.file.view import begun
 from rl_tui.live.sessions.progress import LessonEntries, LessonEntry, LessonStart, lesson_entries, start_of
 from rl_tui.live.sessions.session import StoredSession
-from rl_tui.screen.catalogue.facts import bullets, labelled
+from rl_tui.screen.catalogue.facts import FullWidth, bullets, faults_text, labelled
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
-from rl_tui.screen.frame.early_keys import EarlyKeys
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
+from rl_tui.screen.terminal.key_queue import EarlyKeys
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 
@@ -47,19 +46,17 @@ if TYPE_CHECKING:
 
 
 DONE: Final = "✓"
-_NOT_BEGUN: Final = "not begun"
-_FINISHED: Final = f"{DONE} finished"
 
 
 def state_of(entry: LessonEntry) -> str:
     """Return in a few words how far one has come."""
     progress = entry.progress
     if progress is None:
-        return _NOT_BEGUN
+        return "not begun"
     if entry.is_at_end:
         done = progress.finished or progress.tasks_passed == progress.tasks
         passed = f"{progress.tasks_passed} of {counted(progress.tasks, 'task')}"
-        return _FINISHED if done else f"at its end · {passed}"
+        return f"{DONE} finished" if done else f"at its end · {passed}"
     here = f"page {entry.lesson.number_of(progress.page) + 1} of {len(entry.lesson.pages)}"
     return f"{DONE} {here}" if progress.finished else here
 
@@ -86,14 +83,6 @@ def progress_line(found: LessonEntries) -> str:
     made = sum(progress.predictions_made for progress in begun)
     finished = f"{found.finished} of {len(found.entries)} finished"
     return f"{finished} · {right} of {counted(made, 'prediction')} right" if made else finished
-
-
-def lesson_faults(error: ScenarioError, look: Look) -> Text:
-    """Return every fault of a lesson file, a paragraph each."""
-    text = Text("This lesson cannot be taken until its file is mended.\n", look.palette.text)
-    for fault in error.faults:
-        text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)
-    return text
 
 
 def _lines(entry: LessonEntry) -> dict[str, str]:
@@ -158,7 +147,7 @@ class LessonList(OptionList):
                 yield Option(_Row(" " * digits, to_ascii(name, self._look.glyphs), "faulty", self._look))
 
 
-class _Row:
+class _Row(FullWidth):
     """Two lines: ``number`` and ``title``, and below the ``state``. Neither is broken."""
 
     def __init__(self, number: str, title: str, state: str, look: Look) -> None:
@@ -172,9 +161,6 @@ class _Row:
         yield Text(shortened(f"{self._number} {self._title}", width, ellipsis), no_wrap=True)
         indent = " " * (cell_len(self._number) + 1)
         yield Text(shortened(f"{indent}{self._state}", width, ellipsis), no_wrap=True)
-
-    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        return Measurement(1, options.max_width)
 
 
 # The screen
@@ -211,11 +197,7 @@ class LessonsScreen(ActionScreen):
         found: LessonEntries
 
     def __init__(
-        self,
-        look: Look,
-        start_at: str = "",
-        fault: UserError | None = None,
-        sessions: Path | None = None,
+        self, look: Look, start_at: str = "", fault: UserError | None = None, sessions: Path | None = None
     ) -> None:
         super().__init__(look)
         self._start_at = start_at
@@ -289,7 +271,8 @@ class LessonsScreen(ActionScreen):
             about.update(lesson_details(entry, self.look))
         elif isinstance(entry, ScenarioError):
             details.border_title = "Faults"
-            about.update(lesson_faults(entry, self.look))
+            head = "This lesson cannot be taken until its file is mended."
+            about.update(faults_text(head, entry.faults, self.look))
         else:
             details.border_title = ""
             about.update(_NONE)

@@ -10,7 +10,6 @@ from typing import Final
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
-from rich.measure import Measurement
 from rich.text import Text
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
@@ -21,7 +20,7 @@ from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import SessionError, StoredSession
 from rl_tui.runs.timeline.run_names import feature_text, features_of
-from rl_tui.screen.catalogue.facts import labelled
+from rl_tui.screen.catalogue.facts import FullWidth, labelled
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
@@ -54,18 +53,17 @@ def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
 
 def settings_of(session: StoredSession) -> list[str]:
     """Return in a few words each the numbers in force in ``session`` that a slider sets."""
-    features = _features(session)
-    return [feature_text(name, features[name]) for name in features if _has_slider(name)]
+    return [
+        feature_text(name, value)
+        for name, value in _features(session).items()
+        if name in PARAMETERS and PARAMETERS[name].slide is not None
+    ]
 
 
 def _usual(sessions: Sequence[_Features]) -> _Features:
     names = dict.fromkeys(name for features in sessions for name in features)
     values = {name: [features[name] for features in sessions if name in features] for name in names}
     return {name: max(there, key=there.count) for name, there in values.items()}
-
-
-def _has_slider(name: str) -> bool:
-    return name in PARAMETERS and PARAMETERS[name].slide is not None
 
 
 def _features(session: StoredSession) -> _Features:
@@ -98,7 +96,7 @@ _MOST_DAYS: Final = 14
 _LONGEST_PATH: Final = 1_000
 
 
-class SessionRow:
+class SessionRow(FullWidth):
     """Two lines of the list: title and age; then the step, what is ``different``, and the algorithm.
 
     Most others of its title have what is ``different`` otherwise. ``number`` counts those that share title,
@@ -130,9 +128,6 @@ class SessionRow:
         yield Text(f"{title}{gap}{self._age}", no_wrap=True)
         yield Text(shortened(separated(self._line, glyphs), width, glyphs.ellipsis), no_wrap=True)
 
-    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        return Measurement(1, options.max_width)
-
 
 def session_facts(session: StoredSession, now: datetime, look: Look) -> RenderableType:
     """Return the details of ``session``: its world, what was done in it, and where it stands."""
@@ -154,7 +149,7 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
         "settings": " · ".join(settings_of(session)) or "none",
         "stands at": stands,
         "changes": f"{session.changes:,}" if session.changes else "none so far",
-        "saved": f"{long_age(now - session.saved)} · {_local(session.saved)}",
+        "saved": f"{long_age(now - session.saved)} · {session.saved.astimezone():%Y-%m-%d %H:%M}",
         "file": one_line(str(session.path), _LONGEST_PATH),
     }
     rows = {label: Text(separated(line, glyphs), overflow="fold") for label, line in lines.items()}
@@ -167,13 +162,6 @@ def _how_long(session: StoredSession) -> str:
     if session.document.lesson is not None:
         return "A lesson, kept by itself: it stays until you delete it."
     return "Kept by itself. Only the newest 50 of these stay; w in the playground gives it a name."
-
-
-def session_fault(error: SessionError, look: Look) -> Text:
-    """Return what is wrong with a file that gives no session."""
-    text = Text("This file cannot be resumed. It is left as it is.\n", look.palette.text)
-    text.append(to_ascii(f"\n{error}\n", look.glyphs), look.palette.bad)
-    return text
 
 
 def algorithm_name(algorithm: str) -> str:
@@ -197,10 +185,6 @@ def long_age(age: timedelta) -> str:
         if seconds >= length:
             return f"{counted(seconds // length, word)} ago"
     return "less than a minute ago"
-
-
-def _local(moment: datetime) -> str:
-    return moment.astimezone().strftime("%Y-%m-%d %H:%M")
 
 
 # The list of sessions

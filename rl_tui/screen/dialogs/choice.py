@@ -22,7 +22,7 @@ from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.dialogs.dialog import Dialog, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.panels.controls.settings import option_text
-from rl_tui.screen.panels.controls.slider_scale import parsed
+from rl_tui.screen.panels.controls.slider_picture import parsed
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.mdp.space import FiniteSpace
 

@@ -67,6 +67,11 @@ def comes_to(worked_out: float, shown: str, glyphs: Glyphs) -> bool:
     return abs(worked_out - parsed(shown, glyphs)) <= last_digit(shown)
 
 
+def in_brackets(number: str, glyphs: Glyphs) -> str:
+    """Return ``number``, which follows an operator, in brackets if it starts with a minus."""
+    return f"({number})" if number.startswith(glyphs.minus) else number
+
+
 def magnitude(x: float) -> int:
     """Return the power of ten that is the first digit's of ``x``, 0 for 0: −3 for .0042."""
     return math.floor(math.log10(abs(x))) if x else 0

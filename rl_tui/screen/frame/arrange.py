@@ -204,7 +204,6 @@ class _Bands:
     # The world
 
     def _least_below(self) -> int:
-        """Return the least rows of the lower band."""
         sheet = self.sheet
         if not self.has_lower:
             return 0
@@ -223,7 +222,6 @@ class _Bands:
         return _LEAST_BELOW[self.room]
 
     def _world_room(self) -> int:
-        """Return the columns that the world may have."""
         sheet = self.sheet
         if sheet.lanes:
             usable = sheet.usable - (self.least + sheet.gap if self.aside else 0)
@@ -271,7 +269,6 @@ class _Bands:
         return cell_size(drawing.rows * 2, drawing.columns, self.sheet.usable - _BESIDE_MAPS, rows)
 
     def _picture(self, cell: Size, room: int, height: int) -> Size:
-        """Return the size of the picture of the world."""
         match self.drawing:
             case Grid(axes=Axes()) | Grid(body=Body()) as grid:
                 return map_size(grid, room, height).picture
@@ -426,7 +423,6 @@ class _Bands:
         sheet.put(TIMELINE, Region(x, low + rows, width, 1))
 
     def _put_lines(self, y: int) -> None:
-        """Put last step, agent and curve with timeline in a line each."""
         sheet, x, width = self.sheet, self.sheet.margin, self.sheet.usable
         half = width // 2
         for panel in filter(sheet.shows, (LAST_STEP, self.shape.settings)):

@@ -17,7 +17,7 @@ from rl_tui.screen.draw.number_form import number_form
 from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, exact_q, other_lane
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_secret, shown_by
 from rl_tui.screen.panels.model.pair import SECRET
-from rl_tui.screen.panels.policies.names import POLICY_NAMES
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES
 from rl_tui.screen.panels.q_table.layers import policy_q
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView

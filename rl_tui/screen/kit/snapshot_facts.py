@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
+from functools import lru_cache
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from rl_tui.screen.glossary.glossary import FigureSetting
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.studies.many_seeds.figures import SeedStudy
 from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 SHOWN_BY_KEY: Final = "h shows"
 ANSWER_KEY: Final = f"{SHOWN_BY_KEY} the exact answer"
@@ -160,3 +162,22 @@ def episode_shown(snapshot: Snapshot) -> int:
 def episodes_begun(snapshot: Snapshot) -> int:
     """Return how many episodes, or sweeps, have begun: where one ends the next begins, unless all is over."""
     return snapshot.counters.episodes + (snapshot.playback.phase not in (Phase.SPENT, Phase.DONE))
+
+
+class RewardRange(NamedTuple):
+    """The least and the greatest mean reward, and the greatest standard deviation."""
+
+    low: float
+    high: float
+    noise: float
+
+    @property
+    def has_one_sign(self) -> bool:
+        """Whether rewards cannot cancel out."""
+        return self.low >= 0.0 or self.high <= 0.0
+
+
+@lru_cache(maxsize=1)  # one world is on screen; no other is kept alive
+def reward_range(mdp: TabularMDP) -> RewardRange:
+    """Return the range of the rewards of ``mdp``, which has at least one outcome."""
+    return RewardRange(float(mdp.reward.min()), float(mdp.reward.max()), float(mdp.reward_std.max()))

@@ -21,7 +21,6 @@ from rl_tui.screen.theme.look import Look
 
 WAITING: Final = "the arms are being drawn"
 BEST_ARM_PULLED: Final = "best arm pulled"
-NO_BUDGET: Final = "this world has no budget"
 _LABEL: Final = 11
 _FIGURE: Final = 8
 _ROWS_OF_TWO: Final = 6
@@ -44,7 +43,8 @@ class BudgetPanel(Panel):
 def budget_blocks(snapshot: Snapshot | None, look: Look) -> Iterator[Block]:
     """Yield what there is to know; what the agent cannot know only where it is not hidden."""
     if snapshot is None or snapshot.results.bandit is None:
-        yield Row([Piece(f" {WAITING if snapshot is None else NO_BUDGET}", look.palette.dim)])
+        why = WAITING if snapshot is None else "this world has no budget"
+        yield Row([Piece(f" {why}", look.palette.dim)])
         return
     yield _pulls(snapshot, snapshot.results.bandit, look)
     known = not is_secret(snapshot)
@@ -66,11 +66,7 @@ def pair_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
         mark, name = glyphs.cursor if is_led else " ", group.lanes[group.shown].name
         name = to_ascii(f" {mark}{group.shown + 1} {name}", glyphs)
         names.append(Piece(shortened(name, _LANE, glyphs.ellipsis), style))
-        mean = figures.winnings / figures.pulls if figures.pulls else 0.0
-        texts = {
-            "winnings": sum_text(figures.winnings, decimals, look),
-            "a pull": numbers.fixed(mean, 2, glyphs, leading_zero=False),
-        }
+        texts = {"winnings": sum_text(figures.winnings, decimals, look), "a pull": _mean_text(figures, look)}
         if known:
             texts["regret"] = sum_text(figures.regret, decimals, look)
             texts["best arm"] = _share(figures)
@@ -120,10 +116,7 @@ def _winnings(figures: BanditFigures, look: Look, known: bool) -> Iterator[Block
         )
 
     if not known:
-        mean = figures.winnings / figures.pulls if figures.pulls else 0.0
-        remark = (
-            f"   {numbers.fixed(mean, 2, look.glyphs, leading_zero=False)} a pull" if figures.pulls else ""
-        )
+        remark = f"   {_mean_text(figures, look)} a pull" if figures.pulls else ""
         yield figure("winnings", figures.winnings, [remark], palette.text)
         return
     best = sum_text(figures.best_possible, decimals, look)
@@ -133,6 +126,11 @@ def _winnings(figures: BanditFigures, look: Look, known: bool) -> Iterator[Block
     yield figure("regret", figures.regret, remarks, palette.dim)
     if share := _share(figures):
         yield Row([Piece(f" {BEST_ARM_PULLED} {share}", palette.text)])
+
+
+def _mean_text(figures: BanditFigures, look: Look) -> str:
+    mean = figures.winnings / figures.pulls if figures.pulls else 0.0
+    return numbers.fixed(mean, 2, look.glyphs, leading_zero=False)
 
 
 def _share(figures: BanditFigures) -> str:

@@ -116,7 +116,6 @@ def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
 
 
 def _decimals_of(values: Sequence[float], most: int) -> int:
-    """Return how many decimals, ``most`` at the most, ``values`` have."""
     return max((len(f"{value:.{most}f}".rstrip("0").partition(".")[2]) for value in values), default=most)
 
 
@@ -169,7 +168,6 @@ def turns_in_words(turns: Sequence[Turn], state: int, world: World, look: Look) 
 
 
 def _actions(pairs: Sequence[int], world: World, look: Look) -> str:
-    """Return the names of the actions of ``pairs``, all of one state."""
     names = (
         action_name(world, int(world.space.pair_action[pair]), look.glyphs)
         for pair in shown_pairs(world, pairs)
@@ -212,19 +210,16 @@ class DiscountPanel(Panel, can_focus=True):
         binding("v", "turn_layer", "discount.layer", "Q*, or how good each action is from worst to best"),
         binding("enter", "go_beyond", "discount.go_beyond", "Set γ on the other side of the flip"),
     ]
+    _pointed = NOWHERE
+    _chosen: float | None = None  # the γ of a flip
+    _is_ranked = False
+    _kept: tuple[object, _Drawn] | None = None
 
     @dataclass
     class GammaWanted(Message):
         """The user wants this γ."""
 
         gamma: float
-
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self._pointed = NOWHERE
-        self._chosen: float | None = None  # the γ of a flip
-        self._is_ranked = False
-        self._kept: tuple[object, _Drawn] | None = None
 
     def point_at(self, pairs: range) -> None:
         """Be about the state of ``pairs``; none: about that of the agent."""
@@ -310,7 +305,6 @@ class DiscountPanel(Panel, can_focus=True):
         return list(drawn.strips)
 
     def _headings(self, name: str, listed: str) -> tuple[str, ...]:
-        """Return the ways to say what is drawn: of the state ``name``, and which flips, if not all."""
         layer = f", {_RANKED}" if self._is_ranked else ""
         noun = "flips" if "–" in listed else "flip"
         count, short = (f" · {noun} {listed}", f" · {listed}") if listed else ("", "")
@@ -354,12 +348,10 @@ class DiscountPanel(Panel, can_focus=True):
         return _Drawn(strips, room - len(listed), _range_in_words(view, len(blocks)))
 
     def _legend_rows(self, snapshot: Snapshot, width: int) -> int:
-        """Return how many rows are kept free for the legend."""
         signs = tuple(sign._replace(in_full="") for sign in self.legend(snapshot))
         return len(legend_rows(signs, width, len(signs), self.look)) if self.is_explained else 0
 
     def _state(self, snapshot: Snapshot) -> int:
-        """Return the state that is shown: one in which something is to be chosen."""
         space = snapshot.world.space
         if self._pointed and self._pointed.start < space.pairs:
             return space.state_of(self._pointed.start)
@@ -394,14 +386,12 @@ def _next_to(flips: Sequence[Flip], snapshot: Snapshot) -> int:
 
 
 def _focused(flips: Sequence[Flip], snapshot: Snapshot, chosen: Flip | None) -> int:
-    """Return which flip must be in view: the chosen one, else that next to the γ in force."""
     if chosen is not None:
         return flips.index(chosen)
     return _next_to(flips, snapshot) if flips else 0
 
 
 def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, width: int) -> list[list[Line]]:
-    """Return the lines of each flip, or what is said where there is none."""
     flips: Sequence[Flip] = snapshot.answers.flips.flips
     if not flips:
         return [[*wrapped(NO_FLIPS, width, look.palette.dim, look, " ", " ")]]
@@ -427,7 +417,6 @@ def _in_view(blocks: Sequence[Sequence[Line]], focused: int, rows: int) -> range
 
 
 def _range_in_words(view: range, all_of_them: int) -> str:
-    """Return which flips are in view, and of how many; empty where that is all."""
     if len(view) == all_of_them:
         return ""
     first = view.start + 1
@@ -442,20 +431,9 @@ def _keys(flips: Sequence[Flip], *, is_ranked: bool, may_set: bool) -> tuple[str
     in_full, short = ("v: Q*", "v: Q*") if is_ranked else (f"v: {_RANKED}", "v: ranks")
     if not flips:
         return f"{in_full} · {_CLOSE}", f"{short} · {_CLOSE}", _CLOSE
-    choose = "↑ ↓: flip"
-    if not may_set:
-        return (
-            f"{choose} · {in_full} · {_CLOSE}",
-            f"{choose} · {short} · {_CLOSE}",
-            f"{choose} · {_CLOSE}",
-            _CLOSE,
-        )
-    return (
-        f"{choose} · enter: γ beyond it · {in_full} · {_CLOSE}",
-        f"{choose} · enter: γ beyond it · {short} · {_CLOSE}",
-        f"{choose} · enter: beyond · {short} · {_CLOSE}",
-        f"{choose} · enter: beyond · {_CLOSE}",
-        f"{choose} · enter: γ · {_CLOSE}",
-        f"{choose} · {_CLOSE}",
-        _CLOSE,
-    )
+    forms: list[tuple[str, ...]] = [(in_full,), (short,), ()]
+    if may_set:
+        whole = "enter: γ beyond it"
+        forms = [(whole, in_full), (whole, short), ("enter: beyond", short), ("enter: beyond",)]
+        forms += [("enter: γ",), ()]
+    return *(" · ".join(("↑ ↓: flip", *form, _CLOSE)) for form in forms), _CLOSE

@@ -35,7 +35,6 @@ _ROOMY: Final = 36  # columns with labels a fifth apart; with fewer there are th
 _SIGNS_APART: Final = 12  # columns from one sign on a line to the next
 _SIGN_FREE: Final = 2  # columns at the end without one, which would read as part of the name beside it
 _NAMES_SHARE: Final = 0.4  # of the columns, what names have if that is enough for all of each
-_UNIT: Final = " γ"
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +102,7 @@ def draw_values(
     finite = values[np.isfinite(values)]
     scale = round_scale(*((float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)))
     left = value_axis_columns(scale, look)
-    unit = to_ascii(_UNIT, look.glyphs)
+    unit = to_ascii(" γ", look.glyphs)
     names = max(cell_len(line.name) for line in lines)
     if names > round(_NAMES_SHARE * (width - left)):
         names = (width - left) // 3
@@ -113,7 +112,7 @@ def draw_values(
     step = 0.2 if plot.columns >= _ROOMY else 0.5
     draw_count_axis(canvas, plot, 1.0, 6, unit, look, step)
     _draw_marks(canvas, plot, flips, gamma, chosen, look)
-    now = _nearest(gammas, gamma)
+    now = int(np.abs(gammas - gamma).argmin())
     best_now = int(np.nan_to_num(values[:, now]).argmax())
     order = sorted(range(len(lines)), key=best_now.__eq__)  # what is best for the γ in force lies on top
     _draw_lines(canvas, plot, [lines[number] for number in order], gammas, look)
@@ -134,14 +133,9 @@ def _column(plot: Plot, gamma: float) -> int:
     return min(plot.columns - 1, plot.column(gamma))
 
 
-def _nearest(gammas: FloatArray, gamma: float) -> int:
-    return int(np.abs(gammas - gamma).argmin())
-
-
 def _draw_marks(
     canvas: Canvas, plot: Plot, flips: Sequence[Flip], gamma: float, chosen: Flip | None, look: Look
 ) -> None:
-    """Draw an upright line at each flip, then dots at the γ in force; what matters more covers the rest."""
     glyphs, palette = look.glyphs, look.palette
     marks = [
         (flip.gamma, flip_sign(flip, look), flip_style(flip, look))
@@ -168,7 +162,6 @@ def flip_style(flip: Flip, look: Look) -> Style:
 def _draw_lines(
     canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], gammas: FloatArray, look: Look
 ) -> None:
-    """Draw ``lines``, the last on top; in dots where there are any, which those below add to."""
     has_signs = not look.palette.tells_lanes_apart or len(lines) > len(look.palette.lanes)
     shown = np.zeros((plot.rows, plot.columns), dtype=np.int64)
     whose = np.full(shown.shape, -1)
@@ -196,7 +189,6 @@ def _draw_lines(
 
 
 def _draw_names(canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], look: Look) -> None:
-    """Write the names of the lines beside their ends, the highest first where there are too many."""
     ends = [(_end(line), line) for line in lines]
     downwards = sorted(ends, key=lambda each: -each[0])[: plot.rows]
     rows = apart([plot.row(end) for end, _ in downwards], plot.rows)

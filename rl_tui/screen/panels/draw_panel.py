@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from rich.cells import cell_len
@@ -12,13 +13,70 @@ from textual.containers import Container
 from textual.strip import Strip
 from textual.widget import Widget
 
+from rl_tui.agents.hyperparameters import Parameter
 from rl_tui.screen.draw.canvas import Canvas, shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.panel import BORDER_ENDS, BoardPanel
+from rl_tui.screen.kit.pointing import Touched
 from rl_tui.screen.panels.controls.slider import Slider
-from rl_tui.screen.panels.draw_sheet import LinePressed, ToolCell, ToolPressed, ToolSheet, WorldNumber
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
+
+
+@dataclass(frozen=True, slots=True)
+class ToolCell:
+    """One tool: its ``id``, its key as people see it, what it does in a word.
+
+    ``is_on`` says that it is in force, such as a brush; ``refused`` why it can do nothing now.
+    """
+
+    id: str
+    shown: str
+    word: str
+    is_on: bool = False
+    refused: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class SheetLine:
+    """A line that can be chosen, what tools are about: an outcome of a state."""
+
+    text: str
+    is_on: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class WorldNumber:
+    """A number of the world that has a slider, and its value; one ``is_short`` makes do with half a row."""
+
+    parameter: Parameter
+    value: float
+    is_short: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ToolSheet:
+    """All of it. ``about`` are sentences, each in its forms, the longest first, for where there is room."""
+
+    about: tuple[tuple[str, ...], ...] = ()
+    lines: tuple[SheetLine, ...] = ()
+    cells: tuple[ToolCell, ...] = ()
+    numbers: tuple[WorldNumber, ...] = ()
+
+
+@dataclass
+class ToolPressed(Touched):
+    """The tool with this id was clicked in the panel."""
+
+    tool: str
+
+
+@dataclass
+class LinePressed(Touched):
+    """The line of that number was clicked in the panel."""
+
+    line: int
+
 
 # The list of tools
 
@@ -88,7 +146,6 @@ class ToolList(Widget):
         return self._sheet.cells[row * columns : (row + 1) * columns]
 
     def _row(self, y: int) -> tuple[str, int]:
-        """Return what stands in row ``y``, and which of its kind it is."""
         about = len(self._sheet.about) if self._has_about else 0
         if y < about:
             return "about", y
@@ -122,8 +179,6 @@ def _text(cell: ToolCell, glyphs: Glyphs) -> str:
 
 
 _TWO_SLIDERS: Final = 44  # columns in which two stand side by side
-_WIDE: Final = "-wide"
-_SHORT: Final = "-short"
 
 
 class DrawPanel(Container, BoardPanel):
@@ -175,7 +230,7 @@ class DrawPanel(Container, BoardPanel):
         if width < 1:
             return
         is_wide = width >= _TWO_SLIDERS
-        self.set_class(is_wide, _WIDE)
+        self.set_class(is_wide, "-wide")
         halves = sum(1 if is_wide or each.is_short else 2 for each in self._sheet.numbers)
         sliders, glyphs = -(-halves // 2), self.look.glyphs
         in_full = rows_of(self._sheet, width, glyphs, has_about=True)
@@ -198,13 +253,9 @@ class DrawPanel(Container, BoardPanel):
         labels = [cell_len(to_ascii(each.parameter.symbol, glyphs)) for each in self._sheet.numbers]
         for number in self._sheet.numbers:
             slider = Slider(
-                self.look,
-                number.parameter,
-                number.value,
-                reports_at_once=False,
-                label_columns=max(labels),
+                self.look, number.parameter, number.value, reports_at_once=False, label_columns=max(labels)
             )
-            slider.set_class(number.is_short, _SHORT)
+            slider.set_class(number.is_short, "-short")
             yield slider
 
     async def _replace_sliders(self) -> None:

@@ -106,7 +106,6 @@ def _luck_now(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
 
 
 def _luck_of_100(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
-    """Return that it may be, while the means are secret."""
     if not secret or snapshot.results.return_last_100 is None:
         return ""
     pulls = recent_name(snapshot.counters.episodes)
@@ -123,7 +122,6 @@ def _noise(snapshot: Snapshot, glyphs: Glyphs) -> str:
 
 
 def _arms(study: SeedStudy, snapshot: Snapshot) -> str:
-    """Return whether the worlds of the seeds are different ones."""
     if not snapshot.recipe.scenario.section.drawn_from_seed:
         return ""
     what = "arms" if isinstance(snapshot.world.drawing, Arms) else "a world"
@@ -131,7 +129,6 @@ def _arms(study: SeedStudy, snapshot: Snapshot) -> str:
 
 
 def _meaning(study: SeedStudy) -> str:
-    """Return what stands behind ±, and when a lane is called better."""
     error = "± is the standard error: how far a mean of so many seeds is typically off"
     pairs = (
         f"lanes are compared seed by seed; one is called better, from {LEAST_SEEDS} seeds on, "
@@ -212,7 +209,6 @@ def _names(called: Sequence[str], study: SeedStudy, snapshot: Snapshot, look: Lo
 
 
 def _heads(until: str) -> Sequence[tuple[str, str]]:
-    """Return what stands above the two columns, the longest form first."""
     whole, short, least = "this seed", "this", "this"
     if until:
         whole, short, least = f"this seed,{until}", f"this,{until}", until.strip()
@@ -226,7 +222,6 @@ def _heads(until: str) -> Sequence[tuple[str, str]]:
 
 
 def _missing(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[Block]:
-    """Yield of the greedy policies, lane by lane, how many have no return, since they may never end."""
     for number, lane in enumerate(study.lanes, 1):
         estimate = lane.estimates.get(figure.id)
         missing = study.seeds - (0 if estimate is None else estimate.count)
@@ -238,7 +233,6 @@ def _missing(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[Bloc
 
 
 def _verdicts(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[str]:
-    """Yield for each lane but the one that was shown which of the two is better."""
     for number, lane in enumerate(study.lanes):
         if number != study.shown and figure.id in lane.differences:
             text = _verdict_text(study, figure, number, look)
@@ -330,7 +324,6 @@ class ManySeeds(ScrolledPanel):
 
 
 def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:
-    """Yield how far it has come, and whether it is out of date or out of time."""
     palette = look.palette
     if study.most:
         yield _Progress(study, _span(study, snapshot))
@@ -376,7 +369,6 @@ class _Progress:
 
 
 def _what_is_counted(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:
-    """Yield why it is bounded as it is or has failed, and which seeds there are so far."""
     palette = look.palette
     yield Text(study.message, palette.strong if study.state in _SAYS_WHY else palette.text)
     if study.seeds and not study.is_outdated:

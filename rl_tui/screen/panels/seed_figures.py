@@ -47,14 +47,7 @@ WINNINGS: Final = StudyFigure("winnings", "winnings", "winnings")
 REGRET: Final = StudyFigure("regret", "regret", "regret", is_secret=True)
 GREEDY: Final = StudyFigure("expected_return", "greedy", "greedy, exact", is_secret=True)
 BEST_ARM: Final = StudyFigure("best_arm_rate", "best arm %", "best arm pulled, %", is_secret=True)
-FIGURES: Final = (
-    WINNINGS,
-    REGRET,
-    BEST_ARM,
-    LAST_100,
-    GREEDY,
-    RETURN,
-)
+FIGURES: Final = (WINNINGS, REGRET, BEST_ARM, LAST_100, GREEDY, RETURN)
 """In the order in which they are shown; a world that is no bandit has only the last three."""
 
 

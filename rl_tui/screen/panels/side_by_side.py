@@ -99,12 +99,7 @@ def differing_states(
 
 
 def name_panels(
-    panels: Iterable[BoardPanel],
-    lane: Snapshot,
-    differing: Differing,
-    *,
-    is_led: bool,
-    look: Look,
+    panels: Iterable[BoardPanel], lane: Snapshot, differing: Differing, *, is_led: bool, look: Look
 ) -> None:
     """Write on world and table, for their next picture, which ``lane`` they show and where it differs.
 

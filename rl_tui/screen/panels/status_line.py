@@ -25,7 +25,6 @@ from rl_tui.worlds.drawing import Arms
 WIDE: Final = 100
 SMALL: Final = 70
 WAITING: Final = "the world is being built"
-BUDGET_SPENT: Final = "budget spent"
 PROGRAM_ENDED: Final = "your program has ended"
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
@@ -155,7 +154,6 @@ def status_line(
 
 
 def _pieces(field: _Field, look: Look) -> list[Piece]:
-    """Return ``field`` in its columns behind a gap: a label at the left, what it says at the right."""
     label, text = (to_ascii(each, look.glyphs) for each in (field.label, field.text))
     blanks = " " * (field.columns - cell_len(label) - cell_len(text) - field.after)
     gap = Piece(" " * _GAP + ("" if label else blanks), look.palette.text)
@@ -183,7 +181,6 @@ def _fitting(fields: list[_Field], width: int) -> list[_Field]:
 
 
 def _title(snapshot: Snapshot, look: Look, width: int, session: str = "") -> list[Piece]:
-    """Return what runs and, dim, what it runs with: as much as ``width`` holds, else the name shortened."""
     palette, glyphs = look.palette, look.glyphs
     first, *others = _names(snapshot, session)
     branch = snapshot.timeline.current.name if len(snapshot.timeline.branches) > 1 else ""
@@ -197,7 +194,6 @@ def _title(snapshot: Snapshot, look: Look, width: int, session: str = "") -> lis
 
 
 def _names(snapshot: Snapshot, session: str) -> tuple[str, ...]:
-    """Return what the run is called, and what else there is to say of it, the most important first."""
     title, policy = snapshot.recipe.scenario.title, snapshot.agent.hyperparameters.policy
     if snapshot.program is not None:
         return name_of(snapshot.program), title, f"seed {snapshot.recipe.seed}"
@@ -209,7 +205,6 @@ def _names(snapshot: Snapshot, session: str) -> tuple[str, ...]:
 
 
 def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
-    """Return a long message behind as much of the title as there is room for."""
     palette, glyphs = look.palette, look.glyphs
     message = to_ascii(text, glyphs)
     room = width - 1 - _GAP - cell_len(message)
@@ -251,14 +246,12 @@ def _counted(label: str, count: int, columns: int, look: Look, *, rank: int) -> 
 
 
 def _end(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
-    """Return how far the branch has come."""
     columns = _SPEED_COLUMNS[wide]
     end = numbers.count(snapshot.timeline.current.end, columns - len("end "))
     return _Field(f"end {end}", columns, look.palette.dim, _SPEED_RANK)
 
 
 def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
-    """Return the measured speed; without room for its unit only where the wanted one does not tell it."""
     speed = snapshot.playback.steps_per_second
     if speed is None or not (wide or not _keeps_up(snapshot, speed)):
         text = ""
@@ -275,7 +268,6 @@ def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
 
 
 def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Field:
-    """Return what the run does now, reversed, in at most ``most`` columns where that is a sentence."""
     sign, text, is_mode = _doing(snapshot, look, is_manual=is_manual)
     style = look.palette.you if is_mode else look.palette.strong
     shown = to_ascii(f"{sign} {text}", look.glyphs)
@@ -290,7 +282,7 @@ def _doing(snapshot: Snapshot, look: Look, *, is_manual: bool) -> tuple[str, str
     glyphs, playback, in_past = look.glyphs, snapshot.playback, snapshot.timeline.in_past
     is_program = snapshot.program is not None
     if playback.phase is Phase.SPENT:
-        return glyphs.stopped, PROGRAM_ENDED if is_program else BUDGET_SPENT, False
+        return glyphs.stopped, PROGRAM_ENDED if is_program else "budget spent", False
     if playback.phase is Phase.DONE:
         return glyphs.stopped, playback.message.partition(":")[0] or playback.phase.value, False
     if playback.phase in (Phase.PAUSED, Phase.SEEKING):

@@ -27,12 +27,11 @@ from rl_tui.screen.draw.canvas import Canvas, shortened
 from rl_tui.screen.draw.numbers import NEGLIGIBLE
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.draggable import Draggable
 from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.pointing import Draggable
 from rl_tui.screen.kit.snapshot_facts import episode_shown, hides_greedy
-from rl_tui.screen.panels.curve.axis import EpisodeAxis, episode_axis
-from rl_tui.screen.panels.curve.lane_text import PlotColumns, plot_columns
-from rl_tui.screen.panels.curve.text import label_gap
+from rl_tui.screen.panels.curve.data import EpisodeAxis, episode_axis
+from rl_tui.screen.panels.curve.text import PlotColumns, label_gap, plot_columns
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import IntArray
@@ -137,7 +136,6 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
 
 
 def _labels(state: TimelineState, track: Track) -> Iterator[str]:
-    """Yield where the handle is, in episodes, and in the past also how far the branch goes, longest first."""
     now = episode_shown(state.snapshot)
     if state.at != state.snapshot.counters.step:
         now = int(track.axis.episode_of(state.at)) + 1
@@ -207,7 +205,6 @@ def _first_reward(curve: Curve) -> float | None:
 
 
 def _policies(state: TimelineState, track: Track) -> list[int]:
-    """Return where the exact return of the greedy policy changed: the last cells, some way apart."""
     marks = state.known.results.marks
     if hides_greedy(state.snapshot) or not len(marks.episode):
         return []
@@ -231,7 +228,6 @@ HINTS: Final = (
     "← →: move · pgup pgdn: a tenth",
     "← →: move",
 )
-_STEP, _CELL, _TENTH = "step", "cell", "tenth"
 
 
 class TimelineBar(Draggable, Panel, can_focus=True):
@@ -290,11 +286,11 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         track, at = self._track, self.at
         if track is None:
             return
-        if distance == _CELL:
+        if distance == "cell":
             to = track.step_at(track.cell_of(at) + direction)
             self._seek(max(at + 1, to) if direction > 0 else min(at - 1, to))
         else:
-            self._seek(at + direction * (1 if distance == _STEP else max(1, round(track.end / 10))))
+            self._seek(at + direction * (1 if distance == "step" else max(1, round(track.end / 10))))
 
     def action_end(self, last: bool) -> None:
         """Go to the first or the last step."""

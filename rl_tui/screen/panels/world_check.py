@@ -67,7 +67,6 @@ class WorldCheckPanel(ScrolledPanel):
 
 
 def _how_far(view: WorldCheckView, look: Look) -> Text:
-    """Return how far the check has come."""
     palette, report = look.palette, view.report
     text, style = WAITING, palette.dim
     if view.refused:
@@ -90,8 +89,9 @@ def _how_far(view: WorldCheckView, look: Look) -> Text:
 
 
 def _said(row: CheckRow, snapshot: Snapshot, view: WorldCheckView, look: Look) -> Block:
-    """Return what is known of ``row``, and in what sense: in one line if there is room for both."""
-    palette, is_hidden = look.palette, _is_hidden(row, snapshot)
+    palette = look.palette
+    is_hidden = is_secret(snapshot) and row.field in _GIVE_AWAY
+    is_hidden = is_hidden or (hides_means(snapshot) and row.field in _TELL_MEANS)
     figure, remark = _unbroken(row.figure, look) or look.glyphs.ellipsis, _unbroken(row.remark, look)
     style = palette.bad if _is_warned_of(row, view) else palette.strong
     if is_hidden:
@@ -113,7 +113,6 @@ def _unbroken(text: str, look: Look) -> str:
 
 
 def _is_warned_of(row: CheckRow, view: WorldCheckView) -> bool:
-    """Return whether a warning is about ``row``."""
     report = view.report
     assert report is not None
     assert view.world is not None
@@ -121,10 +120,3 @@ def _is_warned_of(row: CheckRow, view: WorldCheckView) -> bool:
         return False
     is_endless = {"endless": report.endless, "endless_states": report.endless_states}
     return bool(is_endless.get(row.field))
-
-
-def _is_hidden(row: CheckRow, snapshot: Snapshot) -> bool:
-    """Return whether ``row`` would tell what is hidden."""
-    return (is_secret(snapshot) and row.field in _GIVE_AWAY) or (
-        hides_means(snapshot) and row.field in _TELL_MEANS
-    )

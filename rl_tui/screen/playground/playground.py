@@ -27,7 +27,6 @@ from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import PlayerLink, Wanted
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.frame.action_screen import ActionScreen
-from rl_tui.screen.frame.early_keys import EarlyKeys
 from rl_tui.screen.frame.help import HelpScreen
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.legend_switch import LegendSwitch
@@ -63,6 +62,7 @@ from rl_tui.screen.playground.modes.drawing import PolicyDrawing
 from rl_tui.screen.playground.modes.editing import WorldEditing
 from rl_tui.screen.playground.modes.manual import ManualControl
 from rl_tui.screen.playground.modes.mode import LEAVE, MODE_BINDINGS, Modes
+from rl_tui.screen.terminal.key_queue import EarlyKeys
 from rl_tui.screen.theme.look import Look
 
 _CHECKS_ENVIRONMENT: Final = 0.5  # seconds

@@ -14,9 +14,8 @@ from collections.abc import Iterable
 from math import inf
 from typing import Final, NamedTuple
 
-from rl_tui.screen.terminal.cells import Cutter
 from rl_tui.screen.terminal.pens import RESET, Pen, Pens
-from rl_tui.screen.terminal.screen_buffer import Line
+from rl_tui.screen.terminal.screen_buffer import Cutter, Line
 
 _ERASE_REST: Final = "\x1b[K"
 _PLENTY: Final = 16_000  # characters: to look for a shorter way takes longer than to send so many

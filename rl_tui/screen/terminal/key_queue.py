@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Awaitable, Callable, Collection, Sequence
+from collections.abc import Awaitable, Callable, Collection, Iterable, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import takewhile
@@ -185,3 +185,43 @@ def _size(event: Event) -> int:
 
 def _is_key(key: str, event: Event) -> bool:
     return isinstance(event, Key) and event.key == key
+
+
+_MOST: Final = 100  # keys: who types more than that ahead is not a person
+
+
+class EarlyKeys:
+    """Holds keys back from the first one on that is among ``waiting``, until they are released."""
+
+    def __init__(self, waiting: Iterable[str]) -> None:
+        self._waiting = frozenset(waiting)
+        self._held: list[Key] = []
+        self._is_released = self._is_over = False
+
+    def add(self, key: str) -> None:
+        """Hold ``key`` as if it had been typed."""
+        self._held.append(Key(key, None))
+
+    def take(self, event: Key) -> bool:
+        """Hold ``event`` back, if it has to wait; escape does not, and ends the waiting."""
+        if event.key == "escape" or event.key.startswith("ctrl+"):
+            self._held.clear()
+            return False
+        if self._is_over or not (self._held or event.key in self._waiting):
+            return False
+        if len(self._held) < _MOST:
+            self._held.append(event)
+        return True
+
+    def release(self, app: App[Any]) -> None:
+        """Let ``app`` have the keys again, now that what they are for is there.
+
+        Those already on their way are held as well, or they would come first.
+        """
+        if not self._is_released:
+            self._is_released = True
+            app.post_message(TypeFirst(self._end))
+
+    def _end(self) -> list[Key]:
+        self._is_over = True
+        return [Key(each.key, each.character) for each in self._held]

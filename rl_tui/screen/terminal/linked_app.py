@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any, Final, Protocol, TypeVar, runtime_checkable
 
@@ -231,3 +232,15 @@ def _lines_of_dialog(screen: Screen[object]) -> range:
         return range(0)
     box = Region.from_union([child.region for child in screen.children] or [Region()])
     return range(box.y, box.bottom)
+
+
+def forget_left_screens(_: object) -> None:
+    """Forget the lines of widgets that are gone; to be called whenever another screen is in front.
+
+    A cache of colours has the lines of whole widgets in its keys, 1,024 of them, so that each dialog that
+    was opened took a third of a megabyte with it (Textualize/textual #6665).
+    """
+    with suppress(ImportError, AttributeError):  # another Textual may keep no such lines
+        from textual._styles_cache import StylesCache
+
+        StylesCache.get_inner_outer.cache_clear()

@@ -10,11 +10,10 @@ from typing import Final
 
 from rich.color import ColorSystem
 
-from rl_tui.screen.terminal.cells import Cutter
 from rl_tui.screen.terminal.encoder import Encoder, move_to
 from rl_tui.screen.terminal.link import ANSWER_LINE, Link
 from rl_tui.screen.terminal.pens import Pens
-from rl_tui.screen.terminal.screen_buffer import ScreenBuffer
+from rl_tui.screen.terminal.screen_buffer import Cutter, ScreenBuffer
 
 _ASK: Final = "\x1b[6n"
 _ERASE_ALL: Final = "\x1b[2J"

@@ -1,12 +1,13 @@
-"""The colours of borders, lists and boxes: a dark and a light theme for each colour depth."""
+"""The colours of borders, lists and boxes: a dark and a light theme for each colour depth; scroll bars."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 from rich.terminal_theme import TerminalTheme
+from textual.scrollbar import ScrollBar, ScrollBarRender
 from textual.theme import BUILTIN_THEMES, Theme
 
 from rl_tui.screen.theme.look import Depth
@@ -147,3 +148,15 @@ def _rgb_of_names(terminal: TerminalTheme) -> Mapping[str, str]:
         f"ansi_bright_{name}": terminal.ansi_colors[index + 8].hex for index, name in enumerate(_NAMES)
     }
     return colours | {"ansi_default": terminal.foreground_color.hex}
+
+
+class PlainScrollBar(ScrollBarRender):
+    """A bar of whole cells: its ends are drawn by the background alone."""
+
+    VERTICAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.VERTICAL_BARS)
+    HORIZONTAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.HORIZONTAL_BARS)
+
+
+def use_scroll_bars(*, ascii_only: bool) -> None:
+    """Let every scroll bar made from here on keep to ASCII, or not."""
+    ScrollBar.renderer = PlainScrollBar if ascii_only else ScrollBarRender

@@ -168,11 +168,7 @@ class Controls(Container, BoardPanel):
         for slider in self._sliders.values():
             slider.set_value(in_force(self.wanted, slider.parameter))
             if slider.parameter.name == GAMMA:
-                self._mark_flips(slider, snapshot)
-
-    def _mark_flips(self, slider: Slider, snapshot: Snapshot) -> None:
-        marks = flip_marks(snapshot, every=self.marks_all_flips)
-        slider.set_marks(marks, _MEANING)
+                slider.set_marks(flip_marks(snapshot, every=self.marks_all_flips), _MEANING)
 
     def _new_sliders(self) -> dict[str, Slider]:
         return {

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 from textual import events
 from textual.binding import BindingType
@@ -19,9 +19,16 @@ from textual.widget import Widget
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.draggable import Draggable
-from rl_tui.screen.panels.controls.slider_picture import SliderMark, SliderState, slider_form, slider_strip
-from rl_tui.screen.panels.controls.slider_scale import SliderScale, parsed, scale_of
+from rl_tui.screen.kit.pointing import Draggable
+from rl_tui.screen.panels.controls.slider_picture import (
+    SliderMark,
+    SliderScale,
+    SliderState,
+    parsed,
+    scale_of,
+    slider_form,
+    slider_strip,
+)
 from rl_tui.screen.theme.look import Look
 
 _BEGINS_TYPING: Final = frozenset("056789.,")  # 1 to 4 go to the other sliders
@@ -90,8 +97,6 @@ class Slider(Draggable, can_focus=True):
     ) -> None:
         super().__init__(id=parameter.name)
         self._reports_at_once = reports_at_once
-        self._label_columns = label_columns
-        self._shown_name, self._is_pointed_at = "", False
         self._before_drag = value
         self.look = look
         self.parameter = parameter
@@ -102,63 +107,50 @@ class Slider(Draggable, can_focus=True):
             "What begins with 1 to 4 needs enter first."
         )
         self._help = self.tooltip = to_ascii(help_text, look.glyphs)
-        self._value = value
+        self._state = SliderState(value, label_columns=label_columns)
         self._number = _first_number(parameter, self.scale, value)
-        self._typed: str | None = None
-        self._refused = False
-        self._marks: tuple[SliderMark, ...] = ()
 
     @property
     def value(self) -> float | str:
         """The value in force."""
-        return self._value
+        return self._state.value
 
     def set_value(self, value: float | str) -> None:
         """Show ``value``, without a message."""
         if isinstance(value, float | int):
             self._number = value = float(value)
-        if value != self._value:
-            self._value = value
-            self.refresh()
+        self._change(value=value)
 
     @property
     def marks(self) -> tuple[SliderMark, ...]:
         """The marks on the track, rising."""
-        return self._marks
+        return self._state.marks
 
     def set_marks(self, marks: tuple[SliderMark, ...], meaning: str = "") -> None:
         """Show ``marks``, rising, on the track; ``meaning`` is a sentence that says what they are."""
-        if marks != self._marks:
-            self._marks = marks
+        if marks != self.marks:
+            self._change(marks=marks)
             tip = f"{self._help} {meaning} {{ and }} go beyond the next." if marks else self._help
             self.tooltip = to_ascii(tip, self.look.glyphs)
-            self.refresh()
 
     def label(self, name: str, columns: int, *, is_pointed_at: bool) -> None:
         """Write ``name`` behind the symbol, both in ``columns``; mark what a lesson points at."""
-        before = self.state
-        self._shown_name, self._label_columns, self._is_pointed_at = name, columns, is_pointed_at
-        if self.state != before:
-            self.refresh()
+        self._change(name=name, label_columns=columns, is_pointed_at=is_pointed_at)
 
     @property
     def is_typing(self) -> bool:
         """Whether a value is being typed."""
-        return self._typed is not None
+        return self._state.typed is not None
 
     @property
     def state(self) -> SliderState:
         """What the slider shows now."""
-        return SliderState(
-            self._value,
-            self._typed,
-            self._refused,
-            self.has_focus,
-            self._label_columns,
-            self._shown_name,
-            self._is_pointed_at,
-            self._marks,
-        )
+        return replace(self._state, focused=self.has_focus)
+
+    def _change(self, **changes: Any) -> None:
+        before, self._state = self._state, replace(self._state, **changes)
+        if self._state != before:
+            self.refresh()
 
     def render_line(self, y: int) -> Strip:
         """Draw the row, and blank ones below it."""
@@ -181,11 +173,11 @@ class Slider(Draggable, can_focus=True):
 
     def action_jump(self, upwards: bool) -> None:
         """Go beyond the next mark, or the one before; stay where there is none."""
-        value = self._number if isinstance(self._value, str) else self._value
+        value = self._number if isinstance(self.value, str) else self.value
         if upwards:
-            beyond = next((mark.above for mark in self._marks if mark.value > value), value)
+            beyond = next((mark.above for mark in self.marks if mark.value > value), value)
         else:
-            beyond = next((mark.below for mark in reversed(self._marks) if mark.value < value), value)
+            beyond = next((mark.below for mark in reversed(self.marks) if mark.value < value), value)
         self._set(beyond)
 
     def action_type(self) -> None:
@@ -198,8 +190,8 @@ class Slider(Draggable, can_focus=True):
 
     def on_key(self, event: events.Key) -> None:
         """Take what belongs to a value; any other key ends the typing, and then does what it does."""
-        if self._typed is not None:
-            self._take_key(event, self._typed)
+        if self._state.typed is not None:
+            self._take_key(event, self._state.typed)
         elif event.character is not None and self._begins_typing(event.character):
             event.stop()
             self._type(event.character)
@@ -239,7 +231,6 @@ class Slider(Draggable, can_focus=True):
         return character in _BEGINS_TYPING or self._is_sign(character)
 
     def _is_sign(self, character: str) -> bool:
-        """Return whether ``character`` is the sign of numbers that the parameter takes."""
         return character == _SIGN and self.parameter.range is not None and self.parameter.range.low < 0
 
     def _may_become_a_value(self, text: str) -> bool:
@@ -250,14 +241,13 @@ class Slider(Draggable, can_focus=True):
 
     def _type(self, text: str | None) -> None:
         was_typing = self.is_typing
-        self._typed, self._refused = text, False
-        self.refresh()
+        self._change(typed=text, refused=False)
         if self.is_typing != was_typing:
             self.screen.post_message(self.TypingChanged())
 
     def _set_typed(self) -> bool:
         """Set what was typed, if anything; return False where that is refused."""
-        text = self._typed
+        text = self._state.typed
         if text is None:
             return True
         self._type(None)
@@ -266,8 +256,8 @@ class Slider(Draggable, can_focus=True):
         try:
             value = parsed(text, self.parameter)
         except ValueError as fault:
-            self._refused = True
-            now = self._value if isinstance(self._value, str) else f"{self._value:g}"
+            self._change(refused=True)
+            now = self.value if isinstance(self.value, str) else f"{self.value:g}"
             reason = f"{self.parameter.symbol} stays {now}: {fault}"
             self.screen.post_message(self.Refused(reason))
             self.app.bell()
@@ -282,13 +272,13 @@ class Slider(Draggable, can_focus=True):
         offset = event.get_content_offset(self)
         if event.button != 1 or offset is None:
             return
-        if isinstance(self._value, str):
+        if isinstance(self.value, str):
             self._set(self._number)
             return
         self._type(None)
         start, cells = self._track()
         if start <= offset.x < start + cells:
-            self._before_drag = self._value
+            self._before_drag = self.value
             self.take_hold(offset.x)
         elif offset.x >= start + cells:
             self._type("")
@@ -322,16 +312,16 @@ class Slider(Draggable, can_focus=True):
         self._tell_drag()
 
     def _tell_drag(self) -> None:
-        if not self._reports_at_once and self.is_held and self._value != self._before_drag:
-            self._before_drag = self._value
-            self.screen.post_message(self.Changed(self.parameter.name, self._value))
+        if not self._reports_at_once and self.is_held and self.value != self._before_drag:
+            self._before_drag = self.value
+            self.screen.post_message(self.Changed(self.parameter.name, self.value))
 
     def _moved(self, by: float) -> float:
-        return self._number if isinstance(self._value, str) else self.scale.moved(self._value, by)
+        return self._number if isinstance(self.value, str) else self.scale.moved(self.value, by)
 
     def _set(self, value: float | str) -> None:
         self._type(None)
-        if value == self._value:
+        if value == self.value:
             return
         self.set_value(value)
         if self._reports_at_once or not self.is_held:

@@ -1,35 +1,345 @@
-"""Return per episode: what was earned, what the greedy policy is worth, and the best there is."""
+"""Return per episode: what was earned, what the greedy policy is worth, and the best there is.
+
+Numbers stand at the left of the plot and labels in columns of their own. All cell arrays are [rows, columns].
+A single run is an area; several runs are lines in their colours.
+"""
 
 from __future__ import annotations
 
-from typing import Final
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Final, NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+from rich.cells import cell_len
+from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.draw.canvas import Piece, strips_of
+from rl_tui.screen.draw import braille
+from rl_tui.screen.draw.axes import apart
+from rl_tui.screen.draw.braille import Steps
+from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, strips_of, wrapped
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
-from rl_tui.screen.panels.curve.area import says_something
-from rl_tui.screen.panels.curve.axis import episode_axis
-from rl_tui.screen.panels.curve.chart import draw_chart, plot_of, spark_line
-from rl_tui.screen.panels.curve.data import CurveData, curve_data, is_decided, unit_of
-from rl_tui.screen.panels.curve.lane_text import (
+from rl_tui.screen.panels.curve.area import (
+    FULL,
+    area_of,
+    area_styles,
+    band_cells,
+    band_styles,
+    eighths_of,
+    middle_half,
+    pixel_styles,
+    says_something,
+)
+from rl_tui.screen.panels.curve.data import CurveData, curve_data, episode_axis, is_decided, unit_of
+from rl_tui.screen.panels.curve.seed_band import seed_cells, seed_remark, with_room_for
+from rl_tui.screen.panels.curve.text import (
+    GREEDY,
+    LEFT,
+    TITLES,
+    LineLabel,
     PlotColumns,
+    amount,
+    barren_words,
+    below_note,
+    decimals_of_labels,
+    empty_words,
+    gap_note,
+    heads,
+    labels,
     lane_heads,
+    lane_labels,
     lane_remark,
     plot_columns,
+    remark,
     steps_note,
 )
-from rl_tui.screen.panels.curve.seed_band import seed_remark, with_room_for
-from rl_tui.screen.panels.curve.text import amount, below_note, decimals_of_labels, gap_note, heads, remark
-from rl_tui.screen.panels.curve.words import GREEDY, TITLES
 from rl_tui.screen.panels.policies.studied import studied_answer
+from rl_tui.screen.theme.look import Look, Palette
+from rl_tui.worlds.mdp.space import IntArray
+
+# The lines of several runs, which areas would hide, and of one run over the band of many seeds
+
+
+_TURN: Final = 2  # columns in which one of several lines in the same cells is seen
+_MARKS_APART: Final = 16  # columns from one number on a line to the next
+_LaneCodes = npt.NDArray[np.int64]
+
+
+class LaneCells(NamedTuple):
+    """What is in each cell, [rows, columns]: the code of its character, 0 for none.
+
+    ``line`` tells whose it is: −1 no line's, 0 the greedy line's, n that of run n.
+    """
+
+    codes: _LaneCodes
+    line: _LaneCodes
+
+
+def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
+    """Return the mean of every run, and of the run shown the greedy line."""
+    layers = _in_braille(plot, data) if look.glyphs.braille else _in_ascii(plot, data)
+    there = layers > 0
+    line = _whose(_with_greedy_behind(there))
+    codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
+    codes[line < 0] = 0
+    if data.lanes and look.glyphs.braille and not look.palette.tells_lanes_apart:
+        _mark(codes, line, there)
+    return LaneCells(codes, line)
+
+
+def _in_braille(plot: Plot, data: CurveData) -> _LaneCodes:
+    """Return the characters of greedy line and runs, [1 + runs, rows, columns]."""
+    codes = np.stack([plot.braille_line(line) for line in data.lines])
+    return np.where(codes > braille.BLANK, codes, 0)
+
+
+def _in_ascii(plot: Plot, data: CurveData) -> _LaneCodes:
+    """Return a letter for the greedy line and for each run its number."""
+    dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in data.lines])
+    signs = np.array([ord("o"), *(ord(str(number)) for number in range(1, len(data.lines)))])
+    return np.asarray(dots * signs[:, None, None])
+
+
+def _with_greedy_behind(there: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return the cells of lines, [lines, rows, columns], where the greedy one goes behind the runs.
+
+    That is where it goes up and down: passing through many policies, it would cover all else.
+    """
+    goes_up_or_down = there[0].sum(axis=0) > 1
+    behind = there[1:].any(axis=0) & goes_up_or_down
+    return np.concatenate(((there[0] & ~behind)[None], there[1:]))
+
+
+def _whose(there: npt.NDArray[np.bool_]) -> _LaneCodes:
+    """Return which of the lines that are ``there``, [lines, rows, columns], each cell shows; −1: none.
+
+    Lines that share cells take turns, so that none hides another.
+    """
+    among = np.cumsum(there, axis=0)
+    count = among[-1]
+    turn = np.arange(there.shape[2]) // _TURN % np.maximum(count, 1)
+    chosen = there & (among == turn + 1)
+    return np.where(count > 0, chosen.argmax(axis=0), -1)
+
+
+def _mark(codes: _LaneCodes, line: _LaneCodes, there: npt.NDArray[np.bool_]) -> None:
+    """Write the number of each run on its line now and then, in columns of its own."""
+    lanes = len(there) - 1
+    for number in range(1, lanes + 1):
+        first = (number - 1) * _MARKS_APART // lanes + 1
+        for column in range(first, codes.shape[1], _MARKS_APART):
+            rows = np.flatnonzero(there[number, :, column])
+            if len(rows):
+                codes[rows[0], column], line[rows[0], column] = ord(str(number)), number
+
+
+# The chart
+
+
+LEAST_WIDTH: Final = 14
+LEAST_HEIGHT: Final = 2
+LEAST_IN_FULL: Final = 7  # rows of a plot with three numbers at the left
+_EXACT: Final = 1e-6  # of the axis: the most that rounding may take off a number at the left
+_ARROWS_APART: Final = 8  # columns between the signs of a line that stays below the axis
+_CHANGES_APART: Final = 8  # columns: of more changes of the world the lines would hide the curve
+# What a cell shows. From the last on it is the area, a cell of the band, or the line or band of a run
+_NOTHING, _CHANGE, _OPTIMUM, _STUDIED, _OUTLIER, _GREEDY, _CELLS = range(7)
+
+
+def draw_chart(
+    data: CurveData, plot: Plot, columns: PlotColumns, look: Look, size: tuple[int, int], *, has_band: bool
+) -> list[Strip]:
+    """Return the strips of a picture of ``size``, columns and rows, the area with or without its band."""
+    width, height = size
+    canvas = Canvas(width, height, look.palette.text)
+    decimals = decimals_of_labels(plot.scale)
+    names = (lane_labels if data.lanes else labels)(data, look, decimals, columns.labels)
+    if width < LEAST_WIDTH or height < LEAST_HEIGHT:
+        for y, label in enumerate(names[:height]):
+            canvas.put(0, y, shortened(label.text, width, look.glyphs.ellipsis), label.style)
+        return canvas.strips()
+    if data.furthest:
+        _draw_numbers(canvas, plot, look)
+        if data.lanes or data.seeds:
+            _draw_lines(canvas, plot, data, look)
+        else:
+            _draw_area(canvas, plot, data, look, has_band=has_band)
+    else:
+        _put_message(canvas, plot, empty_words(data.unit), look)
+    for label, row in _rows_of(names[: plot.rows], plot):
+        canvas.put(width - columns.labels + label.gap, row, label.text, label.style)
+    if (data.barren or data.unlearned) and not data.lanes:
+        _put_message(canvas, plot, barren_words(data), look)
+    return canvas.strips()
+
+
+def _draw_numbers(canvas: Canvas, plot: Plot, look: Look) -> None:
+    low, high = plot.scale.low, plot.scale.high
+    values = (high, (low + high) / 2.0, low) if plot.rows >= LEAST_IN_FULL else (high, low)
+    exact = [all(abs(round(each, n) - each) < _EXACT * (high - low) for each in values) for n in range(5)]
+    decimals = exact.index(True) if any(exact) else decimals_of_labels(plot.scale)
+    for value in values:
+        text = amount(value, decimals, look.glyphs, LEFT)
+        canvas.put(max(0, LEFT - 1 - len(text)), plot.row(value), text, look.palette.dim)
+
+
+def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_band: bool) -> None:
+    area, palette = area_of(plot, data.mean), look.palette
+    if has_band:
+        codes, pixels = band_cells(plot, middle_half(plot, data.curve, data.mean), data.mean)
+        kind = np.where(codes > 0, _CELLS + pixels, _NOTHING)
+    else:
+        codes = np.array([ord(each) for each in eighths_of(look.glyphs)])[area.eighths]
+        kind = np.where(area.eighths > 0, _CELLS, _NOTHING)
+    _put_behind(codes, kind, plot, data, look)
+    if look.glyphs.braille:
+        greedy = plot.braille_line(data.greedy)
+        there = greedy > braille.BLANK
+    else:
+        there = plot.line_dots(data.greedy, plot.columns, plot.rows)
+        greedy = np.full_like(codes, ord("o"))
+    codes[there], kind[there] = greedy[there], _GREEDY
+    for row, columns, sign in zip((-1, 0), (area.below, area.above), look.glyphs.off_axis, strict=True):
+        codes[row, columns], kind[row, columns] = ord(sign), _OUTLIER
+    _put_outliers(codes, kind, plot, data.greedy, _GREEDY, look)
+    if has_band:
+        ground = pixels % 4
+        styles = [*_styles(palette, pixel_styles(palette)), *([each] * 4 for each in band_styles(palette))]
+    else:
+        shades = area_styles(palette, plot.rows)
+        is_covered = (kind == _CELLS) | ((area.eighths == FULL) & look.glyphs.braille)
+        ground = is_covered * np.arange(1, plot.rows + 1)[:, None]
+        styles = [*_styles(palette, shades), [palette.episodes, *shades]]
+    _put_cells(canvas, plot, codes, kind, ground, styles)
+
+
+def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
+    codes, kind = np.zeros((2, plot.rows, plot.columns), dtype=np.int64)
+    _put_behind(codes, kind, plot, data, look)
+    palette, runs = look.palette, len(data.lines) - 1
+    first = _CELLS - 1  # runs are counted from 1
+    bands, whose = seed_cells(plot, data.seeds, look)
+    codes[bands > 0], kind[bands > 0] = bands[bands > 0], first + runs + whose[bands > 0]
+    cells = lane_cells(plot, data, look)
+    there = cells.line >= 0
+    codes[there] = cells.codes[there]
+    kind[there] = np.where(cells.line[there] == 0, _GREEDY, first + cells.line[there])
+    for number, line in enumerate(data.lines):
+        _put_outliers(codes, kind, plot, line, first + number if number else _GREEDY, look)
+    inks = palette.lanes[:runs] if data.lanes else (palette.episodes,)
+    dimmed = [style + Style(dim=True) for style in inks] if data.lanes else [palette.dim]
+    styles = [*_styles(palette, ()), *([each] for each in (*inks, *dimmed))]
+    _put_cells(canvas, plot, codes, kind, np.zeros_like(kind), styles)
+
+
+def _put_behind(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData, look: Look) -> None:
+    """Put the level of the optimum, and lines where the world changed, where nothing is yet.
+
+    The level of the policy that is studied is put there in any case.
+    """
+    if data.optimum is not None:
+        row, along = _level(plot, data, data.optimum)
+        free = np.flatnonzero(kind[row] == _NOTHING)
+        free = free[(free >= along.start) & (free < along.stop) & (free % 2 == 0)]
+        codes[row, free], kind[row, free] = ord(look.glyphs.dashes), _OPTIMUM
+    changes = {min(plot.column(each.episodes), plot.columns - 1) for each in data.world_changes}
+    if len(changes) * _CHANGES_APART <= plot.columns:
+        for column in changes:
+            nothing = kind[:, column] == _NOTHING
+            codes[nothing, column], kind[nothing, column] = ord(look.glyphs.zero_line), _CHANGE
+    if data.studied is not None and data.studied.value >= plot.scale.low:
+        row, along = _level(plot, data, data.studied.value)
+        codes[row, along], kind[row, along] = ord(look.glyphs.dashes), _STUDIED
+
+
+def _level(plot: Plot, data: CurveData, value: float) -> tuple[int, slice]:
+    """Return the row of a level, and its columns over the episodes in the present world."""
+    end = min(plot.column(data.furthest) + 1, plot.columns)
+    return plot.row(value), slice(plot.column(data.world_since), end)
+
+
+def _put_outliers(codes: IntArray, kind: IntArray, plot: Plot, line: Steps, own: int, look: Look) -> None:
+    """Put a sign into the lowest row where ``line`` leaves the axis, and now and then while it is away."""
+    away = plot.below(line)
+    if not away.any():
+        return
+    places = np.arange(plot.columns)
+    begins = away & ~np.concatenate(([False], away[:-1]))
+    since = places - np.maximum.accumulate(np.where(begins, places, 0))
+    there = away & (since % _ARROWS_APART == 0)
+    codes[-1, there], kind[-1, there] = ord(look.glyphs.off_axis[0]), own
+
+
+@lru_cache(64)
+def _styles(palette: Palette, grounds: tuple[Style, ...]) -> list[list[Style]]:
+    """Return the styles of each kind: on the page, and then on each of ``grounds``, inks of the area."""
+    over = [Style(bgcolor=ground.color) for ground in grounds]
+    inks = (palette.text, palette.dim, palette.dim, palette.good, palette.dim, palette.greedy_line)
+    return [[ink, *(ink + ground for ground in over)] for ink in inks]
+
+
+def _put_cells(
+    canvas: Canvas,
+    plot: Plot,
+    codes: IntArray,
+    kind: IntArray,
+    ground: IntArray,
+    styles: Sequence[Sequence[Style]],
+) -> None:
+    """Write ``codes``, 0 for none, each in that of ``styles`` of its kind on its ``ground``."""
+    text = np.where(codes > 0, codes, ord(" ")).astype("<u4").tobytes().decode("utf-32-le")
+    for row, (kinds, grounds) in enumerate(zip(kind.tolist(), ground.tolist(), strict=True)):
+        line = text[row * plot.columns : (row + 1) * plot.columns]
+        cells = [styles[own][under] for own, under in zip(kinds, grounds, strict=True)]
+        canvas.put_cells(plot.left, row, line, cells)
+
+
+def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look) -> None:
+    whole = " ".join(words)
+    parts = (whole,) if len(whole) <= plot.columns else words
+    lines = [line for part in parts for line in wrapped(part, plot.columns, look.palette.text, look)]
+    first = max(0, (plot.rows - len(lines)) // 2)
+    for row, line in enumerate(lines[: plot.rows], first):
+        for piece in line:
+            text = f" {piece.text} " if cell_len(piece.text) + 2 <= plot.columns else piece.text
+            canvas.put(plot.left + (plot.columns - cell_len(text)) // 2, row, text, piece.style)
+
+
+def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, int]]:
+    """Return ``names`` with a row each: that of their value; names without one give way to them.
+
+    Of equals the optimum, which comes last, is above.
+    """
+    downwards = [label for _, label in sorted(enumerate(names), key=lambda each: (-each[1].value, -each[0]))]
+    with_value = [label for label in downwards if label.value > -math.inf]
+    rows = apart([plot.row(label.value) for label in with_value], plot.rows)
+    free = [row for row in reversed(range(plot.rows)) if row not in rows]
+    return [*zip(with_value, rows, strict=True), *zip(downwards[len(with_value) :], free, strict=False)]
+
+
+# The curve in one row
+
+
+def spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: str) -> Line:
+    """Return the means of the episodes in one row of ``width`` cells, and ``words`` behind them."""
+    columns = width - cell_len(words) - 2
+    if columns < 1 or not len(data.mean.means):
+        return [Piece(words, look.palette.dim)]
+    marks = eighths_of(look.glyphs)
+    area = area_of(Plot(0, columns, 1, data.mean.finished, scale), data.mean)
+    signs = "".join(marks[max(1, each)] for each in area.eighths[0].tolist())
+    return [Piece(signs, look.palette.episodes), Piece(f"  {words}", look.palette.dim)]
+
 
 WAITING: Final = "the world is being built"
 Words = tuple[str, ...]
@@ -102,7 +412,7 @@ class ReturnCurve(Panel, can_focus=True):
             line = spark_line(data, scale, self.look, width, self._brief(data, decimals_of_labels(scale)))
             return strips_of([line], width, 1, self.look)
         columns = plot_columns(snapshot, self.look, width)
-        plot = plot_of(data, scale, columns, height)
+        plot = Plot(columns.left, columns.columns, max(1, height), data.axis.right, scale)
         key = plot, bool(data.lanes), data.seeds, data.is_of_steps
         if self._band[0] != key or not _runs(snapshot):
             self._band = key, self._has_middle_half(data, plot)
@@ -110,7 +420,6 @@ class ReturnCurve(Panel, can_focus=True):
         return draw_chart(data, plot, columns, self.look, (width, height), has_band=self._band[1])
 
     def _has_middle_half(self, data: CurveData, plot: Plot) -> bool:
-        """Return whether there is a middle half, and a band of it says something."""
         if not data.furthest or data.lanes or data.seeds or data.is_of_steps or data.is_bandit:
             return False
         return says_something(plot, data.curve, data.mean, self.look)
@@ -131,7 +440,6 @@ class ReturnCurve(Panel, can_focus=True):
     def _headed(
         self, snapshot: Snapshot, data: CurveData, plot: Plot, columns: PlotColumns, width: int
     ) -> str:
-        """Return the heading: title, what is drawn, and as many notes as there is room for."""
         glyphs, decimals = self.look.glyphs, decimals_of_labels(plot.scale)
         titles = heads(data, has_band=self._band[1])
         if self.hints:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
+from rich.cells import cell_len
 from rich.style import Style
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
@@ -14,12 +16,56 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.history import RECENT
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.braille import Steps
+from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale
-from rl_tui.screen.panels.curve import words
-from rl_tui.screen.panels.curve.data import CurveData
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.panel import MAY_NEVER_END
+from rl_tui.screen.kit.snapshot_facts import recent_name
+from rl_tui.screen.panels.curve.data import CurveData, LaneLine
+from rl_tui.screen.panels.curve.seed_band import seed_remark
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
+
+RETURN: Final = "Return"
+REWARD: Final = "Reward"
+STEPS: Final = "Steps"
+SWEEPS: Final = "Greedy return"
+TITLES: Final = {"episode": RETURN, "pull": REWARD, "sweep": SWEEPS}
+"""By what the horizontal axis counts."""
+MEAN: Final = "mean"
+MEAN_AND_BAND: Final = "mean and middle half"
+AFTER_SWEEP: Final = "exact, after each sweep"
+
+GREEDY: Final = "greedy"
+AGENT: Final = "agent"
+OPTIMAL: Final = "optimal"
+BEST_ARM: Final = ("best arm", "best")
+TIES: Final = "ties"
+NO_END: Final = "no end"
+
+HIDDEN_ARMS: Final = ("h: show the best arm", "h: best arm")
+HIDDEN_OPTIMUM: Final = ("h: show the optimal return", "h: optimal")
+KEPT_BACK: Final = ("exact values: hidden by the lesson", "exact values: hidden")
+
+COST_AT_PAUSE: Final = ("cost of exploring: when paused", "exploring: when paused")
+COST_BY_KEY: Final = "P: cost of exploring"
+NO_LINE_WITHOUT_TABLE: Final = ("no greedy line: your program has no table", "no table: no greedy line")
+NO_LINE_WITHOUT_END: Final = (
+    f"gap in greedy: that policy {MAY_NEVER_END}",
+    f"gap in greedy: {MAY_NEVER_END}",
+)
+
+NO_SWEEP_YET: Final = ("no sweep has ended:", "space: run · e: sweep")
+NO_PULL_YET: Final = ("no arm was pulled:", "space: run · s: pull")
+NO_EPISODE_YET: Final = ("no episode has ended:", "space: run · e: episode")
+NOTHING_LEARNED: Final = "nothing learned"
+NO_REWARD: Final = "no reward yet"
+
+ONE_SEED: Final = "one seed"
+COUNTS_SEEDS: Final = "M: many seeds"
+EQUAL_STEPS: Final = ("equal steps per run, not equal episodes", "equal steps per run")
+
 
 NUMBER: Final = 6  # cells of the widest number in a sentence
 _LEAST_NUMBER, _MOST_NUMBER = 3, 5  # cells of a number in a label
@@ -73,7 +119,7 @@ def no_end(ends: float, *, short: bool = False) -> str:
     if ends > 0.0:
         share = numbers.percent(ends)
         return f"{share} end" if short else f"ends in {share}"
-    return words.NO_END if short else words.NEVER_ENDS
+    return NO_END if short else "never ends"
 
 
 def label_gap(columns: int) -> int:
@@ -93,13 +139,9 @@ def labels(
     palette, gap = look.palette, label_gap(columns)
     room = columns - gap
     named: list[tuple[str, float | None, Style]] = [
-        (words.GREEDY, data.greedy_now if greedy else None, palette.greedy_line),
-        (words.AGENT, data.mean_now if mean and data.unit != "sweep" else None, palette.episodes),
-        (
-            words.BEST_ARM[columns < _ROOM_FOR_GAP] if data.is_bandit else words.OPTIMAL,
-            data.optimum,
-            palette.dim,
-        ),
+        (GREEDY, data.greedy_now if greedy else None, palette.greedy_line),
+        (AGENT, data.mean_now if mean and data.unit != "sweep" else None, palette.episodes),
+        (BEST_ARM[columns < _ROOM_FOR_GAP] if data.is_bandit else OPTIMAL, data.optimum, palette.dim),
     ]
     if data.studied is not None:
         named.insert(2, (data.studied.name, data.studied.value, palette.good))
@@ -108,30 +150,29 @@ def labels(
     found = []
     for name, value, style in named:
         if value is not None:
-            is_tie = name == words.GREEDY and not data.is_decided
+            is_tie = name == GREEDY and not data.is_decided
             most = max(_LEAST_NUMBER, min(_MOST_NUMBER, room - len(name) - 1))
-            number = words.TIES if is_tie else amount(value, decimals, look.glyphs, most)
+            number = TIES if is_tie else amount(value, decimals, look.glyphs, most)
             found.append(LineLabel(_in_room(name, number, room), value, style, gap))
     if not greedy or data.greedy_ends is None:
         return found
     text = no_end(data.greedy_ends, short=True)
-    if len(words.GREEDY) + 1 + len(text) <= room:
-        text = _in_room(words.GREEDY, text, room)
+    if len(GREEDY) + 1 + len(text) <= room:
+        text = _in_room(GREEDY, text, room)
     return [LineLabel(text, -math.inf, palette.greedy_line, gap), *found]
 
 
 def _in_room(name: str, number: str, room: int) -> str:
-    """Return ``name`` and, at the right, ``number`` in ``room`` cells."""
     left = room - len(number) - 1
     return f"{name[:left]:<{left}} {number}"
 
 
 def heads(data: CurveData, *, has_band: bool) -> tuple[str, ...]:
     """Return the title with its caption, the longest first."""
-    title = words.STEPS if data.is_of_steps else words.TITLES[data.unit]
+    title = STEPS if data.is_of_steps else TITLES[data.unit]
     if data.unit == "sweep":
-        return f"{title} · {words.AFTER_SWEEP}", title
-    names = (words.MEAN_AND_BAND, words.MEAN) if has_band else (words.MEAN,)
+        return f"{title} · {AFTER_SWEEP}", title
+    names = (MEAN_AND_BAND, MEAN) if has_band else (MEAN,)
     drawn = [f"{name} of the last {data.mean.window}" for name in names]
     return f"{title} · of each {data.unit}, {drawn[0]}", *(f"{title} · {each}" for each in drawn), title
 
@@ -141,11 +182,11 @@ def remark(
 ) -> tuple[str, ...]:
     """Return the note on exploring or on what is hidden, the longest form first; empty if there is none."""
     if data.hides_optimum and not data.has_key:
-        return words.KEPT_BACK
+        return KEPT_BACK
     if data.is_of_steps:
         return ()
     if data.hides_optimum:
-        return words.HIDDEN_ARMS if data.is_bandit else words.HIDDEN_OPTIMUM
+        return HIDDEN_ARMS if data.is_bandit else HIDDEN_OPTIMUM
     if data.greedy_now is None or data.finished < RECENT or not data.is_decided:
         return ()
     if snapshot.program is not None:
@@ -160,7 +201,7 @@ def remark(
     if not _is_seen(cost, decimals):
         return ()
     if not with_figures:
-        return words.COST_AT_PAUSE
+        return COST_AT_PAUSE
     said = f"cost of exploring: {amount(cost, decimals, glyphs)}"
     return f"{said} per {data.unit}", said
 
@@ -173,11 +214,10 @@ def _gap(data: CurveData, last_100: float | None, glyphs: Glyphs, decimals: int)
     if not _is_seen(gap, decimals) or gap < 0.0:
         return ()
     said = f"gap: {amount(gap, decimals, glyphs)}"
-    return f"{said} per {data.unit} · {words.COST_BY_KEY}", f"{said} · {words.COST_BY_KEY}", said
+    return f"{said} per {data.unit} · {COST_BY_KEY}", f"{said} · {COST_BY_KEY}", said
 
 
 def _is_seen(x: float, decimals: int) -> bool:
-    """Return whether so many decimals tell ``x`` from 0."""
     return abs(x) >= numbers.NEGLIGIBLE and (
         decimals > _MOST_DECIMALS or numbers.has_digits(f"{x:.{decimals}f}")
     )
@@ -197,7 +237,7 @@ def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
     later = Steps(*(each[1:] for each in data.lines[0]))  # before anything is learned there is nothing to say
     if not data.furthest or not np.isnan(later.low[:-1]).any() or not plot.has_gap(later):
         return ()
-    return words.NO_LINE_WITHOUT_END if data.has_estimates else words.NO_LINE_WITHOUT_TABLE
+    return NO_LINE_WITHOUT_END if data.has_estimates else NO_LINE_WITHOUT_TABLE
 
 
 def _has_learned(data: CurveData) -> bool:
@@ -219,14 +259,179 @@ def _has_learned(data: CurveData) -> bool:
 def empty_words(unit: str) -> tuple[str, ...]:
     """Return what to do before the first pull, sweep or episode has ended."""
     if unit == "sweep":
-        return words.NO_SWEEP_YET
+        return NO_SWEEP_YET
     if unit == "pull":
-        return words.NO_PULL_YET
-    return words.NO_EPISODE_YET
+        return NO_PULL_YET
+    return NO_EPISODE_YET
 
 
 def barren_words(data: CurveData) -> tuple[str, ...]:
     """Return that no estimate has moved, and by which key to ask why, or that nothing was ever earned."""
     if data.unlearned:
-        return words.NOTHING_LEARNED, f"after {data.finished:,} {data.unit}s; Y explains why"
-    return words.NO_REWARD, f"after {data.finished:,} {data.unit}s"
+        return NOTHING_LEARNED, f"after {data.finished:,} {data.unit}s; Y explains why"
+    return NO_REWARD, f"after {data.finished:,} {data.unit}s"
+
+
+# Runs side by side: labels of their lines, and titles
+
+
+_GREEDY: Final = ", greedy "
+_LARGEST_SHARE: Final = 0.5  # of the plot that names may take
+_TITLE_NAME: Final = 16  # cells of a shortened name in a title
+_ROOM_FOR_NAMES: Final = 20
+_GAP: Final = 2  # columns between plot and labels
+_OTHERS: Final = 16  # columns of the labels that are no run's
+
+
+class _Form(NamedTuple):
+    """How much is said of a lane where its line ends: ``name`` is the cells of the longest name."""
+
+    name: int
+    number: bool
+    greedy: bool
+
+
+_FORMS: Final = (
+    _Form(24, number=True, greedy=True),
+    _Form(24, number=True, greedy=False),
+    _Form(16, number=True, greedy=False),
+    _Form(10, number=True, greedy=False),
+    _Form(10, number=False, greedy=False),
+)
+
+
+def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> list[LineLabel]:
+    """Return the labels in ``columns``: the run shown, the other runs, then the rest."""
+    names = [lane.name for lane in data.lanes]
+    form = next((each for each in _FORMS if _columns(names, look, each) <= columns), None)
+    if form is None:
+        return []
+    shown = _names(names, look, form.name)
+    lanes = sorted(zip(data.lanes, shown, strict=True), key=lambda each: not each[0].shown)
+    found = [
+        LineLabel(_said(lane, name, form, decimals, look.glyphs), _place(lane), _style(lane, look), _GAP)
+        for lane, name in lanes
+        if lane.value is not None or (lane.is_exact and lane.greedy_ends is not None)
+    ]
+    has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
+    return [*found, *labels(data, look, decimals, min(columns, _OTHERS), greedy=has_greedy, mean=False)]
+
+
+def lane_columns(names: Sequence[str], look: Look, room: int) -> int:
+    """Return how many of ``room`` columns the labels of runs with these ``names`` take.
+
+    They take the fullest form that leaves the lines their share, else the shortest; none if it is small.
+    """
+    if room < _ROOM_FOR_NAMES:
+        return 0
+    widths = [_columns(names, look, form) for form in _FORMS]
+    return next((each for each in widths if each <= _LARGEST_SHARE * room), widths[-1])
+
+
+def lane_heads(data: CurveData, usual: Sequence[str], glyphs: Glyphs) -> tuple[str, ...]:
+    """Return titles that say which run is shown, the longest first; ``usual`` are those of a single one."""
+    shown, title = next(lane for lane in data.lanes if lane.shown), usual[-1]
+    short = f"{len(data.lanes)} runs, {glyphs.cursor}{shown.number}"
+    named = f"{short} {shown.name}"
+    clipped = f"{short} {_clipped(shown.name, _TITLE_NAME, glyphs.ellipsis)}"
+    return f"{title} · {named}", f"{title} · {clipped}", f"{title} · {short}", title
+
+
+def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tuple[str, ...]:
+    """Return what the numbers of the labels are, and of how many seeds, the longest form first.
+
+    ``counts_seeds`` says that M does for these runs.
+    """
+    if not data.furthest:
+        return ()
+    if data.seeds:
+        return seed_remark(data.seeds, look)
+    recent = recent_name(*(lane.finished for lane in data.lanes if not lane.is_exact))
+    if any(lane.is_exact for lane in data.lanes):
+        return (f"mean of the {recent}, or exact", "mean or exact")
+    one = f"mean of the {recent} of {ONE_SEED}"
+    if data.hides_optimum and data.has_key:
+        return (f"{one} · {HIDDEN_OPTIMUM[-1]}", one, ONE_SEED)
+    return (f"{one} · {COUNTS_SEEDS}", one, ONE_SEED) if counts_seeds else (one, ONE_SEED)
+
+
+def steps_note(data: CurveData) -> tuple[str, ...]:
+    """Return why one lane has come further than another, the longest form first; empty where none has."""
+    if len({lane.finished for lane in data.lanes if not lane.is_exact}) < 2:
+        return ()
+    return EQUAL_STEPS
+
+
+def _columns(names: Sequence[str], look: Look, form: _Form) -> int:
+    longest = max(cell_len(name) for name in _names(names, look, form.name))
+    number = cell_len(": ") + NUMBER if form.number else 0
+    return _GAP + longest + number + (cell_len(_GREEDY) + NUMBER if form.greedy else 0)
+
+
+def _names(names: Sequence[str], look: Look, width: int) -> list[str]:
+    """Return the names in at most ``width`` cells, with their numbers where they would not tell enough."""
+    glyphs = look.glyphs
+    names = [to_ascii(name, glyphs) for name in names]
+    is_enough = look.palette.tells_lanes_apart and glyphs.braille
+    if is_enough and all(cell_len(name) <= width for name in names):
+        return names
+    numbered = (f"{number}) {name}" for number, name in enumerate(names, 1))
+    return [_clipped(name, width + cell_len("1) "), glyphs.ellipsis) for name in numbered]
+
+
+def _clipped(name: str, width: int, ellipsis: str) -> str:
+    short = shortened(name, width, ellipsis)
+    return short.replace(f",{ellipsis}", ellipsis).replace(f":{ellipsis}", ellipsis)
+
+
+def _said(lane: LaneLine, name: str, form: _Form, decimals: int, glyphs: Glyphs) -> str:
+    if not form.number:
+        return name
+    greedy = ""
+    if form.greedy and not lane.shown and not lane.is_exact:
+        greedy = _figure(lane.greedy_now, lane.greedy_ends, decimals, glyphs)
+    # a colon between name and figure, for names end with figures themselves
+    figure = _figure(lane.value, lane.greedy_ends, decimals, glyphs)
+    return f"{name}: {figure}{_GREEDY if greedy else ''}{greedy}"
+
+
+def _figure(value: float | None, ends: float | None, decimals: int, glyphs: Glyphs) -> str:
+    """Return a return, or that a policy has none because it may never end; empty if neither is known."""
+    if value is not None:
+        return amount(value, decimals, glyphs)
+    return "" if ends is None else no_end(ends, short=True)
+
+
+def _place(lane: LaneLine) -> float:
+    return -math.inf if lane.value is None else lane.value
+
+
+def _style(lane: LaneLine, look: Look) -> Style:
+    style = look.palette.lanes[lane.number - 1]
+    return style + Style(bold=True) if lane.shown else style
+
+
+# The columns of the plot
+
+
+LEFT: Final = 5
+"""Columns of the numbers left of the plot."""
+_LABELS: Final = ((60, 15), (36, 13))  # columns of the labels at the right, by the least width
+
+
+class PlotColumns(NamedTuple):
+    """The plot has ``columns`` from column ``left`` on; behind them are ``labels`` columns of labels."""
+
+    left: int
+    columns: int
+    labels: int
+
+
+def plot_columns(snapshot: Snapshot, look: Look, width: int) -> PlotColumns:
+    """Return the columns of the plot in ``width`` cells, which do not change while a run goes on."""
+    left = LEFT if width >= 2 * LEFT else 0
+    lanes = snapshot.run_group.lanes
+    labels = next((columns for least, columns in _LABELS if width >= least), 0)
+    if lanes:
+        labels = max(labels, lane_columns([lane.name for lane in lanes], look, width - left))
+    return PlotColumns(left, max(1, width - left - labels), labels)

@@ -101,7 +101,6 @@ class StepWriter:
         return [self._happened(), [*self._result(), self._dim("  δ "), self._error], self._remark()]
 
     def _one_line(self) -> Line:
-        """Return what happened, the update in numbers, and why the action was chosen, as far as that fits."""
         words = self.words
         error: Line = [self._dim("  δ "), self._error]
         whole, result = self._flat(), self._result()
@@ -159,11 +158,9 @@ class StepWriter:
         return [*way, *wind, self._dim(" to "), self._strong(words.next_state)]
 
     def _remark(self) -> Line:
-        """Return what else there is to say of the step, in the longest form that fits; mostly nothing."""
         return self._fitting([self._dim(" "), self._dim(each)] for each in (*self._remarks(), ""))
 
     def _remarks(self) -> list[str]:
-        """Return how the episode ended and what else was updated, the longest form first."""
         endings, others = self.words.endings, self.words.others
         if self._last.planned and self._story.planning:
             return self._planning()
@@ -177,7 +174,6 @@ class StepWriter:
     # The update
 
     def _whole(self) -> list[Line]:
-        """Return the numbers and the result, behind its name unless it is that of the step's pair."""
         name = self._equation.left.word
         named = [] if name == NOW else [[self._dim(f"{name} = ")]]
         result = [self._plain(" = "), self._strong(self.words.update.after)]
@@ -187,7 +183,6 @@ class StepWriter:
         return [self._dim(" "), *(piece for group in self._whole() for piece in group)]
 
     def _result(self) -> Line:
-        """Return only the new estimate."""
         return [self._dim(f" {self._equation.left.word} = "), self._strong(self.words.update.after)]
 
     def _bar(self) -> Line:
@@ -213,7 +208,6 @@ class StepWriter:
         return [label, *sides[0], middle, *sides[1], number]
 
     def _change(self) -> Line:
-        """Return what moved and by how much, where nothing else is known of the update."""
         words, update = self.words, self.words.update
         if words.changes_nothing:
             stays = [self._strong(words.estimate), self._plain(" stays "), self._strong(update.after)]
@@ -237,7 +231,6 @@ class StepWriter:
     # A planner
 
     def _sweep(self) -> Line:
-        """Return which state a planner backed up."""
         sweep = self._plain(f" {self._which_sweep}{_GAP}")
         state, place = self._strong(self.words.state), self._dim(f"{_GAP}{self.words.place}")
         start = self._dim("backs up state ")
@@ -255,7 +248,6 @@ class StepWriter:
         return [planning, planning.split(":")[0]]
 
     def _state_backup(self, backup: BackupText, height: int) -> list[Line]:
-        """Return the Bellman equation in symbols, for each action where there is room, and in numbers."""
         law = self._fitting(
             [self._dim(start), self._plain(backup.law)] for start in (f" {backup.kind}{_GAP}", " ")
         )
@@ -297,9 +289,7 @@ class StepWriter:
 
 
 NOTHING_YET: Final = "no step yet: s takes one"
-NOT_REPLAYED_YET: Final = "the last step appears once it is replayed"
 OF_ANOTHER_WORLD: Final = "no step yet in this world: s takes one"
-NOT_OF_THE_TABLE: Final = "this step is not in the transition table"
 
 
 class LastStepPanel(Panel):
@@ -324,11 +314,13 @@ def _choices(snapshot: Snapshot | None, look: Look) -> Sequence[str]:
 def nothing_yet(snapshot: Snapshot | None) -> str:
     """Return why there is no last step to show."""
     if snapshot is not None and snapshot.program is not None and snapshot.counters.step:
-        return NOT_OF_THE_TABLE
+        return "this step is not in the transition table"
     if snapshot is None or snapshot.counters.step == 0:
         return NOTHING_YET
     changes = snapshot.world_changes
-    return OF_ANOTHER_WORLD if changes and changes[-1].step == snapshot.counters.step else NOT_REPLAYED_YET
+    if changes and changes[-1].step == snapshot.counters.step:
+        return OF_ANOTHER_WORLD
+    return "the last step appears once it is replayed"
 
 
 def last_step_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:

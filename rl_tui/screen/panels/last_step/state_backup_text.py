@@ -12,7 +12,7 @@ import numpy as np
 from rl_tui.live.last_step.step_report import StateBackup
 from rl_tui.screen.draw import names
 from rl_tui.screen.draw.action_order import shown_pairs
-from rl_tui.screen.draw.precision import agrees, figure, leading_zeros, parsed
+from rl_tui.screen.draw.precision import agrees, figure, in_brackets, leading_zeros, parsed
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
@@ -75,6 +75,14 @@ def backup_text(world: World, backup: StateBackup, glyphs: Glyphs) -> BackupText
     return text.text()
 
 
+class _Estimate(NamedTuple):
+    """What is written of an action, by its ``place`` among all; ``counts``: it is taken."""
+
+    place: int
+    q: str
+    counts: bool
+
+
 class _Writer:
     """Writes a backup with so many decimals."""
 
@@ -83,10 +91,13 @@ class _Writer:
         self._backup = backup
         self._glyphs = glyphs
         self._decimals = decimals
-        self._places = [pair - backup.pairs.start for pair in shown_pairs(world, backup.pairs)]
-        self._q = [self._figure(float(backup.q[place])) for place in self._places]
+        places = [pair - backup.pairs.start for pair in shown_pairs(world, backup.pairs)]
+        self._estimates = [
+            _Estimate(place, self._figure(float(backup.q[place])), backup.chance[place] > 0.0)
+            for place in places
+        ]
+        self._taken = [each for each in self._estimates if each.counts]
         self._value = self._figure(backup.value)
-        self._counts = [backup.chance[place] > 0.0 for place in self._places]
 
     def _figure(self, x: float) -> str:
         return figure(x, self._decimals, self._glyphs)
@@ -96,30 +107,26 @@ class _Writer:
         """Whether working out what is printed gives what is printed, and the best is seen to be the best."""
         backup = self._backup
         if backup.phase == "evaluation":
-            counted = [
-                parsed(q, self._glyphs) for q, counts in zip(self._q, self._counts, strict=True) if counts
-            ]
-            mean = sum(counted) / max(1, len(counted))
+            mean = sum(parsed(each.q, self._glyphs) for each in self._taken) / max(1, len(self._taken))
             if not agrees(mean, self._value, self._glyphs, self._decimals, 0.5):
                 return False
         else:
-            of_best = {q for q, counts in zip(self._q, self._counts, strict=True) if counts}
-            others = {q for q, counts in zip(self._q, self._counts, strict=True) if not counts}
+            of_best = {each.q for each in self._taken}
+            others = {each.q for each in self._estimates if not each.counts}
             if len(of_best) > 1:  # they are as good, but are rounded to either side
                 return False
             if of_best & others and float(np.ptp(backup.q)) > 10.0 ** -(self._decimals + 2):
                 return False
-        return not backup.is_split or all(map(self._adds_up, self._places, self._q))
+        return not backup.is_split or all(map(self._adds_up, self._estimates))
 
-    def _adds_up(self, place: int, q: str) -> bool:
-        reward, bootstrap = self._terms(place)
+    def _adds_up(self, estimate: _Estimate) -> bool:
+        reward, bootstrap = self._terms(estimate.place)
         worked_out = parsed(reward, self._glyphs) + self._backup.gamma * parsed(bootstrap, self._glyphs)
-        return agrees(worked_out, q, self._glyphs, self._decimals)
+        return agrees(worked_out, estimate.q, self._glyphs, self._decimals)
 
     def _terms(self, place: int) -> tuple[str, str]:
-        return self._figure(float(self._backup.reward[place])), self._figure(
-            float(self._backup.bootstrap[place])
-        )
+        reward, bootstrap = self._backup.reward[place], self._backup.bootstrap[place]
+        return self._figure(float(reward)), self._figure(float(bootstrap))
 
     def text(self) -> BackupText:
         """Return all texts."""
@@ -127,17 +134,16 @@ class _Writer:
         is_bandit = isinstance(self._world.drawing, Arms)
         state = "" if is_bandit else f"({names.state_name(self._world, backup.state, glyphs)})"
         improves = backup.phase == "improvement"
+        right = self._mean() if backup.phase == "evaluation" else self._best("argmax" if improves else "max")
         return BackupText(
             kind=_NAMES[backup.phase],
             law=_LAWS[backup.phase],
             left=f"{'π' if improves else 'V'}{state}",
-            right=self._mean()
-            if backup.phase == "evaluation"
-            else self._best("argmax" if improves else "max"),
+            right=right,
             result=self._chosen() if improves else self._value,
             actions=[
                 ActionText(self._sign(place), self._worked_out(place), q, counts)
-                for place, q, counts in zip(self._places, self._q, self._counts, strict=True)
+                for place, q, counts in self._estimates
             ],
         )
 
@@ -156,23 +162,18 @@ class _Writer:
             return ""
         reward, bootstrap = self._terms(place)
         gamma = setting(self._backup.gamma, self._glyphs)
-        return f"{reward} + {gamma}{self._glyphs.times}{self._held(bootstrap)}"
-
-    def _held(self, number: str) -> str:
-        return f"({number})" if number.startswith(self._glyphs.minus) else number
+        return f"{reward} + {gamma}{self._glyphs.times}{in_brackets(bootstrap, self._glyphs)}"
 
     def _mean(self) -> Sequence[str]:
         """Return the expectation over the policy, which shares itself out equally."""
-        counted = [place for place, counts in zip(self._places, self._counts, strict=True) if counts]
-        estimates = [q for q, counts in zip(self._q, self._counts, strict=True) if counts]
-        if len(counted) == 1:
-            worked = self._worked_out(counted[0])
+        first, *others = self._taken
+        if not others:
+            worked = self._worked_out(first.place)
             return (worked,) if worked else ()
-        share = names.chance(float(self._backup.chance[counted[0]]), self._glyphs)
-        first, *others = estimates
-        added, more = [self._added(q) for q in others], f" + {self._glyphs.ellipsis}"
+        share = names.chance(float(self._backup.chance[first.place]), self._glyphs)
+        added, more = [self._added(each.q) for each in others], f" + {self._glyphs.ellipsis}"
         sums = ("".join(added), *((more + added[-1],) if len(added) > 1 else ()), more)
-        return [f"{share}{self._glyphs.times}({first}{each})" for each in sums]
+        return [f"{share}{self._glyphs.times}({first.q}{each})" for each in sums]
 
     def _added(self, number: str) -> str:
         """Return ``number`` as a sum goes on with it: `` + .06``, `` − 2``."""
@@ -181,24 +182,23 @@ class _Writer:
 
     def _best(self, of: str) -> Sequence[str]:
         gap, between = ("", " ") if self._are_directions else (" ", ", ")
-        signed = [f"{self._sign(place)}{gap}{q}" for place, q in zip(self._places, self._q, strict=True)]
-        numbers = [", ".join(self._q)] if of == "max" else []
+        signed = [f"{self._sign(each.place)}{gap}{each.q}" for each in self._estimates]
+        numbers = [", ".join(each.q for each in self._estimates)] if of == "max" else []
         forms = [between.join(signed), *numbers, *self._elided(signed, between)]
         return [f"{of}{{{each}}}" for each in forms]
 
     def _elided(self, signed: Sequence[str], between: str) -> Iterator[str]:
         """Yield ``signed`` without the least of them, then without more, until one of the best is left."""
-        backup, places = self._backup, self._places
-        best_first = sorted(
-            range(len(places)),
-            key=lambda each: (not self._counts[each], -float(backup.q[places[each]])),
-        )
+
+        def rank(number: int) -> tuple[bool, float]:
+            estimate = self._estimates[number]
+            return not estimate.counts, -float(self._backup.q[estimate.place])
+
+        best_first = sorted(range(len(signed)), key=rank)
         for count in range(len(signed) - 1, 0, -1):
             kept = sorted(best_first[:count])
             yield between.join((*(signed[each] for each in kept), self._glyphs.ellipsis))
 
     def _chosen(self) -> str:
         gap = "" if self._are_directions else " or "
-        return gap.join(
-            self._sign(place) for place, counts in zip(self._places, self._counts, strict=True) if counts
-        )
+        return gap.join(self._sign(each.place) for each in self._taken)

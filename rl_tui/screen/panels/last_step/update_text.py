@@ -169,13 +169,7 @@ def _decimals_that_show(last: LastStep) -> int:
 
 
 def _comes_out(
-    last: LastStep,
-    text: UpdateText,
-    rounding: _Rounding,
-    glyphs: Glyphs,
-    *,
-    bootstraps: bool,
-    digits: float,
+    last: LastStep, text: UpdateText, rounding: _Rounding, glyphs: Glyphs, *, bootstraps: bool, digits: float
 ) -> bool:
     """Return whether working out the terms of ``text`` gives what it says, to so much of the last digit."""
     before, gathered, discount, bootstrap = (

@@ -20,8 +20,8 @@ from rl_tui.live.last_step.step_report import StepStory
 from rl_tui.programs.evidence.verdict import Rule
 from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.canvas import Piece
-from rl_tui.screen.draw.precision import agrees, figure, leading_zeros, parsed
-from rl_tui.screen.kit.equation import Equation, Term
+from rl_tui.screen.draw.precision import agrees, figure, in_brackets, leading_zeros, parsed
+from rl_tui.screen.kit.blocks import Equation, Term
 from rl_tui.screen.panels.last_step.state_backup_text import BackupText, backup_text
 from rl_tui.screen.panels.last_step.update_text import UpdateText, setting, update_text
 from rl_tui.screen.panels.program.words import clause
@@ -246,10 +246,7 @@ def _why_no_equation(story: StepStory) -> Sequence[str]:
     last, program = story.last, story.program
     if last.others:
         cells = f"{last.others + 1:,} cells"
-        return (
-            f"this step moved {cells}; an update of one cell does not explain that",
-            f"moved {cells}",
-        )
+        return (f"this step moved {cells}; an update of one cell does not explain that", f"moved {cells}")
     update = None if program is None else program.verdict.update
     if update is None or update.rule is Rule.UNKNOWN:
         reason = "" if update is None else clause(update.reason)
@@ -292,22 +289,17 @@ def equation(
     if words.bootstrap:
         which = _WHICH[story.terms.lookup] if story.reads_by_the_book else words.bootstrap
         gain.append(Term(" + ", story.terms.discount, update.discount))
-        gain.append(Term(glyphs.times, which, in_brackets(update.bootstrap, look), bootstrap))
+        gain.append(Term(glyphs.times, which, in_brackets(update.bootstrap, glyphs), bootstrap))
     if not story.last.planned:
         step_size = "1/N" if "/" in update.step_size else "α e" if story.has_trace else "α"
         gain = [
             Term(" = ", "was", update.before, before),
             Term(" + ", step_size, update.step_size),
             *gain,
-            Term(f" {glyphs.minus} ", "was", in_brackets(update.before, look), before),
+            Term(f" {glyphs.minus} ", "was", in_brackets(update.before, glyphs), before),
             Term(")"),
         ]
     return Equation(left, gain, Piece(label, error_style(words, look)))
-
-
-def in_brackets(number: str, look: Look) -> str:
-    """Return ``number``, which follows an operator, in brackets if it starts with a minus."""
-    return f"({number})" if number.startswith(look.glyphs.minus) else number
 
 
 def error_style(words: StepWords, look: Look) -> Style:

@@ -55,7 +55,6 @@ def _is_item(lines: Sequence[Line]) -> bool:
 
 
 def _blocks(text: str) -> Iterator[list[str]]:
-    """Yield the rows of each paragraph, item of a list or equation."""
     block: list[str] = []
     for row in text.replace("\t", "    ").splitlines():
         is_equation = row.startswith(_EQUATION) and _BULLET.match(row) is None
@@ -145,7 +144,6 @@ def _words(text: str, style: Style, look: Look) -> Iterator[list[Piece]]:
 
 
 def _runs(text: str, style: Style, look: Look) -> Iterator[tuple[str, Style]]:
-    """Yield the parts of ``text`` of one style each, without the signs that set them off."""
     end = 0
     for match in _MARKED.finditer(text):
         yield text[end : match.start()], style

@@ -1,41 +1,113 @@
-"""What the lesson says in a line: the next key, how the page stands, an answer that was given."""
+"""How far the open page of a lesson has come, and what the lesson says of it in a line."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from enum import Enum, auto
 from typing import Final
 
-from rl_tui.lessons.file.schema import Ask
-from rl_tui.lessons.file.view import Given, LessonView
+from rl_tui.common.words import counted
+from rl_tui.lessons.file.schema import Ask, Page
+from rl_tui.lessons.file.view import NO_STEP, Given, LessonRecord, LessonView
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, length, shortened, spelled
 from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.panels.lesson.prose import plain
-from rl_tui.screen.panels.lesson.stage import (
-    PageStage,
-    asks_for_program,
-    is_last_page,
-    open_page,
-    page_place,
-    stage_of,
-    steps_to_truth,
-)
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
+
+class PageStage(Enum):
+    """Where a page stands."""
+
+    TO_READ = auto()  # it asks nothing
+    TO_PREDICT = auto()  # a prediction is open: no step is taken
+    LOCKED = auto()  # it is given, and the steps that tell the truth are to be taken
+    TOLD = auto()  # the truth stands beside it
+    TO_ANSWER = auto()  # a question, not answered or answered wrong
+    ANSWERED = auto()
+    TO_DO = auto()  # a task
+    PASSED = auto()
+
+
+DONE: Final = (PageStage.TO_READ, PageStage.TOLD, PageStage.ANSWERED, PageStage.PASSED)
+"""Stages in which a page asks nothing any more."""
+
+
+def open_page(record: LessonRecord) -> Page:
+    """Return the page that is open."""
+    return record.lesson.page(record.page)
+
+
+def stage_of(view: LessonView, snapshot: Snapshot) -> PageStage:
+    """Return where the open page stands beside the run of ``snapshot``."""
+    record, page = view.record, open_page(view.record)
+    if page.task is not None:
+        return PageStage.PASSED if record.has_passed(page.id) else PageStage.TO_DO
+    if page.question is not None:
+        return PageStage.ANSWERED if record.is_done(page.id) else PageStage.TO_ANSWER
+    if page.prediction is None:
+        return PageStage.TO_READ
+    given = record.given_on(page.id)
+    if given is None:
+        return PageStage.TO_PREDICT
+    return PageStage.LOCKED if steps_to_truth(page.prediction, given, snapshot) else PageStage.TOLD
+
+
+def steps_to_truth(ask: Ask, given: Given, snapshot: Snapshot) -> int:
+    """Return how many steps are missing to the truth of a prediction; 0 once the run has been there.
+
+    The run may have gone back since: how far the branch has come counts. And it may have been set up again,
+    or be that of another setup: who has done something on a later page, or all of it, is told.
+    """
+    record = None if snapshot.lesson is None else snapshot.lesson.record
+    if given.step == NO_STEP or not ask.steps or (record is not None and _is_past(record, given.page)):
+        return 0
+    reached = max(snapshot.counters.step, snapshot.timeline.current.end)
+    return max(0, given.step + ask.steps - reached)
+
+
+def _is_past(record: LessonRecord, page: str) -> bool:
+    here, number_of = record.lesson.number_of(page), record.lesson.number_of
+    done = [*(each.page for each in record.given), *(each.page for each in record.passed)]
+    return record.finished or any(number_of(page) > here for page in done)
+
+
+def keeping_page(record: LessonRecord, what: str) -> Page | None:
+    """Return the page that keeps ``what`` back, the open one or the first behind it; None if none does."""
+    if what not in record.hidden:
+        return None
+    lesson = record.lesson
+    for page in lesson.pages[lesson.number_of(record.page) :]:
+        is_open = page.id not in record.skipped and not record.is_done(page.id)
+        if is_open and (what in page.hides or (what == "run" and page.prediction is not None)):
+            return page
+    return None
+
+
+def asks_for_program(record: LessonRecord) -> bool:
+    """Return whether the task of the open page asks for a program."""
+    task = open_page(record).task
+    return task is not None and task.program is not None
+
+
+def page_place(record: LessonRecord) -> str:
+    """Return the place of the open page among all, such as 3/9."""
+    return f"{record.lesson.number_of(record.page) + 1}/{len(record.lesson.pages)}"
+
+
+def is_last_page(record: LessonRecord) -> bool:
+    """Return whether no page follows the one that is open."""
+    return record.page == record.lesson.pages[-1].id
+
+
 NOT_COUNTED: Final = "A guess does not count as a prediction."
 
-_ACT: Final = "y"
 _LEAST_TITLE = 8
 _LONGEST_SAID = 16
 _MOST_ONE_BY_ONE = 12
 """Steps that people take one by one; more of them run."""
-
-
-def counted(count: int, noun: str) -> str:
-    """Return ``count`` with its noun, as in 1 step, 2 steps."""
-    return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"
 
 
 def number_text(x: float, glyphs: Glyphs) -> str:
@@ -131,7 +203,7 @@ def _ways_to_truth(ask: Ask, missing: int, snapshot: Snapshot, *, is_manual: boo
     These are the keys that the page asks for, where it names any. Who acts already need not begin to.
     """
     if ask.keys:
-        key = " then ".join(each for each in ask.keys if not (is_manual and each == _ACT)) or "act"
+        key = " then ".join(each for each in ask.keys if not (is_manual and each == "y")) or "act"
     elif missing > _MOST_ONE_BY_ONE:
         key = "space or u"
     elif snapshot.agent.row.planner:
@@ -140,12 +212,8 @@ def _ways_to_truth(ask: Ask, missing: int, snapshot: Snapshot, *, is_manual: boo
         key = "act" if is_manual else "s"
     steps = counted(ask.steps, "step")
     if missing < ask.steps:
-        shortest = f"{key}: {missing:,} to go"
-        return (
-            f"{key}: {steps} to the truth ({missing:,} to go)",
-            f"{key}: {steps}, {missing:,} to go",
-            shortest,
-        )
+        to_go = f"{missing:,} to go"
+        return f"{key}: {steps} to the truth ({to_go})", f"{key}: {steps}, {to_go}", f"{key}: {to_go}"
     return f"{key}: {steps} to the truth", f"{key}: {steps}"
 
 
@@ -167,7 +235,6 @@ def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -
 
 
 def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
-    """Yield how the page stands: of a task a sign for each condition."""
     palette, stage = look.palette, stage_of(view, snapshot)
     match stage:
         case PageStage.TO_DO if view.task is not None:
@@ -187,8 +254,7 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
                 said = answer_text(ask, given.answer, look.glyphs)
                 missing = counted(steps_to_truth(ask, given, snapshot), "step")
                 yield Piece(
-                    f"you said {shortened(said, _LONGEST_SAID, look.glyphs.ellipsis)}; {missing}",
-                    palette.you,
+                    f"you said {shortened(said, _LONGEST_SAID, look.glyphs.ellipsis)}; {missing}", palette.you
                 )
         case PageStage.TOLD:
             ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)

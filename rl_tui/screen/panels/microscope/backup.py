@@ -1,6 +1,7 @@
 """The last backup as a tree: the state, the action below it, and its outcomes in columns hanging from it.
 
-The tree is that of Sutton & Barto, 2nd ed., Fig. 3.4; below it stand the targets.
+The tree is that of Sutton & Barto, 2nd ed., Fig. 3.4; below it stand the target of the sample, the expected
+one, and their difference.
 """
 
 from __future__ import annotations
@@ -13,13 +14,13 @@ import numpy as np
 
 from rl_tui.agents.catalogue import Lookup
 from rl_tui.live.last_step.backup import Backup, Leaf
+from rl_tui.live.last_step.step_report import StepStory
 from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_place
 from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.draw.precision import agrees, column_figure, leading_zeros, parsed
-from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Row, Section, Table, Text
+from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Flow, Labelled, Row, Section, Table, Text
 from rl_tui.screen.panels.last_step.words import StepWords
-from rl_tui.screen.panels.microscope.targets import target_blocks
 from rl_tui.screen.panels.model.pair import HIDDEN
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -33,12 +34,7 @@ MOST_LEAVES: Final = 8
 TARGET_ROWS: Final = 4
 _HEAD_ROWS: Final = 3
 _VALUE: Final = "V(s′)"
-_VALUE_HEADS: Final = {
-    Lookup.BEST: "max Q(s′,·)",
-    Lookup.NEXT: "Σ π Q(s′,·)",
-    Lookup.MEAN: "Σ π Q(s′,·)",
-}
-_SHARE: Final = "p·(r + γV)"
+_VALUE_HEADS: Final = {Lookup.BEST: "max Q(s′,·)", Lookup.NEXT: "Σ π Q(s′,·)", Lookup.MEAN: "Σ π Q(s′,·)"}
 _DECIMALS: Final = 3
 _MORE: Final = 5  # decimals beyond the fewest
 
@@ -63,7 +59,6 @@ def backup_section(words: StepWords, look: Look, *, secret: Sequence[str]) -> Se
 
 
 def _why_none(words: StepWords) -> str:
-    """Return why there is no backup: nothing was looked up, it is not known what, or it is not the book's."""
     story = words.story
     if story.program is None or story.program.table is None or story.reads_by_the_book:
         return story.terms.waiting
@@ -85,7 +80,6 @@ def _most_outcomes(mdp: TabularMDP) -> int:
 
 
 def _leaf_rows(world: World) -> int:
-    """Return how many rows the leaves of any pair of ``world`` take."""
     return 1 if world.mdp is None else min(_most_outcomes(world.mdp), MOST_LEAVES)
 
 
@@ -93,7 +87,6 @@ def _leaf_rows(world: World) -> int:
 
 
 def _tree(world: World, backup: Backup, look: Look, *, secret: bool) -> Iterator[Block]:
-    """Yield the state, the action below it, and the leaves that hang from it, in as many rows as any has."""
     palette, glyphs = look.palette, look.glyphs
     leaves = sorted(backup.leaves, key=lambda leaf: shown_place(world, leaf.action))
     shown, left_out = _chosen(leaves)
@@ -184,7 +177,7 @@ def outcome_table(
         (*always, landing(remarks=False), short),
     ]
     if None not in shares:
-        forms.insert(0, (*forms[0], column(_SHARE, figures(shares))))
+        forms.insert(0, (*forms[0], column("p·(r + γV)", figures(shares))))
     return Table(forms)
 
 
@@ -200,7 +193,6 @@ def _went(world: World, backup: Backup, leaves: Sequence[Leaf], look: Look) -> l
 
 
 def _reward(leaf: Leaf, look: Look, *, secret: bool) -> str:
-    """Return the mean reward and the noise around it."""
     if secret:
         return HIDDEN
     noise = f"±{numbers.brief(leaf.noise, look.glyphs, decimals=2)}" if leaf.noise else ""
@@ -240,3 +232,111 @@ def _agree(backup: Backup, leaves: Sequence[Leaf], look: Look, decimals: int) ->
         if not agrees(worked_out, shown, look.glyphs, decimals):
             return False
     return True
+
+
+# The sampled and the expected target
+
+
+_LABEL: Final = 12
+_FEWEST: Final = 2
+_MORE_OF_TARGETS: Final = 6
+
+
+def target_blocks(words: StepWords, backup: Backup, look: Look, *, secret: Sequence[str]) -> Iterator[Block]:
+    """Yield the sampled target, the expected one and their difference, each where it is known.
+
+    ``secret`` stands in place of the expected one, the longest form first; none where that may be seen.
+    """
+    dim, planned = look.palette.dim, words.story.last.planned
+    if backup.sampled is None:
+        yield Text(_no_sample(words), dim)
+        return
+    decimals = _decimals(backup.sampled, backup.expected, look)
+    yield _target("target" if planned else "sampled", _symbols(words), backup.sampled, decimals, look)
+    if secret:
+        yield Labelled("expected", dim, _LABEL, Row(*([Piece(each, dim)] for each in secret)))
+    elif backup.expected is None:
+        yield Text(_not_known(words.story), dim)
+    elif planned:
+        yield Text("a planner takes the expectation itself: no luck in it", dim)
+    else:
+        symbols = "mean reward" if words.story.is_bandit else "Σ p (r + γ V(s′))"
+        yield _target("expected", symbols, backup.expected, decimals, look)
+        difference = backup.sampled - backup.expected
+        reason = _reason(words.story, backup, difference)
+        yield _difference(difference, reason, decimals, look)
+
+
+def _target(label: str, symbols: str, target: float, decimals: int, look: Look) -> Block:
+    number = Piece(column_figure(target, decimals, look.glyphs), look.palette.strong)
+    row = Row([Piece(f"{symbols} = ", look.palette.text), number], [number])
+    return Labelled(label, look.palette.dim, _LABEL, row)
+
+
+def _difference(difference: float, reason: str, decimals: int, look: Look) -> Block:
+    palette = look.palette
+    if abs(difference) < numbers.NEGLIGIBLE:
+        shown, style = "0", palette.text
+    else:
+        shown = column_figure(difference, decimals, look.glyphs)
+        shown, style = (shown, palette.bad) if difference < 0.0 else (f"+{shown}", palette.good)
+    head = [Piece(f" {'difference':<{_LABEL - 1}}", palette.dim), Piece(shown, style)]
+    first, *rest = reason.split(" ")
+    words = (f"   {first}", *(f" {word}" for word in rest))
+    return Flow([head, *([Piece(word, palette.dim)] for word in words)], _LABEL)
+
+
+def _reason(story: StepStory, backup: Backup, difference: float) -> str:
+    mdp = story.world.mdp
+    if mdp is not None and mdp.drift_std:  # measured after the pull
+        return "luck, and how far the mean drifted since"
+    if story.last.terminated and story.bootstraps:
+        return "it bootstraps after the end"
+    if not backup.is_current:
+        return "luck, and what else this step updated"
+    if backup.is_certain:
+        return "which action came next" if backup.lookup is Lookup.NEXT else "one outcome, no luck"
+    if abs(difference) < numbers.NEGLIGIBLE:
+        targets = {leaf.reward + backup.gamma * (leaf.value or 0.0) for leaf in backup.leaves}
+        return "all outcomes look alike as yet" if len(targets) == 1 else "just what was expected"
+    return "luck of this sample and of A′" if backup.lookup is Lookup.NEXT else "luck of this sample"
+
+
+def _no_sample(words: StepWords) -> str:
+    if not words.estimate:
+        return words.story.terms.waiting
+    return "the target spans several steps: one step has no expected target to match it"
+
+
+def _not_known(story: StepStory) -> str:
+    if story.world.prospects:
+        return "expected: there is none, what follows depends on how one came here"
+    if story.world.mdp is None:
+        return "expected: not known, this world is stepped and nobody wrote its table down"
+    return "expected: not known, not all estimates that it needs are at hand"
+
+
+def _symbols(words: StepWords) -> str:
+    terms = words.story.terms
+    return f"{terms.gathered} + {terms.discount}·{words.bootstrap}" if words.bootstrap else terms.gathered
+
+
+def _decimals(sampled: float, expected: float | None, look: Look) -> int:
+    """Return the fewest decimals with which the printed difference is that of the printed targets.
+
+    Two at least, three where both are fractions, more where both are small.
+    """
+    known = [sampled] if expected is None else [sampled, expected]
+    largest = max(map(abs, known))
+    fewest = _FEWEST if largest >= 1.0 else _FEWEST + max(1, leading_zeros(*known))
+    if expected is None or abs(sampled - expected) < numbers.NEGLIGIBLE:
+        return fewest
+    difference = sampled - expected
+    for decimals in range(fewest, fewest + _MORE_OF_TARGETS):
+        first, second, printed = (
+            column_figure(each, decimals, look.glyphs) for each in (sampled, expected, difference)
+        )
+        between = parsed(first, look.glyphs) - parsed(second, look.glyphs)
+        if round(difference, decimals) and agrees(between, printed, look.glyphs, decimals, digits=0.5):
+            return decimals
+    return fewest + _MORE_OF_TARGETS

@@ -55,7 +55,6 @@ LEAST_HEIGHT: Final = 4
 _LEAST_WIDTH: Final = 16
 _TICK_COLUMNS: Final = 9
 _VALUE_COLUMNS: Final = 7
-_UNIT: Final = " step"
 # What stands for a cell of which the line takes neither half, the upper one, the lower one, both
 _HALVES: Final = np.array([ord(each) for each in " '.:"])
 
@@ -112,7 +111,7 @@ def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int,
     left = 1 + value_axis_columns(scale, look)
     plot = Plot(left, width - left, height - 1, round_range(last), scale)
     draw_value_axis(canvas, plot, look)
-    draw_count_axis(canvas, plot, plot.right, plot.columns // _TICK_COLUMNS, _UNIT, look)
+    draw_count_axis(canvas, plot, plot.right, plot.columns // _TICK_COLUMNS, " step", look)
     if exact is not None:
         dots = look.glyphs.level if look.glyphs.braille else f"{look.glyphs.level} "
         canvas.put(plot.left, plot.row(exact), (dots * plot.columns)[: plot.columns], look.palette.optimum)
@@ -121,7 +120,6 @@ def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int,
 
 
 def _draw_line(canvas: Canvas, plot: Plot, cell: CellHistory, look: Look) -> None:
-    """Draw the estimate over what is there."""
     begins = cell.step.astype(np.float64)
     steps = Steps(begins, np.append(begins[1:], begins[-1]), cell.value, cell.value)
     codes = plot.braille_line(steps) if look.glyphs.braille else _HALVES[plot.halves(steps)]
@@ -140,10 +138,8 @@ def _draw_line(canvas: Canvas, plot: Plot, cell: CellHistory, look: Look) -> Non
 
 STEP_HEADING: Final = "The step"
 ENDED: Final = "ended its episode"
-ENDED_SWEEP: Final = "ended its sweep"
 STEP_ROWS: Final = 5
 _LABEL: Final = 9
-_STEP_GAP: Final = "   "
 
 _Form = tuple[str, str, str]  # symbol, value and remark
 
@@ -200,13 +196,12 @@ def _step_remarks(*texts: str) -> list[_Form]:
 
 def _pieces(form: _Form, look: Look) -> Line:
     symbol, value, remark = form
-    gap = _STEP_GAP if value and remark else ""
+    gap = "   " if value and remark else ""
     palette = look.palette
     return [Piece(symbol, palette.dim), Piece(value, palette.strong), Piece(f"{gap}{remark}", palette.text)]
 
 
 def _moved(words: StepWords) -> list[str]:
-    """Return what became of the action, the longest form first; empty where there is nothing to tell."""
     chance = f"p {words.chance}" if words.chance else ""
     if not words.went:
         with_wind = [", ".join(filter(None, (words.wind, chance)))] if words.wind else []
@@ -215,11 +210,10 @@ def _moved(words: StepWords) -> list[str]:
 
 
 def _which(story: StepStory) -> Sequence[str]:
-    """Return which step of the run it is, longest form first; an episode that has ended has no number."""
     last = story.last
     step = f"{last.step:,}"
     if last.planned:
-        return f"{step}, {ENDED_SWEEP if story.ends_episode else f'sweep {last.episode:,}'}", step
+        return f"{step}, {'ended its sweep' if story.ends_episode else f'sweep {last.episode:,}'}", step
     if story.is_bandit:
         return (step,)
     episode = f"{step}, {ENDED if story.ends_episode else f'episode {last.episode:,}'}"
@@ -232,8 +226,7 @@ def _which(story: StepStory) -> Sequence[str]:
 
 
 ROOM_FOR_TWO: Final = 96
-PASS_TOO_FAST: Final = "steps pass too fast"
-TOO_FAST: Final = f"{PASS_TOO_FAST} to take one apart: space pauses, −{KEPT_BLANK}slows down"
+TOO_FAST: Final = f"steps pass too fast to take one apart: space pauses, −{KEPT_BLANK}slows down"
 _HISTORY_ROWS: Final = 7  # its heading, some rows of dots and the steps below them
 _GAP: Final = 2
 
@@ -247,10 +240,7 @@ class Microscope(ScrolledPanel):
 
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("microscope")
     title = "Microscope"
-
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self.pair: int | None = None
+    pair: int | None = None
 
     @property
     def is_complete(self) -> bool:
@@ -297,7 +287,6 @@ def page(snapshot: Snapshot | None, pair: int | None, look: Look, width: int, he
 
 
 def _sections(snapshot: Snapshot, story: StepStory, look: Look) -> list[Section]:
-    """Return the step, the update, the backup and the return; only headings if steps pass too fast."""
     if passes_too_fast(snapshot):
         return [
             Section(STEP_HEADING, [Text(TOO_FAST, look.palette.dim)], STEP_ROWS),
@@ -321,7 +310,6 @@ def _strips(sections: Sequence[Section], look: Look, width: int, height: int = 0
 
 
 def _beside(left: list[Strip], right: list[Strip], room: int, width: int, look: Look) -> list[Strip]:
-    """Return two columns of ``room`` cells side by side, as long as the longer one."""
     text = look.palette.text
     rows = max(len(left), len(right))
     blank = Strip.blank(room, text)

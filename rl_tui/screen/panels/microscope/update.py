@@ -14,12 +14,11 @@ from rl_tui.live.last_step.step_report import StepStory, discounted_sum
 from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.canvas import Line, Piece, length, spelled
-from rl_tui.screen.draw.precision import column_figure, comes_to, parsed
+from rl_tui.screen.draw.precision import column_figure, comes_to, in_brackets, parsed
 from rl_tui.screen.draw.to_ascii import separated
-from rl_tui.screen.kit.blocks import Block, Flow, Labelled, Row, Section, Text
-from rl_tui.screen.kit.equation import Equation
+from rl_tui.screen.kit.blocks import Block, Equation, Flow, Labelled, Row, Section, Text
 from rl_tui.screen.panels.last_step.update_text import setting
-from rl_tui.screen.panels.last_step.words import StepWords, equation, error_style, in_brackets
+from rl_tui.screen.panels.last_step.words import StepWords, equation, error_style
 from rl_tui.screen.panels.program.words import fit_texts, open_text, update_texts
 from rl_tui.screen.theme.look import Look
 
@@ -28,7 +27,6 @@ from rl_tui.screen.theme.look import Look
 
 RETURN_HEADING: Final = "Discounted return so far"
 RETURN_ROWS: Final = 3
-MEANING: Final = "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 PLANNER: Final = "a planner takes no steps: nothing is earned"
 OPEN_DISCOUNT: Final = "the γ of your program is open: no step has decided it yet"
 _LEFT_OUT: Final = "…"
@@ -77,7 +75,6 @@ def has_open_discount(story: StepStory) -> bool:
 
 
 def _open_discount(story: StepStory) -> str:
-    """Return that no step has decided γ, and by which one the exact answers go meanwhile."""
     program = story.program
     if program is None or program.gamma is None or program.gamma_source != "declared":
         return OPEN_DISCOUNT
@@ -87,7 +84,9 @@ def _open_discount(story: StepStory) -> str:
 def _meaning(story: StepStory) -> str:
     if story.is_bandit:
         return "every pull is an episode: its return is its reward"
-    return MEANING if story.has_one_gamma else "γ was changed on the way: each step counts with its own"
+    if not story.has_one_gamma:
+        return "γ was changed on the way: each step counts with its own"
+    return "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 
 
 def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, room: int, *, total: str) -> str:
@@ -137,7 +136,7 @@ def _term(rewards: Sequence[float], skipped: int, place: int, gamma: float, look
     reward = numbers.brief(rewards[place - skipped], look.glyphs)
     if place == 0:
         return reward
-    reward = in_brackets(reward, look)
+    reward = in_brackets(reward, look.glyphs)
     if gamma == 1.0:
         return reward
     return f"{power(gamma, place, look)}{look.glyphs.times}{reward}"
@@ -157,8 +156,8 @@ def power(base: float, exponent: int, look: Look) -> str:
 
 
 UPDATE_HEADING: Final = "The update"
-_LEAST_ROWS: Final = 5
 TABLES: Final = "the table shows the mean of Q₁ and Q₂"
+_LEAST_ROWS: Final = 5
 _MOST_CELLS: Final = 6
 _FEWEST: Final = 3  # decimals of weights and estimates
 _MOST: Final = 9
@@ -198,7 +197,6 @@ def update_rows(terms: UpdateTerms) -> int:
 
 
 def _change_blocks(words: StepWords, look: Look) -> list[Block]:
-    """Return which cell moved from what to what, why nothing else is said, and what fits other steps."""
     palette, update = look.palette, words.update
     moved: list[Line] = [
         [Piece(" your program moved", palette.dim)],
@@ -274,7 +272,7 @@ class _Writer:
         for number, (weight, estimate) in enumerate(self._mixed()):
             sign = " " if number == 0 else " + "
             factor = self._plain(f"{sign}{weight}{self._look.glyphs.times}")
-            groups.append([factor, Piece(in_brackets(estimate, self._look), self._palette.source)])
+            groups.append([factor, Piece(in_brackets(estimate, self._look.glyphs), self._palette.source)])
         return groups
 
     def _mixed(self) -> list[tuple[str, str]]:
@@ -301,7 +299,6 @@ class _Writer:
         return [Labelled(f"{total} =", self._palette.text, len(f" {total} = "), text)]
 
     def _looked_up(self) -> str:
-        """Return what the bootstrap is, with the cell it was read from where that is known."""
         story, bootstrap = self._story, self._words.bootstrap
         pairs = list(story.sources)
         if story.last.planned or story.terms.lookup is Lookup.MEAN or not pairs:

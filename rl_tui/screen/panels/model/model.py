@@ -22,10 +22,9 @@ from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Labelled, Text
 from rl_tui.screen.kit.scrolling import Scrolled, ScrolledPanel, page_bindings
-from rl_tui.screen.kit.snapshot_facts import hides_means
+from rl_tui.screen.kit.snapshot_facts import hides_means, reward_range
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.panels.model.pair import UNKNOWN, action_text, means_key, pair_blocks
-from rl_tui.screen.panels.model.reward_range import reward_range
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray

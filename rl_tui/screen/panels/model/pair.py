@@ -16,7 +16,7 @@ from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_outcomes, shown_pairs
 from rl_tui.screen.draw.canvas import KEPT_BLANK as K
 from rl_tui.screen.draw.canvas import Piece
-from rl_tui.screen.draw.precision import column_figure, leading_zeros
+from rl_tui.screen.draw.precision import column_figure, in_brackets, leading_zeros
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Row, Table, Text
 from rl_tui.screen.kit.snapshot_facts import (
     ANSWER_KEPT,
@@ -98,7 +98,6 @@ def _learned(snapshot: Snapshot, pair: int, taken: int, look: Look) -> str:
 
 
 def _outcomes(world: World, mdp: TabularMDP, pair: int, look: Look, *, secret: bool) -> Table:
-    """Return a table: probability, what happened where the world slips, reward, next state."""
     glyphs, outcomes = look.glyphs, shown_outcomes(world, mdp, pair)
     happened = [int(mdp.outcome_action[each]) for each in outcomes]
     slips = any(each not in (UNKNOWN_ACTION, int(mdp.pair_action[pair])) for each in happened)
@@ -199,8 +198,7 @@ def _terms(mdp: TabularMDP, exact: Solution, outcomes: list[int], look: Look, de
         target = reward
         if not mdp.terminated[outcome]:
             value = column_figure(float(exact.v[mdp.next_state[outcome]]), decimals, glyphs)
-            value = f"({value})" if value.startswith(glyphs.minus) else value
-            target = f"{reward} + {setting(exact.gamma, glyphs)}{glyphs.times}{value}"
+            target = f"{reward} + {setting(exact.gamma, glyphs)}{glyphs.times}{in_brackets(value, glyphs)}"
         chance = names.chance(float(mdp.probability[outcome]), glyphs)
         terms.append(f"{chance}{glyphs.times}[{target}]".replace(" ", K))
     return terms

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
@@ -13,18 +13,19 @@ from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
 
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
-from rl_tui.runs.answers.policy_values import PolicyAnswer
+from rl_tui.runs.answers.policy_values import PENDING, TOO_MANY, WHILE_RUNNING, PolicyAnswer
 from rl_tui.runs.exact_answers import NO_TABLE
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import Column, Columns, Table, Text, laid
 from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.panels.policies.names import POLICY_NAMES
-from rl_tui.screen.panels.policies.notes import WIDEST, amount, answer_of, known_answers, may_not_end, notes
-from rl_tui.screen.panels.policies.studied import is_kept_back
+from rl_tui.screen.kit.snapshot_facts import shown_by
+from rl_tui.screen.panels.last_step.update_text import setting
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES, is_kept_back
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -91,7 +92,6 @@ def _names(snapshot: Snapshot, look: Look, *, is_short: bool) -> Column:
 
 
 def _column(snapshot: Snapshot, look: Look, figure: PolicyColumn, cells: int) -> Column:
-    """Return the column of ``figure``, in ``cells`` if its head has room in them."""
     width = max(cells - (not figure.has_sign), len(figure.head))
     texts = [_said(snapshot, kind, figure, width, look) for kind in POLICY_NAMES]
     return Column(
@@ -183,7 +183,6 @@ class Policies(Panel, can_focus=True):
         return strips_of(lines, width, height, self.look)
 
     def _headings(self, snapshot: Snapshot | None) -> tuple[str, ...]:
-        """Return the headings, the longest first; of runs side by side they say whose policies these are."""
         plain = (*self.captioned(TITLE), TITLE)
         if snapshot is None or not snapshot.run_group.lanes:
             return plain
@@ -205,3 +204,117 @@ class Policies(Panel, can_focus=True):
         if offset is not None and offset.y in self._places:
             kind = list(POLICY_NAMES)[list(self._places).index(offset.y)]
             self.post_message(PolicyChosen(kind))
+
+
+# The notes below the table
+
+
+OF_MEANS_NOW: Final = "of the means as they are now"
+WITHOUT_LIMIT: Final = "as if without a limit"
+AS_MUCH_AS_OPTIMAL: Final = "greedy earns as much as optimal"
+SHORT_OF_OPTIMAL: Final = "short of optimal"
+_GAMMA_BEST: Final = "best for this γ (γ-best)"
+_NO_ENDING: Final = 0.9995  # from there on it is written as 100 %
+WIDEST: Final = 8  # cells of the widest number
+Note = tuple[str, bool]
+
+
+def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
+    """Yield the notes, those that matter most first, and of each whether it is about figures."""
+    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
+        yield f"what they earn tells of the true means: {shown_by(snapshot, 'them')}", False
+        return
+    yield from _gaps(snapshot, look)
+    yield from _reasons(snapshot)
+    if is_bandit:
+        mdp = snapshot.world.mdp
+        drifted = f", {OF_MEANS_NOW}" if mdp is not None and mdp.drift_std else ""
+        yield f"a pull: the reward it brings on average{drifted}, exact", False
+        yield "optimal: the best arm", False
+        return
+    limit, gamma = snapshot.world.space.time_limit, snapshot.agent.hyperparameters.gamma
+    within = f" within {limit:,} steps" if limit else ""
+    if may_not_end(known_answers(snapshot)):
+        yield f"ending: the chance that an episode ends{within}", False
+    yield f"return: expected, undiscounted,{within or ' without a limit'}", False
+    as_if = f", {WITHOUT_LIMIT}" if limit else ""
+    yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}{as_if}", False
+    if not is_kept_back(snapshot, PolicyKind.OPTIMAL):
+        yield f"optimal: {_GAMMA_BEST}", False
+
+
+def amount(x: float, look: Look, width: int = WIDEST) -> str:
+    """Return an exact figure in ``width`` cells."""
+    return numbers.figure(x, width, look.glyphs)
+
+
+def answer_of(snapshot: Snapshot, kind: PolicyKind) -> PolicyAnswer:
+    """Return what is known of a policy."""
+    return snapshot.answers.policies.get(kind, PENDING)
+
+
+def known_answers(snapshot: Snapshot) -> list[PolicyAnswer]:
+    """Return what is known of the policies that may be seen."""
+    return [answer_of(snapshot, kind) for kind in POLICY_NAMES if not is_kept_back(snapshot, kind)]
+
+
+def may_not_end(known: Iterable[PolicyAnswer]) -> bool:
+    """Return whether an episode of any of these policies may go on; then a column says how likely it ends.
+
+    That matters more than how long episodes are.
+    """
+    return any(each.ends is not None and each.ends < _NO_ENDING for each in known)
+
+
+def _gaps(snapshot: Snapshot, look: Look) -> Iterator[Note]:
+    acts, greedy, best = (
+        None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
+        for kind in (PolicyKind.BEHAVIOUR, PolicyKind.GREEDY, PolicyKind.OPTIMAL)
+    )
+    what = "a pull" if isinstance(snapshot.world.drawing, Arms) else "an episode"
+    if greedy is not None and acts is not None:
+        yield _exploring(greedy - acts, what, snapshot, look), True
+    if greedy is not None and best is not None:
+        gap = best - greedy
+        if not _amount(gap, look):
+            yield AS_MUCH_AS_OPTIMAL, True
+        elif gap > 0.0:
+            yield f"greedy is {_amount(gap, look)} {what} {SHORT_OF_OPTIMAL}", True
+        else:
+            yield f"greedy earns {_amount(-gap, look)} {what} more than optimal", True
+
+
+def _exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
+    """Return what exploring costs, with the ε in force, or brings where greedy earns less."""
+    values = snapshot.agent.hyperparameters
+    rate = ""
+    if POLICY_BY_ID[values.policy].explores_by_epsilon:
+        epsilon = round(values.epsilon_at(snapshot.counters.episodes), 3)
+        rate = f" (ε {setting(epsilon, look.glyphs)})"
+    verb, size = "brings" if cost <= -numbers.NEGLIGIBLE else "costs", _amount(abs(cost), look)
+    return f"exploring{rate} {verb} {size} {what}" if size else f"exploring{rate} {verb} nothing"
+
+
+def _amount(x: float, look: Look) -> str:
+    """Return an amount, empty for none."""
+    return "" if abs(x) < numbers.NEGLIGIBLE else amount(x, look)
+
+
+def _reasons(snapshot: Snapshot) -> Iterator[Note]:
+    said = set[str]()
+    if not snapshot.answers.drawn.choices and answer_of(snapshot, PolicyKind.DRAWN).is_known:
+        yield "nothing drawn: at random; D draws", False
+    for kind, name in POLICY_NAMES.items():
+        if is_kept_back(snapshot, kind):
+            which = f" {_GAMMA_BEST}," if kind is PolicyKind.OPTIMAL else ""
+            yield f"{name.line}:{which} hidden, {shown_by(snapshot)}", False
+        elif (refused := answer_of(snapshot, kind).refused) and refused not in said:
+            said.add(refused)
+            is_of_all = refused in (TOO_MANY, WHILE_RUNNING)
+            yield refused if is_of_all else f"{name.line}: {refused}", False
+        elif answer_of(snapshot, kind).is_known and answer_of(snapshot, kind).expected_return is None:
+            ends = answer_of(snapshot, kind).ends
+            if ends is not None:
+                share = f"ends in {numbers.percent(ends)}" if ends else "never ends"
+                yield f"{name.line}: {share}, so it has no return", False

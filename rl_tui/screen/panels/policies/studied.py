@@ -1,8 +1,9 @@
-"""The policy that is studied, as other panels show it."""
+"""The policy that is studied, as other panels show and name it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -11,9 +12,26 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.answers.policy_values import WHILE_RUNNING, PolicyAnswer
 from rl_tui.screen.kit.snapshot_facts import hides_greedy, hides_means, is_secret
-from rl_tui.screen.panels.policies.names import POLICY_NAMES
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+
+
+class PolicyName(NamedTuple):
+    """``row`` names it in a table, ``line`` at the end of a line of the curve, ``of`` behind ``V of``."""
+
+    row: str
+    line: str
+    of: str
+
+
+POLICY_NAMES: Final = {
+    PolicyKind.UNIFORM: PolicyName("uniform random", "uniform", "uniform random"),
+    PolicyKind.GREEDY: PolicyName("greedy now", "greedy", "greedy now"),
+    PolicyKind.BEHAVIOUR: PolicyName("as it acts now", "as it acts", "the agent as it acts"),
+    PolicyKind.OPTIMAL: PolicyName("optimal", "optimal", "the optimal policy"),
+    PolicyKind.DRAWN: PolicyName("drawn", "drawn", "the drawn policy"),
+}
+"""In the order in which they are listed."""
 
 
 def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:

@@ -18,7 +18,7 @@ from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Row, Text, lines_of
 from rl_tui.screen.kit.scrolling import ScrolledPanel, page_bindings
-from rl_tui.screen.panels.program.source import source_lines
+from rl_tui.screen.panels.program.output import source_lines
 from rl_tui.screen.panels.program.words import (
     IN_SHORT,
     LONGEST_SENTENCE,
@@ -56,17 +56,14 @@ class FindingsPanel(ScrolledPanel):
         binding("enter", "go_to_step", "findings.go_to_step", "Go to the first step that shows it"),
     ]
     title = "Findings"
+    _chosen = 0
+    _has_moved = False  # then the finding under the cursor is brought into view
 
     @dataclass
     class StepWanted(Message):
         """The user wants to see what the run was like once so many steps were taken."""
 
         step: int
-
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self._chosen = 0
-        self._has_moved = False  # then the finding under the cursor is brought into view
 
     @property
     def _findings(self) -> list[CodeFinding]:
@@ -168,7 +165,6 @@ def evidence_text(finding: CodeFinding) -> str:
 
 
 def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[Block]:
-    """Yield that there is no finding, and what was examined; without a table what was looked for."""
     counters, update, style = snapshot.counters, program.verdict.update, look.palette.text
     if not counters.step and not program.ended:
         yield Text(NO_STEP_YET, style, _INDENT, _INDENT)

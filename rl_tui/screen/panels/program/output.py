@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import ClassVar, Final
 
+from rich.cells import cell_len
 from textual.binding import BindingType
 from textual.strip import Strip
 
-from rl_tui.common.findings import one_line
+from rl_tui.common.findings import one_line, printable
 from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.canvas import Line, Piece, strips_of
+from rl_tui.screen.draw.canvas import Line, Piece, shortened, strips_of
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
-from rl_tui.screen.panels.program.source import broken, in_characters, safe_line, source_lines
 from rl_tui.screen.panels.program.words import LONGEST_NAME, LONGEST_SENTENCE, is_own, place_text
 from rl_tui.screen.theme.look import Look
 
@@ -26,7 +26,6 @@ _MOST_ROWS: Final = 6  # of one line that is broken
 _MOST_TRACEBACK: Final = 60  # lines
 _LEAST_COLUMNS: Final = 10
 _MOST_KEPT: Final = 2_048  # the same lines are drawn in every frame
-_STDERR: Final = "!"
 
 
 class OutputPanel(ScrolledPanel):
@@ -34,10 +33,7 @@ class OutputPanel(ScrolledPanel):
 
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("output")
     title = "Output"
-
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self._follows = True
+    _follows = True
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows of the page, the oldest line first."""
@@ -71,10 +67,9 @@ class OutputPanel(ScrolledPanel):
 
 @lru_cache(_MOST_KEPT)
 def _line_rows(step: int, stream: str, text: str, columns: int, width: int, look: Look) -> tuple[Strip, ...]:
-    """Return a line behind the number of its step, in as many rows as it takes, up to some."""
     palette = look.palette
     is_error = stream == "err"
-    mark = _STDERR if is_error else look.glyphs.axis_vertical
+    mark = "!" if is_error else look.glyphs.axis_vertical
     style = palette.bad if is_error else palette.text
     room = max(_LEAST_COLUMNS, width - columns - 4)
     lines: list[Line] = []
@@ -89,7 +84,6 @@ def _line_rows(step: int, stream: str, text: str, columns: int, width: int, look
 
 
 def _ending(program: ProgramView, look: Look, width: int) -> list[Line]:
-    """Return what the program raised, with its traceback and the line, or that it is over."""
     palette, error = look.palette, program.error
     if error is None:
         text = f" {look.glyphs.stopped} your program has ended"
@@ -114,3 +108,80 @@ def _calls(traceback: str) -> Sequence[str]:
     """Return the last lines of ``traceback`` without the exception itself, which is not indented."""
     lines = traceback.splitlines()[-_MOST_TRACEBACK:]
     return lines[:-1] if lines and not lines[-1].startswith(" ") else lines
+
+
+# Source lines, without control characters
+
+
+_AROUND: Final = 2  # lines on either side
+_LONGEST: Final = 300  # characters of a line that are looked at
+_TAB: Final = 4
+_ROOMY: Final = 48  # columns
+
+
+def safe_line(text: str) -> str:
+    """Return a line of a file, or one that a program wrote, with tabs as blanks and no control characters."""
+    return printable(text[:_LONGEST].rstrip("\r\n").expandtabs(_TAB))
+
+
+def broken(text: str, room: int, most: int) -> Iterator[str]:
+    """Yield ``text`` in parts of at most ``room`` (at least 1) cells, at least one part, ``most`` at most.
+
+    A part ends behind a blank, where there is one in its second half.
+    """
+    for _ in range(most):
+        part = text
+        while len(part) > 1 and cell_len(part) > room:
+            part = part[: max(1, min(len(part) - 1, room))]
+        blank = part.rfind(" ") + 1
+        if len(part) < len(text) and blank > len(part) // 2:
+            part = part[:blank]
+        yield part
+        text = text[len(part) :]
+        if not text:
+            return
+
+
+def in_characters(text: str, look: Look) -> str:
+    """Return code, or what a program wrote, in the characters that there are; it is not spelled out."""
+    return text if look.glyphs.name != "ascii" else text.encode("ascii", "replace").decode("ascii")
+
+
+def source_lines(source: Sequence[str], line: int, look: Look, width: int) -> list[Line]:
+    """Return ``line`` (from 1) of ``source`` with those around it, numbered, the one meant marked and whole.
+
+    What all of them are indented by is left out, and half of the rest where there is little room. Empty
+    where there is no such line.
+    """
+    if not 1 <= line <= len(source):
+        return []
+    numbers = range(max(1, line - _AROUND), min(len(source), line + _AROUND) + 1)
+    texts = {number: in_characters(safe_line(source[number - 1]), look) for number in numbers}
+    common = min((_indent(text) for text in texts.values() if text), default=0)
+    columns, lines = len(str(numbers[-1])), list[Line]()
+    for number, text in texts.items():
+        indent = max(0, _indent(text) - common)
+        code = " " * (indent if width >= _ROOMY else indent // 2) + text.lstrip(" ")
+        lines += _numbered(number, code, columns, look, width, is_meant=number == line)
+    return lines
+
+
+def _numbered(
+    number: int, code: str, columns: int, look: Look, width: int, *, is_meant: bool
+) -> Iterator[Line]:
+    palette = look.palette
+    head = f" {look.glyphs.cursor if is_meant else ' '} {number:>{columns}} "
+    room = max(1, width - cell_len(head))
+    if not is_meant:
+        yield [Piece(head + shortened(code, room, look.glyphs.ellipsis), palette.dim)]
+        return
+    begins = " " * min(room // 2, _indent(code) + 2)
+    for place, part in enumerate(broken(code, room, 1)):
+        yield [Piece(head, palette.text), Piece(part, palette.strong)]
+        rest = code[len(part) :]
+        for more in broken(rest, room - len(begins), _MOST_ROWS - place) if rest else ():
+            yield [Piece(" " * cell_len(head) + begins + more, palette.strong)]
+
+
+def _indent(text: str) -> int:
+    return len(text) - len(text.lstrip(" "))

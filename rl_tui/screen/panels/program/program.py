@@ -42,7 +42,6 @@ LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
 NO_TABLE: Final = "no table found"
 UNKNOWN: Final = "update not known"
 _GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a usual one, yours is not known"}
-_ALL_NOTES: Final = " F shows it"
 _NEWS_ROWS: Final = 2
 _ERROR_ROWS: Final = 3
 _REASON_ROWS: Final = 2
@@ -91,14 +90,12 @@ def program_lines(
 
 
 def _cut(lines: list[Line], rows: int, look: Look, width: int, more: str = "") -> list[Line]:
-    """Return the first ``rows`` of ``lines``, with a sign where there are more."""
     if len(lines) <= rows or not rows:
         return lines[:rows]
     return [*lines[: rows - 1], _unfinished(lines[rows - 1], look, width, more)]
 
 
 def _unfinished(line: Line, look: Look, width: int, more: str) -> Line:
-    """Return ``line`` with a sign at its end that there is more, and where, if there is room for that."""
     *whole, last = spelled(line, look)
     room = max(0, width - length(whole) - 1)
     if 2 * cell_len(more) < room:
@@ -123,7 +120,8 @@ class _Writer:
             yield _Part(0, [self._text(refused, self._palette.bad)])
             return
         yield _Part(0, self._error(), _ERROR_ROWS)
-        yield _Part(4, self._news(), _NEWS_ROWS)
+        news = self._text(one_line(program.reloaded, LONGEST_SENTENCE), self._palette.strong)
+        yield _Part(4, [news], _NEWS_ROWS)
         yield _Part(5, self._table())
         yield _Part(6, self._looked_for())
         yield _Part(2, self._update(), _REASON_ROWS)
@@ -131,10 +129,9 @@ class _Writer:
         yield _Part(1 if program.verdict.findings else 3, self._findings())
         yield _Part(7, self._gamma())
         yield _Part(7, self._choices())
-        yield _Part(8, self._notes(), more=_ALL_NOTES)
+        yield _Part(8, self._notes(), more=" F shows it")
 
     def _error(self) -> Sequence[Block]:
-        """Return what the program raised, and where."""
         error = self._program.error
         if error is None:
             return []
@@ -143,10 +140,6 @@ class _Writer:
         text = one_line(error.text, LONGEST_SENTENCE)
         what = f"{self._look.glyphs.stopped} {one_line(error.type, LONGEST_NAME)}{at}: {text}"
         return [self._text(what, self._palette.bad)]
-
-    def _news(self) -> Sequence[Block]:
-        """Return what the file that was saved last has changed."""
-        return [self._text(one_line(self._program.reloaded, LONGEST_SENTENCE), self._palette.strong)]
 
     def _table(self) -> Sequence[Block]:
         program = self._program
@@ -159,15 +152,10 @@ class _Writer:
             looked = f"{start}: F says what was looked for" if program.looked_for else start
             return [self._row((looked, start, f" {NO_TABLE}"), self._palette.text)]
         tables = table_texts(program.table)
-        forms = (
-            f" {environment} · {tables[0]}",
-            f" {environment} · {tables[1]}",
-            *(f" {each}" for each in tables),
-        )
+        forms = (*(f" {environment} · {each}" for each in tables[:2]), *(f" {each}" for each in tables))
         return [self._row(forms, self._palette.text)]
 
     def _looked_for(self) -> Sequence[Block]:
-        """Return what was looked for where no table was found: all of it stands in the findings as well."""
         looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in self._program.looked_for)
         if not looked or not self._steps or self._program.table is not None:
             return []
@@ -212,14 +200,10 @@ class _Writer:
         count = f" {self._look.glyphs.breakpoint} {counted(findings)}: "
         style = self._palette.bad if worst.kind == "fault" else self._palette.strong
         hint = Piece("   F shows it" if len(findings) == 1 else "   F shows them", self._palette.dim)
-        forms: list[Line] = [[Piece(f"{count}{said}{at}", style), hint]]
-        forms += [
-            [Piece(text, style)] for text in (f"{count}{said}{at}", f"{count}{said}", count.rstrip(": "))
-        ]
-        return [Row(*forms)]
+        texts = (f"{count}{said}{at}", f"{count}{said}", count.rstrip(": "))
+        return [Row([Piece(texts[0], style), hint], *([Piece(text, style)] for text in texts))]
 
     def _nothing_wrong(self) -> Sequence[Block]:
-        """Return over how many steps nothing wrong was found, where anything could be."""
         if self._steps < WORTH_SAYING or self._program.table is None:
             return []
         if is_early(self._program.verdict.update):
@@ -227,19 +211,12 @@ class _Writer:
             return [self._row((f"{early}   F says what was examined", early), self._palette.dim)]
         found = f" nothing wrong found in {self._steps:,} steps"
         is_open = self._program.verdict.update.rule is Rule.UNKNOWN
-        in_part = f"{found}, as far as can be told"
-        forms = (
-            *(
-                (f"{in_part}   F says how far", in_part)
-                if is_open
-                else (f"{found}   F says what was examined",)
-            ),
-            found,
-        )
-        return [self._row(forms, self._palette.dim)]
+        if is_open:
+            in_part = f"{found}, as far as can be told"
+            return [self._row((f"{in_part}   F says how far", in_part, found), self._palette.dim)]
+        return [self._row((f"{found}   F says what was examined", found), self._palette.dim)]
 
     def _choices(self) -> Sequence[Block]:
-        """Return what else might be the table, and how to choose it."""
         table = self._program.table
         if table is None or not table.others:
             return []
@@ -248,7 +225,6 @@ class _Writer:
         return [self._row(forms, self._palette.dim)]
 
     def _notes(self) -> Sequence[Block]:
-        """Return what cannot be told and what had to be done otherwise: the first, and how many there are."""
         notes = notes_of(self._program)
         if not notes:
             return []

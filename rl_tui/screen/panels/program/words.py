@@ -96,7 +96,8 @@ def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
     """
     if update.rule is Rule.UNKNOWN:
         return ()
-    alpha = step_size_letter(update) if update.alpha is None else number_text(update.alpha, glyphs)
+    alpha = "1/N" if update.alpha_schedule == "1/N" else "α"
+    alpha = alpha if update.alpha is None else number_text(update.alpha, glyphs)
     alpha = f"({alpha})" if alpha.startswith(glyphs.minus) else alpha
     cell, rule = _CELLS[update.place], _RULES[update.rule]
     if update.rule is Rule.MONTE_CARLO:
@@ -135,11 +136,6 @@ def notes_of(program: ProgramView) -> list[str]:
     ]
 
 
-def step_size_letter(update: UpdateFound) -> str:
-    """Return how a step size is written that is no one number: α, or 1/N."""
-    return "1/N" if update.alpha_schedule == "1/N" else "α"
-
-
 def fitting_numbers(update: UpdateFound, glyphs: Glyphs) -> str:
     """Return the α and the γ that fit though the rule is open: ``α .1, γ .99``; empty where none do."""
     known = (("α", update.alpha), ("γ", update.gamma))
@@ -169,9 +165,9 @@ def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
 
 def number_text(x: float, glyphs: Glyphs) -> str:
     """Return a step size or a discount with as many digits as it has, four of them at the most."""
-    return (
-        numbers.brief(x, glyphs, decimals=4) if abs(x) >= 1e-3 or not x else numbers.scientific(x, 2, glyphs)
-    )
+    if abs(x) >= 1e-3 or not x:
+        return numbers.brief(x, glyphs, decimals=4)
+    return numbers.scientific(x, 2, glyphs)
 
 
 def fit_texts(update: UpdateFound) -> tuple[str, ...]:
@@ -182,12 +178,8 @@ def fit_texts(update: UpdateFound) -> tuple[str, ...]:
     ruled = f"{_RULES[update.rule]} {fits}" if update.rule in _RULES else fits
     telling = f"{update.informative:,} {'tells' if update.informative == 1 else 'tell'} γ"
     departs = [] if update.departs_at is None else [f"departs at step {step_number(update.departs_at):,}"]
-    return (
-        " · ".join([ruled, telling, *departs]),
-        " · ".join([ruled, *departs]),
-        " · ".join([fits, *departs]),
-        fits,
-    )
+    forms = ([ruled, telling, *departs], [ruled, *departs], [fits, *departs], [fits])
+    return tuple(" · ".join(form) for form in forms)
 
 
 def share_text(share: float) -> str:

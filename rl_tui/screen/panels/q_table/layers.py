@@ -222,7 +222,6 @@ class Figures:
         return self._scale.style(x, palette) if math.isfinite(x) else palette.bad
 
     def _own_scale(self, snapshot: Snapshot, exact: Exact | None) -> ValueScale | None:
-        """Return the scale of a layer that the map does not have."""
         if self.layer is Layer.LANES:
             return ValueScale(self.low, self.high, Ramp.ERRORS)
         return value_scale(_best_of_policy(snapshot, exact))
@@ -264,7 +263,6 @@ def _best_of_policy(snapshot: Snapshot, exact: Exact | None) -> FloatArray:
 
 
 def _numbers(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArray:
-    """Return the numbers of ``layer`` that are held, in both lanes in view."""
     found: list[npt.NDArray[np.float64] | npt.NDArray[np.int64]] = []
     for lane in lanes_in_view(snapshot):
         known = exact if lane is snapshot else exact_of(lane, layer)

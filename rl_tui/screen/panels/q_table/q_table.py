@@ -35,6 +35,7 @@ from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_new_
 from rl_tui.screen.kit.value_scale import SteadyScale
 from rl_tui.screen.panels.grid.landscape import has_landscape
 from rl_tui.screen.panels.policies.studied import as_studied
+from rl_tui.screen.panels.q_table.forms import list_form, matrix_form
 from rl_tui.screen.panels.q_table.layers import (
     LEARNED_NOT,
     Figures,
@@ -43,8 +44,6 @@ from rl_tui.screen.panels.q_table.layers import (
     layer_choices,
     lit_pair,
 )
-from rl_tui.screen.panels.q_table.list import list_form
-from rl_tui.screen.panels.q_table.matrix import matrix_form
 from rl_tui.screen.panels.q_table.sheet import (
     TITLES,
     Form,
@@ -325,7 +324,6 @@ class QTable(Panel, can_focus=True):
             self._first = twin._first if first is None else self._sheet.form.entry_of_pair(first)
 
     def _tell(self) -> None:
-        """Tell other panels where the cursor stands."""
         if self.is_attached:
             pair = self.cursor_pair if self.has_focus else None
             self.post_message(Pointed(self, NOWHERE if pair is None else range(pair, pair + 1)))

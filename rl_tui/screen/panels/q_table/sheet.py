@@ -16,9 +16,8 @@ from rl_tui.screen.kit.layers import Layer, other_lane
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.scrolling import kept_in_view
 from rl_tui.screen.kit.snapshot_facts import has_estimates
-from rl_tui.screen.panels.policies.names import POLICY_NAMES
-from rl_tui.screen.panels.q_table.list import ListForm, greedy_line
-from rl_tui.screen.panels.q_table.matrix import MatrixForm
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES
+from rl_tui.screen.panels.q_table.forms import ListForm, MatrixForm, greedy_line
 from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
@@ -28,7 +27,6 @@ from rl_tui.screen.theme.look import Look
 
 _MOST_CACHED: Final = 512
 _STATES_IN_GREEDY_LINE: Final = 12
-REVEAL_HINT: Final = "show the true means q*"
 
 Form = MatrixForm | ListForm
 """A scene laid out for one width. An entry is a row of the table, counted from 0."""
@@ -129,7 +127,6 @@ class Sheet:
         return Segment(glyphs.bar if inside else glyphs.axis_vertical, palette.dim)
 
     def _notes(self, room: int) -> list[Pieces]:
-        """Return a blank row and one that says more, where a list leaves so much room."""
         if room < 2 or not isinstance(self.form, ListForm):
             return []
         note = self._bandit_note() if self._scene.world.is_bandit else self._greedy_note()
@@ -139,7 +136,7 @@ class Sheet:
         palette = self._scene.look.palette
         if not self._scene.hides_means:
             return []
-        return [Segment("  h", palette.press), Segment(f"  {REVEAL_HINT}", palette.dim)]
+        return [Segment("  h", palette.press), Segment("  show the true means q*", palette.dim)]
 
     def _greedy_note(self) -> Pieces:
         if len(self._scene.world.live) > _STATES_IN_GREEDY_LINE:
@@ -189,7 +186,6 @@ _NAMES: Final[tuple[dict[Layer, str], ...]] = (
     {Layer.ERROR: "err", Layer.LANES: "other", Layer.VISITS: "N", Layer.LANDSCAPE: "land"},
 )
 """The names of layers that differ from their own: in full, and in short."""
-EXACT_KEY: Final = "h: Q*"
 
 
 def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> tuple[str, ...]:
@@ -213,14 +209,8 @@ def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> 
         return tuple(f"{lane} · {each}" for each in forms) if lane else forms
     title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
     number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
-    return tuple(
-        f"{lane} · {each}"
-        for each in (
-            f"Q of {own} − Q of {other.name}",
-            title,
-            f"Q − Q of lane {number}",
-        )
-    )
+    forms = f"Q of {own} − Q of {other.name}", title, f"Q − Q of lane {number}"
+    return tuple(f"{lane} · {each}" for each in forms)
 
 
 def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
@@ -237,7 +227,7 @@ def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_ex
         ]
         forms.append(f"{_KEY}{''.join(marked)}".rstrip())
     forms.append(f"{_KEY} {layer}")
-    return [*(f"{each} · {EXACT_KEY}" for each in forms if hides_exact), *forms]
+    return [*(f"{each} · h: Q*" for each in forms if hides_exact), *forms]
 
 
 def followed(footings: Sequence[str], part: str, *, is_following: bool) -> list[str]:

@@ -12,7 +12,7 @@ from rl_tui.live.snapshot import Phase
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.kit.row import DISCOUNT, MANY_SEEDS, MICROSCOPE, POLICIES, WORLD_CHECK
-from rl_tui.screen.panels.lesson.stage import keeping_page
+from rl_tui.screen.panels.lesson.words import keeping_page
 
 NO_LESSON: Final = "there is no lesson here: rl-tui learn lists them"
 PREDICT_FIRST: Final = "first your prediction: A says what you expect, . skips this page"

@@ -22,15 +22,15 @@ from rl_tui.screen.dialogs.dialog import Confirm, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.lesson.prose import plain
-from rl_tui.screen.panels.lesson.stage import (
+from rl_tui.screen.panels.lesson.words import (
     DONE,
     PageStage,
+    answer_text,
     asks_for_program,
     is_last_page,
     open_page,
     stage_of,
 )
-from rl_tui.screen.panels.lesson.words import answer_text
 from rl_tui.screen.playground.actions.kept_back import KeptBack
 from rl_tui.screen.playground.actions.next_lesson import NextLesson
 from rl_tui.screen.terminal.driver_choice import in_browser

@@ -11,7 +11,7 @@ from rl_tui.lessons.catalogue import following_lesson
 from rl_tui.lessons.file.view import LessonRecord
 from rl_tui.lessons.lesson import Lesson
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.panels.lesson.stage import is_last_page
+from rl_tui.screen.panels.lesson.words import is_last_page
 
 LAST_PAGE = "this is the last page; esc leaves the lesson"
 

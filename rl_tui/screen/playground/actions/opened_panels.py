@@ -12,7 +12,7 @@ from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.kit.row import MANY_SEEDS, MICROSCOPE, POLICIES
-from rl_tui.screen.panels.policies.names import POLICY_NAMES
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES
 from rl_tui.screen.panels.seed_figures import may_count_again
 
 _TO_END: Final = 999  # rows

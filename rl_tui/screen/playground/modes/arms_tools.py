@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from rl_tui.screen.dialogs.dialog import Prompt
-from rl_tui.screen.panels.draw_sheet import WorldNumber
+from rl_tui.screen.panels.draw_panel import WorldNumber
 from rl_tui.screen.playground.modes.numbers import DRIFT, MEAN, SPREAD, SUCCESS
 from rl_tui.screen.playground.modes.rules import Desk, Tool, Toolbox, ask_rules, fault_of, number_of
 from rl_tui.screen.playground.modes.texts import number_in, number_text

@@ -18,7 +18,7 @@ from rl_tui.screen.kit.pointing import PointerStroke, Touched, Wheeled
 from rl_tui.screen.kit.row import DRAW, WORLD
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.panels.controls.slider import Slider
-from rl_tui.screen.panels.draw_sheet import LinePressed, ToolCell, ToolPressed, ToolSheet
+from rl_tui.screen.panels.draw_panel import LinePressed, ToolCell, ToolPressed, ToolSheet
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.playground.modes.action_keys import DIGITS
 from rl_tui.screen.playground.modes.arms_tools import ArmsTools

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from rl_tui.screen.dialogs.choice import Candidate, Choice
 from rl_tui.screen.dialogs.dialog import Prompt
-from rl_tui.screen.panels.draw_sheet import SheetLine, ToolCell, WorldNumber
+from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, WorldNumber
 from rl_tui.screen.playground.modes.numbers import CHANCE, LIMIT, PAYS
 from rl_tui.screen.playground.modes.outcomes import (
     FORM,

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from rl_tui.screen.dialogs.dialog import Prompt
-from rl_tui.screen.panels.draw_sheet import ToolCell, WorldNumber
+from rl_tui.screen.panels.draw_panel import ToolCell, WorldNumber
 from rl_tui.screen.playground.modes.brushes import (
     BRUSHES,
     Brush,

@@ -17,7 +17,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.dialogs.choice import Candidate, Choice
 from rl_tui.screen.dialogs.dialog import Dialog, Prompt
 from rl_tui.screen.frame.key_line import Hints
-from rl_tui.screen.panels.draw_sheet import SheetLine, ToolCell, WorldNumber
+from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, WorldNumber
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.editing.arms_draft import ArmsDraft, Draft
