@@ -30,11 +30,12 @@ END_OF_FRAME: Final = b"\x1b[?2026l"
 SSH_BUFFER: Final = 65536
 # what is pressed, and what stands on the screen then, in turns that end where they began
 KEYS: Final = (
-    ("pause", " ", r"paused"),
+    ("pause", " ", r"❚❚ paused"),
     ("run", " ", r"▶"),
     ("layer", "v", r"▌Q\*▐"),
     ("layer", "v", r"▌Q−Q\*▐"),
     ("layer", "v", r"▌visits▐"),
+    ("layer", "v", r"▌landscape▐"),
     ("layer", "v", r"▌Q▐"),
     ("speed", "-", r"100,000/s"),
     ("speed", "+", r"▶ max"),
@@ -79,7 +80,7 @@ def start(rate: float | None, depth: str, room: int, options: argparse.Namespace
 def finish(terminal: ThrottledTerminal) -> None:
     """Quit; the shell that comes next must find nothing in its input."""
     terminal.rate = None
-    terminal.press("q")
+    terminal.press("qq")
     terminal.wait_for_end()
 
 

@@ -36,7 +36,7 @@ IMPORTS: Final = (sys.executable, "-c", "import numpy, numba, gymnasium")
 EMPTY_APP: Final = (sys.executable, "-c", "from textual.app import App; App().run()")
 FULL_SPEED: Final = " " + "+" * 9
 LIVE_SECONDS: Final = 6.0
-LAYERS: Final = (r"Q\*", r"Q−Q\*", "visits", "Q")  # in the order of the key v
+LAYERS: Final = (r"Q\*", r"Q−Q\*", "visits", "landscape", "Q")  # in the order of the key v
 STEPS: Final = re.compile(r"step +([\d,]+)\s")
 MEMORY: Final = """
 import os, sys
@@ -119,7 +119,7 @@ def _time_to_first_step(variables: Mapping[str, str]) -> float:
         terminal.press("s")
         terminal.wait_for(r"step\s+1\s")
         taken = time.perf_counter() - terminal.started
-        terminal.press("q")
+        terminal.press("qq")
         terminal.wait_for_end()
     return taken
 
@@ -255,7 +255,7 @@ def live(rounds: int) -> Rows:
                 layers += [_delay(terminal, turn, "v", f"▌{layer}▐") for layer in LAYERS]
                 changes.append(_delay(terminal, turn, "-", "100,000/s"))
                 changes.append(_delay(terminal, turn, "+", "▶ max"))
-            terminal.press("q")
+            terminal.press("qq")
             terminal.wait_for_end()
     kept = median(on_screen) / median(headless)
     yield "headless, in the same minutes", f"{median(headless) / 1e6:.1f} million steps/s", ""

@@ -56,5 +56,5 @@ def test_all_is_drawn_again_when_the_terminal_has_another_size() -> None:
             )
             rows = terminal.screen.split("\n")
             assert len(rows[0].rstrip()) in (size[0] - 1, size[0] - 2), "the step ends at the right margin"
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0

@@ -95,7 +95,7 @@ class _Work:
             self.is_over = True
 
 
-IN_LESSON: Final = "a lesson's world stays as it is: draw in a scenario of the catalogue"
+IN_LESSON: Final = "the world of a lesson cannot be edited; open a scenario on the start screen"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

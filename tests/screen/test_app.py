@@ -135,13 +135,15 @@ async def test_escape_leaves_a_run_with_steps_only_when_pressed_again(make_app: 
 async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
     app = make_app("student", ascii=True)
     async with on_screen(app) as pilot:
-        assert "v:[Q] Q*  visits - h: Q*" in screen_text(app)
+        assert "v:[Q] Q*  visits - w h shows Q*" in screen_text(app)
         assert screen_text(app).isascii()
         for panel in app.screen.query(BoardPanel):  # as where it becomes narrower, until it is fitted anew
             panel.write_border("x" * 200, "x" * 200, app.look)
         await settle(pilot)
         assert screen_text(app).isascii()
-        await pilot.press("ctrl+p", *"xyzzy")  # few are found: the dots have room below them
+        await tap(pilot, "ctrl+p", *"xyzzy")
+        assert screen_text(app).isascii()
+        await tap(pilot, "escape", "m", "c", *"xyzzy")  # few themes are found: the dots have room below them
         indicator = app.screen.query_one(LoadingIndicator).add_class("--visible")
         while indicator.styles.visibility != "visible":  # as where a search takes half a second
             await pilot.pause()

@@ -12,7 +12,7 @@ import pytest
 from textual.geometry import Region, Size
 
 from rl_tui.screen.frame.arrange import arrange
-from rl_tui.screen.frame.shape import Arrangement, Shape, cell_size
+from rl_tui.screen.frame.shape import ROOMY, Arrangement, Shape, cell_size, size_class
 from rl_tui.screen.kit.row import (
     CONTROLS,
     CURVE,
@@ -73,10 +73,18 @@ STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "lesson": ({}, {"has_lesson": True}),
     "lesson, read": ({}, {"has_lesson": True, "reads": True}),
     "lesson, world alone": ({"shown": (WORLD,)}, {"has_lesson": True}),
+    "lesson, world and curve": ({"shown": (WORLD, CURVE, TIMELINE)}, {"has_lesson": True}),
+    "lesson, world and table": ({"shown": (WORLD, TABLE, CURVE, TIMELINE)}, {"has_lesson": True}),
+    "lesson, world, panel": ({"shown": (WORLD,), "opened": "policies"}, {"has_lesson": True}),
     "lesson, panel": ({"opened": "policies"}, {"has_lesson": True}),
     "lesson, lanes": ({}, {"has_lesson": True, "lanes": True}),
     "lesson, drawing": ({}, {"has_lesson": True, "is_drawn": True}),
     "world alone": ({"shown": (WORLD,)}, {}),
+    "world and curve": ({"shown": (WORLD, CURVE, TIMELINE)}, {}),
+    "world and table": ({"shown": (WORLD, CURVE, TIMELINE, TABLE)}, {}),
+    "all but the settings": ({"shown": (WORLD, CURVE, TIMELINE, TABLE, LAST_STEP)}, {}),
+    "world and settings": ({"shown": (WORLD, CONTROLS)}, {}),
+    "world, panel": ({"shown": (WORLD,), "opened": "microscope"}, {}),
     "drawing": ({}, {"is_drawn": True}),
     "drawing, panel": ({"opened": "world_check"}, {"is_drawn": True}),
     "program": ({}, {"is_program": True}),
@@ -97,12 +105,17 @@ def check(place: Arrangement, shape: Shape, state: str, size: Size) -> None:
     assert all(between.contains_region(each) for each in place.regions.values()), case
     assert not any(one.overlaps(other) for one, other in combinations(place.regions.values(), 2)), case
     asked, changes = STATES[state]
+    if {"shown", "opened"} <= asked.keys() and size_class(size) is not ROOMY:
+        return  # a board then shows all panels
     if state == "lesson, read" and place.regions.keys() == {LESSON}:
         return
     wanted = {asked.get("opened", asked.get("zoomed", WORLD))}
     wanted |= {DRAW} if changes.get("is_drawn") and "opened" not in asked else set()
     wanted |= {LESSON} if changes.get("has_lesson") else set()
     assert wanted <= place.regions.keys(), case
+    if "shown" in asked:
+        permanent = {WORLD, TABLE, CURVE, TIMELINE, LAST_STEP, CONTROLS}
+        assert place.regions.keys() & permanent <= {*asked["shown"]}, case
     if isinstance(shape.drawing, Grid) and WORLD in place.regions:
         assert place.cell.area > 0
         assert place.cell.width <= place.regions[WORLD].width

@@ -234,7 +234,7 @@ async def test_a_word_on_a_border_is_a_word_and_figures_say_the_limits_of_this_w
         await press(pilot, "question_mark")
         assert listed(pilot)[0] == "terminal"
         await press(pilot, "escape")
-        await tap(pilot, "question_mark", "question_mark", *"return")
+        await tap(pilot, "question_mark", *"return")
         assert listed(pilot)[0] == "return"
         assert "time limit of 100 steps" in " ".join(told(pilot).split())
         assert "undiscounted" in told(pilot)

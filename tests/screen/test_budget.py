@@ -46,7 +46,7 @@ def test_revealed() -> None:
 def test_spent() -> None:
     text = drawn(bandit(bandit=BanditFigures(1_000, 1_000, 1_213.4, 287.2, 0.842, 1_500.0)))
     assert text.rstrip().splitlines() == [
-        " pulls     1,000 of 1,000 · spent   r starts again",
+        " pulls     1,000 of 1,000 · spent   r r starts again",
         " winnings  1,213      best possible 1,500 on average",
         " regret    287        in true means, luck left out",
         " best arm pulled 84 %",

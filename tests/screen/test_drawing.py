@@ -111,7 +111,7 @@ async def test_in_little_room_the_mode_its_figures_and_its_signs_are_told(
         await press(pilot, "w", "p", *keys)
         world = view(pilot)
         assert world.head == said
-        assert world.foot.endswith("D: end")
+        assert world.foot.endswith("esc: end")
         assert "?" in picture(pilot)
 
 
@@ -121,7 +121,7 @@ async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None
         assert "@ Sv v>  ?" in picture(pilot)
         cells = picture(pilot).splitlines()[:-1]
         assert "*" not in "".join(cells)
-        assert view(pilot).foot == "1^ 2> 3v 4< 5^> 6v> 7v< 8^< - D: end"
+        assert view(pilot).foot == "1^ 2> 3v 4< 5^> 6v> 7v< 8^< - esc: end"
 
 
 async def test_digits_draw_and_the_cursor_stays_and_all_is_cleared_after_asking(make_app: MakeApp) -> None:
@@ -133,7 +133,7 @@ async def test_digits_draw_and_the_cursor_stays_and_all_is_cleared_after_asking(
         await press(pilot, "3")
         assert drawn(pilot) == ((1, RIGHT),)  # a hole is below
         assert "nothing to choose" in notes(pilot.app)[-1]
-        assert view(pilot).foot == "nothing to choose here · D: end"
+        assert view(pilot).foot == "nothing to choose here · esc: end"
         await press(pilot, "up", "7")
         assert notes(pilot.app)[-1] == "7 is no action here: draw with 1…4"
         await press(pilot, "C")
@@ -163,7 +163,7 @@ async def test_the_mode_is_seen_and_ends_by_its_keys_and_by_another_mode(make_ap
             assert world.has_focus
             said = "return .01 · 10 states on its way at random (?)" if drawn(pilot) else "all at random (?)"
             assert world.head.endswith(f" · {said}")
-            assert world.foot == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · D: end"
+            assert world.foot == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · esc: end"
             assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  D end")
             await press(pilot, "shift+right", *keys_of_end)
             assert not screen.drawing.is_on
@@ -215,8 +215,8 @@ async def test_an_arm_of_a_bandit_is_drawn(make_app: MakeApp) -> None:
         await press(pilot, "7")
         assert drawn(pilot) == ((0, 7),)
         assert worth(pilot).expected_return is not None
-        assert view(pilot).head == "Drawn · its return is hidden (h shows it)"
-        assert view(pilot).foot.endswith("D: end")
+        assert view(pilot).head == "Drawn · its return is hidden (w h shows it)"
+        assert view(pilot).foot.endswith("esc: end")
         assert "? random" not in picture(pilot)
 
 

@@ -46,8 +46,8 @@ def test_an_exact_word_comes_before_a_beginning_before_other_words_before_the_se
         entry("Run", sentence="Take a step."),
     ]
     assert found_by("step", ranked[::-1]) == ranked
-    step = [entry("Step", keys="s")]
-    assert found_by(" ", [*step, entry("word")]) == step
+    step, word = [entry("Step")], entry("step")._replace(kind="word")
+    assert found_by(" ", [*step, word]) == step
 
 
 def test_signs_are_found_as_they_are_typed() -> None:
@@ -88,7 +88,7 @@ async def test_a_setting_and_a_number_set_it(make_app: MakeApp) -> None:
         await press(pilot, "ctrl+p", *"epsilon", "space", "full_stop", "3", "enter")
         await settle(pilot)
         assert isinstance(pilot.app.screen, Playground)
-        assert snapshot(pilot).recipe.hyperparameters.epsilon == 0.3
+        assert snapshot(pilot).agent.hyperparameters.epsilon == 0.3
 
 
 async def test_enter_does_an_action_explains_a_word_and_opens_a_world(make_app: MakeApp) -> None:

@@ -1,4 +1,4 @@
-"""What gives the exact answer away is hidden on every panel, which says so, until h shows it."""
+"""What gives the exact answer away is hidden on every panel, which says so, until w h shows it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_the_table_has_dots_for_exact_numbers_and_names_the_key(state: Snapshot)
         table = Drawn(state, 44, 17, layer)
         assert Layer.ERROR not in table.table.layer_choices
         assert ("···" in table.text) is (layer is Layer.OPTIMAL)
-    assert Drawn(state, 44, 17).table.footing == "v:▌Q▐ Q*  visits · h: Q*"
+    assert Drawn(state, 44, 17).table.footing == "v:▌Q▐ Q*  visits · w h shows Q*"
 
 
 def test_a_world_without_an_exact_answer_hides_nothing_in_its_table() -> None:
@@ -72,7 +72,7 @@ def test_the_bellman_equation_has_no_numbers() -> None:
 def test_the_history_of_a_cell_has_no_exact_value() -> None:
     for shown, told in ((lake(), True), (SECRET, False)):
         text = "".join(strip.text for strip in history_strips(shown, 0, look(), 60, 9))
-        assert ("h shows the exact" in text) is not told
+        assert ("w h shows the exact" in text) is not told
         assert (", exact " in text) is told
 
 
@@ -81,7 +81,7 @@ def test_a_number_is_told_without_the_exact_one() -> None:
         (number_of_pair(SECRET, 0, Layer.Q, look()), "Q*"),
         (number_of_state(SECRET, 0, look()), "V*"),
     ):
-        assert number.meaning.endswith(f"The exact {symbol} is hidden: h shows it.")
+        assert number.meaning.endswith(f"The exact {symbol} is hidden: w h shows it.")
 
 
 def test_until_the_policy_is_optimal_shows_nothing_of_it() -> None:

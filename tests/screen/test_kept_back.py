@@ -36,7 +36,7 @@ def text_of(lines: list[Line]) -> str:
 
 
 def test_what_is_hidden_names_its_key_or_that_it_waits() -> None:
-    assert shown_by(changed(student(), is_hidden=True)) == "h shows it"
+    assert shown_by(changed(student(), is_hidden=True)) == f"{SHOWN_BY_KEY} it"
     assert shown_by(kept(student(), "answer"), "them") == "the lesson keeps them back"
 
 
@@ -53,7 +53,7 @@ def test_who_draws_a_policy_is_told_that_its_return_waits() -> None:
     drawn = student().answers.drawn.with_action(0, 0)
     for picture, expected in (
         (kept(student(), "answer"), "its return is hidden (the lesson keeps it back)"),
-        (changed(BANDIT, is_hidden=True), "its return is hidden (h shows it)"),
+        (changed(BANDIT, is_hidden=True), "its return is hidden (w h shows it)"),
     ):
         studied = changed(picture, drawn=drawn, studied=PolicyKind.DRAWN)
         assert any(expected in form for form in title(studied, UNICODE))
@@ -65,7 +65,7 @@ def test_texts_of_a_bandit_name_no_key_while_a_lesson_keeps_its_means_back() -> 
     said = text_of(lines_of(budget_blocks(kept(BANDIT, "answer"), look()), 60, look()))
     assert "regret and the best arm: the lesson keeps it back for now" in said
     assert "h  shows" not in said
-    assert "until h" in means_key(secret)[0]
+    assert "until w h" in means_key(secret)[0]
     assert means_key(kept(BANDIT, "answer")) == ("the lesson keeps it back for now",)
     assert means_key(student()) == ()
 

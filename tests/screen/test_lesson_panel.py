@@ -222,7 +222,7 @@ def beside_run(given: Given, in_run: float | str, page: str = "predict") -> Snap
     return replace(snapshot, lesson=replace(snapshot.lesson, in_run=in_run))
 
 
-ANOTHER_WAY = "Your run went another way: b goes back, N sets it up again."
+ANOTHER_WAY = "Your run went another way: b goes back, r p restarts it."
 
 
 def test_the_run_stands_beside_what_was_said_and_what_is_so() -> None:

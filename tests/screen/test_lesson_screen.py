@@ -218,7 +218,7 @@ async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kep
 async def test_a_run_stands_still_for_a_prediction_of_what_was_not_seen() -> None:
     async with lesson(wide) as pilot:
         await press(pilot, "y", ".", "1")
-        assert PREDICT_FIRST in notes(pilot.app)
+        assert any(PREDICT_FIRST[1:] in note for note in notes(pilot.app))
         assert snapshot(pilot).counters.step == 0
         await press(pilot, "escape", ",", "s", "s", "b", ".", "A")
         assert notes(pilot.app) == [SEEN_BEFORE]
@@ -287,7 +287,7 @@ async def test_a_task_has_hints_is_not_impossible_and_is_kept_once_it_holds(size
         await settle(pilot)
         assert record(pilot).has_passed("learn")
         assert record(pilot).page == "learn"
-        assert any("task passed" in note for note in notes(pilot.app))
+        assert any("Task passed" in note for note in notes(pilot.app))
 
 
 async def test_a_task_that_holds_as_its_page_is_turned_is_kept_and_a_claim_with_a_proof_too() -> None:
@@ -302,7 +302,7 @@ async def test_a_task_that_holds_as_its_page_is_turned_is_kept_and_a_claim_with_
         assert not record(pilot).has_passed("never")
         await press(pilot, "A", "enter")
         assert [(each.page, each.claim) for each in record(pilot).passed[1:]] == [("never", True)]
-        assert notes(pilot.app)[-1] == "task passed"
+        assert notes(pilot.app)[-1] == "Task passed."
         assert "PASSED" in screen_text(pilot.app)
         assert record(pilot).page == "never"
 

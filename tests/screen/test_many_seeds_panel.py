@@ -162,7 +162,7 @@ def test_enter_counts_again_where_there_is_something_new_to_count(
     made = panel(changed(lake(), study=study))
     made.picture(made.snapshot, 58, 20)
     assert ("enter" in made.footing) is again
-    assert made.footing.endswith("M: close")
+    assert made.footing.endswith("esc: close")
 
 
 # Lanes
@@ -270,7 +270,7 @@ def test_a_bandit_keeps_its_secrets_until_they_are_out() -> None:
     hidden = said(snapshot)
     for secret in ("regret 1", "best arm 6", "greedy", "146", ".79", "1.51"):
         assert secret not in hidden
-    assert "h shows regret and best arm" in hidden
+    assert "w h shows regret and best arm" in hidden
     assert "winnings" in hidden
     revealed = said(snapshot, revealed=True)
     for secret in ("146 ± 2", "79 ± 2", "1.51 ± .03"):

@@ -228,7 +228,7 @@ def test_of_a_stepped_world_only_the_sample_is_known() -> None:
 def test_a_bandit_keeps_its_means_until_they_are_revealed() -> None:
     hidden = with_episode(bandit(400), [2.11])
     text = " ".join(" ".join(shown(hidden)).split())
-    assert "expected hidden until h" in text
+    assert "expected hidden until w h" in text
     assert "1.5 " not in text.replace("1.5┤", "")
     open_text = " ".join(" ".join(shown(hidden, revealed=True)).split())
     assert "expected mean reward = 1.50" in open_text

@@ -75,7 +75,9 @@ async def test_the_list_of_policies_opens_beside_the_drawing_and_another_policy_
         assert view(pilot).has_class("-manual")
 
 
-@pytest.mark.parametrize(("mode", "word", "end"), [("w p", "draw", "D: end"), ("y", "act", "y: hand back")])
+@pytest.mark.parametrize(
+    ("mode", "word", "end"), [("w p", "draw", "w p ends it"), ("y", "act", "y: hand back")]
+)
 async def test_in_another_panel_keys_and_key_line_are_its_own(
     make_app: MakeApp, mode: str, word: str, end: str
 ) -> None:

@@ -73,13 +73,13 @@ def test_the_bellman_equation_of_the_student_is_the_one_worked_out_by_hand() -> 
 def test_the_border_names_the_keys_that_do_something() -> None:
     made = panel(lake())
     drawn(made)
-    assert made.footing == "↑ ↓: state   ← →: action   m: close"
+    assert made.footing == "↑ ↓: state   ← →: action   esc: close"
     drawn(made, height=10)
-    assert made.footing == "↑ ↓: state   ← →: action   pgup pgdn: scroll   m: close"
+    assert made.footing == "↑ ↓: state   ← →: action   pgup pgdn: scroll   esc: close"
     drawn(made, width=40, height=10)
-    assert made.footing == "pgup pgdn: scroll   m: close"
+    assert made.footing == "pgup pgdn: scroll   esc: close"
     drawn(made, width=14, height=10)
-    assert made.footing == "m: close"
+    assert made.footing == "esc: close"
 
 
 def test_where_every_state_has_actions_that_is_not_said() -> None:
@@ -110,8 +110,8 @@ def test_without_an_exact_answer_it_says_why() -> None:
 def test_a_bandit_keeps_its_means() -> None:
     made = panel(bandit(400), 3)
     text = drawn(made)
-    assert "R       hidden until h or the end of the budget" in text
-    assert "··· hidden until h or the end of the budget" in text
+    assert "R       hidden until w h or the end of the budget" in text
+    assert "··· hidden until w h or the end of the budget" in text
     assert ".7" not in text.replace("learned Q(3) = 0.700", "")
     text = drawn(panel(answered(bandit(400)), 3))
     assert "Q*(3) = Σ p" in text

@@ -37,7 +37,7 @@ async def test_the_border_names_the_key_that_leads_back_to_v_where_there_is_v(ma
         async with on_screen(make_app(scenario), (120, 40)) as pilot:
             await press(pilot, "t", "p")
             text = screen_text(pilot.app)
-            assert ("P: back" in text, "P: close" in text) == (leads_back, not leads_back)
+            assert ("esc: back" in text, "esc: close" in text) == (leads_back, not leads_back)
 
 
 async def test_a_policy_that_may_never_end_has_arrows_without_a_lead(make_app: MakeApp) -> None:

@@ -101,7 +101,7 @@ def test_each_policy_has_its_figures() -> None:
             policies.amount(x, look()) for x in figures if x is not None
         ]
     assert rows["drawn"] == rows["uniform random"]  # nothing was drawn
-    assert "nothing drawn: at random; D draws" in said(studied(lake()))
+    assert "nothing drawn: at random; w p draws" in said(studied(lake()))
 
 
 def test_what_exploring_costs_is_the_difference() -> None:
@@ -238,7 +238,7 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert board.shows(WORLD) is (size != (60, 18))
         assert not board.shows(TABLE)
         assert "V of uniform random" in headings(pilot)[0]
-        assert "P: policies" not in headings(pilot)[0]  # there P goes back
+        assert "t p: policies" not in headings(pilot)[0]  # there esc goes back
         if size != (60, 18):  # there the graph is a list of its edges
             assert "4.04" in screen_text(pilot.app)
             assert "2.40" in screen_text(pilot.app)
@@ -264,7 +264,7 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         kept = await press(pilot, "t", "p", "enter")
         assert kept.answers.studied is PolicyKind.UNIFORM
         assert board.opened is None
-        assert "V of uniform random · P: policies" in headings(pilot)[0]
+        assert "V of uniform random · t p: policies" in headings(pilot)[0]
         assert Layer.POLICY in board.table.layer_choices
         await press(pilot, *["v"] * board.table.layer_choices.index(Layer.POLICY))
         assert board.table.shown_layer is Layer.POLICY

@@ -105,7 +105,7 @@ def test_a_dictionary_has_no_shape_for_it_grows() -> None:
 
 def test_other_tables_are_named_with_the_key_that_chooses() -> None:
     view = program(table=replace(TABLE, others=("visits", "best")))
-    assert "T chooses another table: visits, best" in drawn(ProgramPanel, watched(view), height=6)
+    assert "a b chooses another table: visits, best" in drawn(ProgramPanel, watched(view), height=6)
 
 
 def test_what_is_cut_off_ends_with_a_sign() -> None:
@@ -113,7 +113,7 @@ def test_what_is_cut_off_ends_with_a_sign() -> None:
         verdict=ProgramVerdict(update=KNOWN, notes=("a note that is longer than one row of it has room for",))
     )
     lines = drawn(ProgramPanel, watched(view), 40, 5).splitlines()
-    assert lines[-1].endswith("… F shows it")
+    assert lines[-1].endswith("… a f shows it")
     reason = replace(KNOWN, rule=Rule.UNKNOWN, reason="a reason that takes more than two rows " * 3)
     lines = drawn(ProgramPanel, watched(program(verdict=ProgramVerdict(update=reason))), 60, 3).splitlines()
     assert lines[1].endswith("…")

@@ -105,10 +105,10 @@ async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> 
         world, table = board.world, board.table
         world.focus()
         await settle(pilot)
-        assert world.foot == "arrows: cursor · k: breakpoint · ?: words"
+        assert world.foot == "arrows: cursor · t b: breakpoint · ?: words"
         await press(pilot, "down", "right", "down", "right")
         assert world.cursor == 10
-        assert world.foot == "state 10 · k: breakpoint · esc: back"
+        assert world.foot == "state 10 · t b: breakpoint · esc: back"
         assert table.pointed == playground(pilot).snapshot.world.space.pairs_of(10)  # type: ignore[union-attr]
         await press(pilot, "tab")
         assert not table.pointed
@@ -162,7 +162,7 @@ async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_a
         assert NO_BREAKPOINTS in screen_text(pilot.app)
         await press(pilot, "escape", "tab", *["down"] * 7)
         world = playground(pilot).board.world
-        assert world.foot == "arm 7 · k: breakpoint · esc: back"
+        assert world.foot == "arm 7 · t b: breakpoint · esc: back"
         marked = await press(pilot, "t", "b")
         assert notes(pilot.app) == ["breakpoint on arm 7: pauses each time it is pulled"]
         assert marked.playback.breakpoints.pairs == {7}

@@ -11,8 +11,8 @@ from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import Command, RunEpisode, Step, Take, Train
-from rl_tui.screen.frame.key_sheet import KeySheet
 from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.frame.key_sheet import KeySheet
 from rl_tui.screen.kit.row import MICROSCOPE, WORLD
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.panels.status_line import StatusLine
@@ -69,7 +69,7 @@ async def test_the_mode_is_seen_and_y_or_escape_ends_it(make_app: MakeApp) -> No
         await press(pilot, "y")
         assert world.head == "You are the agent"
         assert world.foot == "1 study  2 check phone · y: hand back"
-        assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? help"
+        assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? keys"
         assert world.has_class("-manual")
         assert "◉ you act" in playground(pilot).query_one(StatusLine).render_line(0).text
         assert notes(pilot.app) == ["You act, with 1 or 2. y: stop."]
@@ -140,7 +140,7 @@ async def test_the_keys_of_the_mode_fit_into_the_narrowest_screen(plain: bool, m
     async with on_screen(make_app("windy-king", ascii=plain), (60, 18)) as pilot:
         await press(pilot, "y")
         dots = "..." if plain else "…"
-        assert bottom_line(pilot) == f"arrows or 1{dots}8 act  y hand back  s agent's step  ? help"
+        assert bottom_line(pilot) == f"arrows or 1{dots}8 act  y hand back  s agent's step  ? keys"
 
 
 @pytest.mark.parametrize(("size", "beside"), [((60, 18), False), ((80, 24), True), ((120, 40), True)])

@@ -1,4 +1,4 @@
-"""The key Y tells why nothing is learned; enter on a remedy applies it."""
+"""t y tells why nothing is learned; enter on a remedy applies it."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def test_the_curve_tells_that_no_estimate_has_moved() -> None:
     barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=0.0, return_last_100=0.0)
     stuck = replace(barren.answers, first_update=FirstUpdateView(None, "no table", False, True))
     shown = replace(barren, answers=stuck)
-    assert f"{NOTHING_LEARNED} after 1,234 episodes; Y explains why" in drawn(shown, (80, 13))[0]
-    assert "Y explains" in drawn(shown, NARROW)[0]
+    assert f"{NOTHING_LEARNED} after 1,234 episodes; t y explains why" in drawn(shown, (80, 13))[0]
+    assert "t y explains" in drawn(shown, NARROW)[0]
     assert remedies_of(shown) == ()
     assert said(shown, UNICODE)[-1] == "How long the wait is cannot be told. No table."

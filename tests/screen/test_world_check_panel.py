@@ -101,8 +101,8 @@ def test_what_is_not_known_yet_and_what_never_will_be_look_different() -> None:
 
 def test_while_hidden_nothing_gives_the_answer_away() -> None:
     hidden = said(changed(with_check(walk()), answers=AnswersView(is_hidden=True)))
-    assert "best policy h shows it" in hidden
-    assert "flips h shows it" in hidden
+    assert "best policy w h shows it" in hidden
+    assert "flips w h shows it" in hidden
     assert "random policy 0.50000" in hidden
     warning = "the best policy never ends"
     warned = replace(grown(walk())[-1], warnings=(warning,))
@@ -111,9 +111,9 @@ def test_while_hidden_nothing_gives_the_answer_away() -> None:
     hidden = said(changed(told, answers=AnswersView(is_hidden=True)))
     assert warning not in hidden
     assert "done: 1 warning" in hidden
-    assert "warnings: h shows them" in hidden
+    assert "warnings: w h shows them" in hidden
     arms = said(changed(with_check(bandit(1)), answers=AnswersView(is_hidden=True)))
-    assert "random policy h shows it" in arms
+    assert "random policy w h shows it" in arms
     assert "no way out no state" in arms
 
 

@@ -106,6 +106,6 @@ def test_stop_and_go_on_at_once_leaves_it_going(tmp_path: Path) -> None:
                 pressed += 1
                 if pressed % 50 == 0:  # it may have been told to go on between its last look and the stop
                     terminal.process.send_signal(signal.SIGCONT)
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0
     assert kept_step(tmp_path) >= 5

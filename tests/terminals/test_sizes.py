@@ -48,7 +48,7 @@ def test_a_terminal_that_says_it_is_endless_takes_no_memory(kiosk: tuple[str, ..
         terminal.resize(80, 24)
         terminal.wait_for("▶ max")
         terminal.wait_until(lambda: WORDS not in terminal.screen)
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0
 
 
@@ -62,5 +62,5 @@ def test_it_starts_in_a_terminal_of_any_size(size: tuple[int, int]) -> None:
             pass
         terminal.resize(80, 24)
         terminal.wait_for("paused")
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0

@@ -90,7 +90,7 @@ def test_it_trains_steps_and_quits_over_ssh(tmp_path: Path) -> None:
         terminal.wait_for("paused")
         terminal.press(" " + "+" * 9)
         terminal.wait_for(r"step\s+(\d+,\d{3},|[\d.]+ ?[MG])")
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0
         assert terminal.modes_left_changed == set()
         assert terminal.attributes == terminal.attributes_before
@@ -131,7 +131,7 @@ def test_from_the_classroom_recipe_there_is_no_way_out(tmp_path: Path) -> None:
             terminal.wait_for("Scenarios")
             terminal.press("\x1a")
             terminal.wait_for("no shell")
-            terminal.press("q")
+            terminal.press("qq")
             assert terminal.wait_for_end() == 0
     assert not (tmp_path / "copy").exists()
 

@@ -77,7 +77,7 @@ def test_ctrl_z_goes_to_the_shell_and_fg_comes_back(tmp_path: Path) -> None:
         terminal.wait_for(rf"step\s+{STEPS}\b")
         terminal.press("s")
         terminal.wait_for(rf"step\s+{STEPS + 1}\b")
-        terminal.press("q")
+        terminal.press("qq")
 
 
 @pytest.mark.exhaustive("suspends in many ways")
@@ -111,7 +111,7 @@ def test_what_only_started_it_is_no_shell_to_go_to(tmp_path: Path) -> None:
         take_steps(terminal)
         terminal.press(CTRL_Z)
         terminal.wait_for("no shell")
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0
 
 

@@ -74,7 +74,7 @@ def is_underlined(terminal: PseudoTerminal, text: str) -> bool:
 
 
 def leave(terminal: PseudoTerminal) -> None:
-    terminal.press("q")
+    terminal.press("qq")
     assert terminal.wait_for_end() == 0
     assert terminal.modes_left_changed == set()
     assert terminal.attributes == terminal.attributes_before
@@ -184,7 +184,7 @@ def test_inside_tmux(fresh: dict[tuple[int, int], str]) -> None:
         coloured = tmux.coloured
         backgrounds = {coloured.cell(x, y).bg for x in range(80) for y in range(24)}
         assert len(backgrounds) > 2
-        tmux.press("q")
+        tmux.press("qq")
         tmux.wait_for("it ended with 0")
         assert tmux.modes == "alternate 0, cursor 1, mouse 0"
 
@@ -197,5 +197,5 @@ def test_inside_gnu_screen(fresh: dict[tuple[int, int], str]) -> None:
         terminal.resize(120, 40)
         terminal.wait_for(re.escape(fresh[120, 40]))
         assert colour_kinds(terminal.written) <= {"256", "16"}
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0

@@ -151,5 +151,5 @@ def _spoilt(moment: JudgedMoment) -> str:
     """Return why nothing that many seeds decide can hold; empty where it can."""
     journal = moment.journal
     if journal.taken:
-        return "steps were taken by hand on the way: r begins again"
-    return "" if journal.is_as_begun else "settings were changed on the way: r begins again"
+        return "you took steps yourself on the way: r r starts again"
+    return "" if journal.is_as_begun else "you changed settings on the way: r r starts again"

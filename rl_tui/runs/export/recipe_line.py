@@ -36,8 +36,8 @@ def recipe_line(
     entries = _without_passing(entries_until(journal, step))
     if len(entries) > MOST_CHANGES:
         raise UserError(
-            f"{len(entries):,} changes are too many for one line: save the session with w, and then "
-            f"{_REPLAY} does it again"
+            f"{len(entries):,} changes are too many for one line: save the session with m s, then "
+            f"{_REPLAY} does the run again"
         )
     words = [
         "rl-tui",
@@ -55,8 +55,7 @@ def recipe_line(
     line = shlex.join(words)
     if len(line.encode()) > LONGEST_LINE:
         raise UserError(
-            f"what was drawn is too long for one line: save the session with w, and then {_REPLAY} does it "
-            f"again"
+            f"the edits are too long for one line: save the session with m s, then {_REPLAY} does the run again"
         )
     return line
 
@@ -110,7 +109,7 @@ def scenario_name(scenario: Scenario) -> str:
     if _holds(scenario.source, scenario.text):
         return str(scenario.source)
     raise UserError(
-        f"no file {scenario.source} holds this scenario any more: save the session with w, and then "
+        f"no file {scenario.source} holds this scenario any more: save the session with m s, then "
         f"{_REPLAY} does the run again"
     )
 

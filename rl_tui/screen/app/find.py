@@ -157,7 +157,7 @@ class FindScreen(Dialog[Entry]):
 def found_by(query: str, entries: Sequence[Entry]) -> list[Entry]:
     """Return those of ``entries`` that ``query`` is about, the best first; all actions for an empty one."""
     if not query.strip():
-        return [entry for entry in entries if entry.keys]
+        return [entry for entry in entries if entry.kind == "action"]
     ranked = [(relevance(query, entry), entry) for entry in entries]
     found = [pair for pair in ranked if pair[0] > 0.0]
     return [entry for _, entry in sorted(found, key=lambda pair: -pair[0])]

@@ -81,7 +81,7 @@ class LessonPlace:
     @property
     def is_docked(self) -> bool:
         """Whether there is room for the page beside the world."""
-        return docks_lesson(self._board.screen.size, self._arrangement.in_view)
+        return docks_lesson(self._board.screen.size, self._arrangement.in_view(self._board.size))
 
     @property
     def reads(self) -> bool:
@@ -313,7 +313,10 @@ class Board(Container):
     def show_layer(self, layer: Layer) -> None:
         """Show ``layer`` in all worlds and tables."""
         self.wanted_layer = layer
-        self.apply_switches()
+        for panel in self._panels.values():
+            if isinstance(panel, WorldView | QTable):
+                panel.wanted_layer = layer
+                panel.redraw()
 
     def on_qtable_layer_chosen(self, event: QTable.LayerChosen) -> None:
         """Show the layer whose name was clicked."""

@@ -34,16 +34,18 @@ class BoardLayout(Layout):
         self.placed: frozenset[str] = frozenset()
         self._rows = {row.id: row for row in panels}
 
-    @property
-    def in_view(self) -> frozenset[str] | None:
-        """The ids of the panels in view: all, if one is open, two runs are, or the world is edited."""
-        is_whole = self.opened is not None or self.shape.lanes or self.shape.is_drawn
-        return None if is_whole else self.shown
+    def in_view(self, size: Size) -> frozenset[str] | None:
+        """Return the ids of the panels in view, None: all, as with two runs or while the world is edited.
+
+        So it is beside a panel that a key has opened, where that leaves no room for a page of a lesson.
+        """
+        is_opened = self.opened is not None and not docks_lesson(_screen(size), None)
+        return None if is_opened or self.shape.lanes or self.shape.is_drawn else self.shown
 
     def has_lesson_in_a_row(self, size: Size) -> bool:
         """Return whether a lesson has one row only: its page is not read, and has no room beside all else."""
         shape = self.shape
-        is_page = shape.reads or docks_lesson(_screen(size), self.in_view) or self.zoomed == LESSON
+        is_page = shape.reads or docks_lesson(_screen(size), self.in_view(size)) or self.zoomed == LESSON
         return shape.has_lesson and not is_page
 
     def has_place(self, panel: str, size: Size) -> bool:
@@ -63,7 +65,9 @@ class BoardLayout(Layout):
 
     def _place(self, size: Size, shape: Shape, zoomed: str | None) -> Arrangement:
         is_wide = self.opened is not None and self._rows[self.opened].is_wide
-        return arrange(_screen(size), shape, self.opened, zoomed=zoomed, is_wide=is_wide, shown=self.in_view)
+        return arrange(
+            _screen(size), shape, self.opened, zoomed=zoomed, is_wide=is_wide, shown=self.in_view(size)
+        )
 
     def arrange(
         self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True

@@ -85,7 +85,7 @@ class Wanted:
         if snapshot is None:
             return False
         is_drawn = bool(snapshot.answers.drawn.choices or snapshot.world_changes)
-        return snapshot.counters.step > 0 or is_drawn or snapshot.playback.handled < self.last_deed
+        return snapshot.timeline.current.end > 0 or is_drawn or snapshot.playback.handled < self.last_deed
 
     def is_taken_in(self, snapshot: Snapshot) -> bool:
         """Return True if ``snapshot`` comes after all that was sent."""

@@ -107,6 +107,10 @@ class ActionScreen(Screen[None]):
         """Show ``message`` about this moment: it goes with the next key, or after ``timeout`` seconds."""
         tell(self.app, message, severity, timeout)
 
+    def refuse(self, why: str) -> None:
+        """Tell ``why`` something cannot be done now, a clause, as a sentence."""
+        self.tell(f"{why[0].upper()}{why[1:]}.")
+
     def on_key(self, event: Key) -> None:
         """Note where the mouse is: what asks is not what moved a cursor."""
         if event.key != "question_mark":

@@ -373,7 +373,8 @@ class _Bands:
                 if foot - y - rows - sheet.blank >= _LEAST_SETTINGS:
                     sheet.put(panel, Region(at, y, columns, rows))
                     y += rows + sheet.blank
-            sheet.put(shape.settings, Region(at, y, columns, foot - y))
+            if sheet.shows(shape.settings):
+                sheet.put(shape.settings, Region(at, y, columns, foot - y))
             self._put_curve(low, foot, left)
         else:
             self._put_below_lanes_or_page(low, left)

@@ -12,7 +12,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.keys.action import Action
+from rl_tui.screen.keys.action import MENUS, Action
 from rl_tui.screen.kit.bindings import key_of_hint
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
@@ -144,12 +144,14 @@ class KeyLine(Widget):
         return fitting(actions, room)
 
     def _press_hint(self, hints: Sequence[tuple[str, str]], gap: int, x: int) -> int:
-        """Press the key of the hint in column ``x``, if it is one key; return where the next one begins."""
+        """Press the key of the hint in column ``x``, or menu and letter; return where the next one begins."""
         column = 1
         for hint in hints:
             end = column + _line_columns([hint], 0, self.look.glyphs) - 1
-            key = key_of_hint(hint[0])
-            if column <= x < end and key is not None:
-                self.app.simulate_key(key)
+            menu, _, letter = hint[0].partition(" ")
+            keys = (menu, letter) if menu in MENUS and letter else (key_of_hint(hint[0]),)
+            for key in keys if column <= x < end else ():
+                if key is not None:
+                    self.app.simulate_key(key)
             column = end + gap
         return column

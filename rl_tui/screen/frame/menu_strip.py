@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from textwrap import wrap
 from typing import Final, NamedTuple
 
 from rich.cells import cell_len
@@ -37,6 +38,10 @@ class MenuRow(NamedTuple):
     refused: str
 
 
+def _sentence(row: MenuRow) -> str:
+    return f"Not now: {row.refused}." if row.refused else row.sentence
+
+
 class MenuRows(Widget):
     """Draws the title, the rows in columns, and the sentence of the one ``at`` which the cursor is."""
 
@@ -59,7 +64,9 @@ class MenuRows(Widget):
 
     def on_resize(self) -> None:
         """Take as many lines as are needed."""
-        self.styles.height = self.lines + 2
+        width = max(1, self.size.width - 2)
+        most = max(len(wrap(_sentence(row), width)) for row in self.rows)
+        self.styles.height = 1 + self.lines + most
 
     def render_line(self, y: int) -> Strip:
         """Draw the title, a line of rows, or the sentence."""
@@ -70,7 +77,8 @@ class MenuRows(Widget):
             places = range(y - 1, len(self.rows), self.lines)
             segments = [segment for place in places for segment in self._row(place)]
         else:
-            segments = self._sentence(width)
+            said = wrap(_sentence(self.rows[self.at]), max(1, width - 2))[y - self.lines - 1 :]
+            segments = [Segment(f" {to_ascii(said[0], self.look.glyphs)}" if said else "", text)]
         return Strip(segments).adjust_cell_length(width, text).apply_style(self.rich_style)
 
     def _title(self, width: int) -> list[Segment]:
@@ -96,11 +104,6 @@ class MenuRows(Widget):
             Segment(f"{row.letter} ", palette.dim if row.refused else palette.press),
             Segment(shortened(text, width - 1, glyphs.ellipsis).ljust(width), style),
         ]
-
-    def _sentence(self, width: int) -> list[Segment]:
-        row, palette, glyphs = self.rows[self.at], self.look.palette, self.look.glyphs
-        text = f"Not now: {row.refused}." if row.refused else row.sentence
-        return [Segment(" " + shortened(to_ascii(text, glyphs), width - 2, glyphs.ellipsis), palette.text)]
 
     def place_at(self, x: int, y: int) -> int | None:
         """Return the number of the row drawn at column ``x`` of line ``y``, None beside the rows."""

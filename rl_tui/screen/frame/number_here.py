@@ -107,7 +107,7 @@ def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Loo
     return NumberHere(
         f"Vπ({name}) = {text}",
         f"The discounted return to be expected from state {name} on of {POLICY_NAMES[kind].of}. Exact: "
-        f"worked out from the table of the world, not learned. P lists what policies are worth.",
+        f"worked out from the table of the world, not learned. t p compares policies.",
         _OF_POLICY,
     )
 

@@ -179,6 +179,8 @@ class BoardPanel(Widget):
     _border_look: Look | None = None
     _heading: Sequence[Segment] = ()
     _keys: Sequence[Segment] = ()
+    _ground: Style | None = None  # while lines are rendered: Textual works it out anew each time it is asked
+    _edges: tuple[tuple[object, Strip], ...] = ((None, Strip([])), (None, Strip([])))
 
     @property
     def stance(self) -> object:
@@ -233,6 +235,7 @@ class BoardPanel(Widget):
 
     def render_lines(self, crop: Region) -> list[Strip]:
         """Return the lines to paint: the heading, the picture, and the keys."""
+        self._ground = self.rich_style
         strips = super().render_lines(crop)
         styles, bottom = self.styles, self.outer_size.height
         if strips and crop.y == 0 and styles.border_top[0]:
@@ -248,6 +251,16 @@ class BoardPanel(Widget):
 
         A dialog has a frame, which has corners; a panel of the board has not.
         """
+        made_of = border, text, self.outer_size.width, self._ground, bool(self.styles.border_right[0])
+        if self._edges[row][0] != made_of:
+            edge = made_of, self._new_edge(border, row, text)
+            self._edges = (edge, self._edges[1]) if row == 0 else (self._edges[0], edge)
+        strip = self._edges[row][1]
+        for each in self.get_line_filters():  # of a terminal without colours, say
+            strip = strip.apply_filter(each, self.background_colors[1])
+        return strip
+
+    def _new_edge(self, border: tuple[str, Color], row: int, text: Sequence[Segment]) -> Strip:
         kind, colour = border
         rule, *corners = _EDGES[kind]
         is_framed, line = bool(self.styles.border_right[0]), Style(color=colour.rich_color)
@@ -256,11 +269,8 @@ class BoardPanel(Widget):
         end = corners[row][1] if is_framed else ""
         taken = sum(part.cell_length for part in parts) + len(end)
         parts.append(Segment(rule * max(0, self.outer_size.width - taken) + end, line))
-        ground = self.rich_style
-        strip = Strip(parts).apply_style(ground).adjust_cell_length(self.outer_size.width, ground)
-        for each in self.get_line_filters():  # of a terminal without colours, say
-            strip = strip.apply_filter(each, self.background_colors[1])
-        return strip
+        ground = self._ground or self.rich_style
+        return Strip(parts).apply_style(ground).adjust_cell_length(self.outer_size.width, ground)
 
 
 class Panel(BoardPanel):
@@ -323,8 +333,8 @@ class Panel(BoardPanel):
         if self._drawn_size != self.size:
             self._draw()
         if y >= len(self._rows):
-            return Strip.blank(self.size.width, self.rich_style)
-        return self._rows[y].apply_style(self.rich_style)
+            return Strip.blank(self.size.width, self._ground or self.rich_style)
+        return self._rows[y].apply_style(self._ground or self.rich_style)
 
     def on_click(self, event: events.Click) -> None:
         """Press the key whose name was clicked on the lower border."""

@@ -18,8 +18,8 @@ from rl_tui.studies.many_seeds.figures import SeedStudy
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-SHOWN_BY_KEY: Final = "h shows"
-ANSWER_KEY: Final = f"{SHOWN_BY_KEY} the exact answer"
+SHOWN_BY_KEY: Final = "w h shows"
+ANSWER_KEY: Final = f"{SHOWN_BY_KEY} the exact values"
 ANSWER_KEPT: Final = "the lesson keeps it back for now"
 
 _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker

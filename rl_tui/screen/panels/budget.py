@@ -84,7 +84,7 @@ def pair_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
 
 def _hint(snapshot: Snapshot, look: Look) -> Row:
     """Return what shows the figures that are hidden, whole or not at all."""
-    key, dim = Piece(" h  ", look.palette.press), look.palette.dim
+    key, dim = Piece(" w h  ", look.palette.press), look.palette.dim
     forms = [[key, Piece(each, dim)] for each in ("shows regret and the best arm", "shows regret")]
     if keeps_back(snapshot, "answer"):
         kept = f" regret and the best arm: {ANSWER_KEPT}"
@@ -98,7 +98,7 @@ def _pulls(snapshot: Snapshot, figures: BanditFigures, look: Look) -> Labelled:
     pieces = [
         Piece(f"{figures.pulls:,} of {figures.budget:,}", palette.strong),
         Piece(separated(" · spent", look.glyphs) if is_spent else "", palette.strong),
-        Piece("   r starts again" if is_spent else "", palette.dim),
+        Piece("   r r starts again" if is_spent else "", palette.dim),
         Piece("   means drift" if drifts else "", palette.dim),
     ]
     return Labelled("pulls", palette.dim, _LABEL, Row(pieces))

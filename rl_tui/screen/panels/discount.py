@@ -1,4 +1,4 @@
-"""The panel of flip points (key G): every γ at which the optimal actions change.
+"""The panel of flip points: every γ at which the optimal actions change.
 
 A chart of Q*(γ) of one state is drawn above the list of flip points. Enter moves γ to the other side of
 the chosen one.
@@ -186,7 +186,7 @@ _CHART_SHARE: Final = 0.55  # of the rows, where the list has more than it has r
 _CHART_ROWS: Final = 6
 _LIST_ROWS: Final = 2  # what the list has at the least, where that leaves a chart
 _RANKED: Final = "worst to best"
-_CLOSE: Final = "G: close"
+_CLOSE: Final = "esc: close"
 
 
 class _Drawn(NamedTuple):

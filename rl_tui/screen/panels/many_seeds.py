@@ -308,7 +308,7 @@ class ManySeeds(ScrolledPanel):
         secret = hides_greedy(snapshot)
         yield seed_table(study, snapshot, shown_figures(study, secret=secret), look, is_short=is_short)
         if hides_means(snapshot) and not keeps_back(snapshot, "answer"):
-            yield Text("h shows regret and best arm", look.palette.dim, rest="   ")
+            yield Text("w h shows regret and best arm", look.palette.dim, rest="   ")
         if is_short:
             yield from _what_is_counted(study, snapshot, look)
         else:
@@ -319,8 +319,8 @@ class ManySeeds(ScrolledPanel):
         """Return the key that closes it, and enter where there is something to count again."""
         study = None if snapshot is None else snapshot.study
         if not may_count_again(study):
-            return ("M: close",)
-        return "enter: count again · M: close", "enter: again · M: close"
+            return ("esc: close",)
+        return "enter: count again · esc: close", "enter: again · esc: close"
 
 
 def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:

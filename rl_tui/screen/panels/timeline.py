@@ -210,14 +210,11 @@ def _policies(state: TimelineState, track: Track) -> list[int]:
         return []
     values = marks.expected_return
     same = np.isclose(values[1:], values[:-1], rtol=0.0, atol=NEGLIGIBLE, equal_nan=True)
-    chosen, apart = list[int](), max(_CELLS_APART, _APART * track.columns)
-    for episode in reversed(marks.episode[1:][~same].tolist()):
-        cell = track.column_of(episode)
-        if not chosen or chosen[-1] - cell >= apart:
-            chosen.append(cell)
-        if len(chosen) == _POLICIES:
-            break
-    return chosen
+    apart = max(_CELLS_APART, math.ceil(_APART * track.columns))
+    cells = [track.column_of(episode) for episode in marks.episode[1:][~same].tolist()]
+    # one in each stretch of the track: chosen from the newest on, all would move with every new one
+    first_in = {cell // apart: cell for cell in reversed(cells)}
+    return sorted(first_in.values())[-_POLICIES:]
 
 
 # The panel

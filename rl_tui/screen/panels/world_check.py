@@ -63,7 +63,7 @@ class WorldCheckPanel(ScrolledPanel):
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it."""
-        return ("Q: close",)
+        return ("esc: close",)
 
 
 def _how_far(view: WorldCheckView, look: Look) -> Text:

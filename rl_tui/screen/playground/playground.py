@@ -218,7 +218,7 @@ class Playground(ActionScreen):
         action = self._by_command.get(command)
         refused = "" if action is None else self.why_not(action)
         if refused:
-            self.tell(f"{refused[0].upper()}{refused[1:]}.")
+            self.refuse(refused)
         else:
             self.kept_back.show_world_for(command)
             self.panels.note(command)

@@ -27,7 +27,8 @@ GAMMA: Final = "gamma"
 """The hyper-parameter whose slider marks flips."""
 
 _MEANING: Final = (
-    "Marks are flip points: there the best way from the start turns, or, while G is open, any state."
+    "Marks are flip points: there the optimal path from the start changes. While t g is open, those of any "
+    "other state have marks too."
 )
 
 

@@ -51,20 +51,20 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
     lanes = snapshot.run_group.lanes
     if lanes:
-        yield Setting("l", "lane", f"{snapshot.run_group.shown + 1}/{len(lanes)}", "lanes.next_lane", 2)
-    yield Setting("a", "", snapshot.agent.row.name, "agent.choose_algorithm", 0)
+        yield Setting("c l", "run", f"{snapshot.run_group.shown + 1}/{len(lanes)}", "lanes.next_lane", 2)
+    yield Setting("a a", "", snapshot.agent.row.name, "agent.choose_algorithm", 0)
     if "policy" in parameters:
-        yield Setting("p", "", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)
+        yield Setting("a p", "", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)
     if "ties" in parameters:
-        yield Setting("t", "ties", values.ties, "agent.next_ties", 4)
+        yield Setting("a t", "ties", values.ties, "agent.next_ties", 4)
     if "initial_q" in parameters:
-        yield Setting("i", "Q₀", f"{values.initial_q:g}", "agent.ask_initial_q", 5)
-    yield Setting("n", "seed", str(snapshot.recipe.seed), "agent.ask_seed", 6)
+        yield Setting("r i", "Q₀", f"{values.initial_q:g}", "agent.ask_initial_q", 5)
+    yield Setting("r s", "seed", str(snapshot.recipe.seed), "agent.ask_seed", 6)
     if snapshot.playback.phase in (Phase.SPENT, Phase.DONE):
-        yield Setting("r", "", "start again", "run.reset", 2)
+        yield Setting("r r", "", "start again", "run.reset", 2)
     else:
         yield Setting("+ −", "", speed_text(snapshot.playback.speed), "run.faster", 2)
-    yield Setting("o", "options", "", "agent.show_options", 3)
+    yield Setting("a o", "settings", "", "agent.show_options", 3)
     for name in parameters:
         parameter = PARAMETERS[name]
         idle = why_idle(name, snapshot.agent.algorithm, values, is_bandit=is_bandit)
@@ -206,7 +206,7 @@ class AgentSettings(Widget):
 
     def _line(self, y: int) -> list[SettingCell]:
         settings = [
-            replace(each, key="") if self._taken.intersection(each.key.split()) else each
+            replace(each, key="") if each.key.partition(" ")[0] in self._taken else each
             for each in self._settings
         ]
         width, height = self.size

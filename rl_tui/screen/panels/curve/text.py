@@ -44,12 +44,12 @@ BEST_ARM: Final = ("best arm", "best")
 TIES: Final = "ties"
 NO_END: Final = "no end"
 
-HIDDEN_ARMS: Final = ("h: show the best arm", "h: best arm")
-HIDDEN_OPTIMUM: Final = ("h: show the optimal return", "h: optimal")
+HIDDEN_ARMS: Final = ("w h: show the best arm", "w h: best arm")
+HIDDEN_OPTIMUM: Final = ("w h: show the optimal return", "w h: optimal")
 KEPT_BACK: Final = ("exact values: hidden by the lesson", "exact values: hidden")
 
 COST_AT_PAUSE: Final = ("cost of exploring: when paused", "exploring: when paused")
-COST_BY_KEY: Final = "P: cost of exploring"
+COST_BY_KEY: Final = "t p: cost of exploring"
 NO_LINE_WITHOUT_TABLE: Final = ("no greedy line: your program has no table", "no table: no greedy line")
 NO_LINE_WITHOUT_END: Final = (
     f"gap in greedy: that policy {MAY_NEVER_END}",
@@ -63,7 +63,7 @@ NOTHING_LEARNED: Final = "nothing learned"
 NO_REWARD: Final = "no reward yet"
 
 ONE_SEED: Final = "one seed"
-COUNTS_SEEDS: Final = "M: many seeds"
+COUNTS_SEEDS: Final = "t m: many seeds"
 EQUAL_STEPS: Final = ("equal steps per run, not equal episodes", "equal steps per run")
 
 
@@ -268,7 +268,7 @@ def empty_words(unit: str) -> tuple[str, ...]:
 def barren_words(data: CurveData) -> tuple[str, ...]:
     """Return that no estimate has moved, and by which key to ask why, or that nothing was ever earned."""
     if data.unlearned:
-        return NOTHING_LEARNED, f"after {data.finished:,} {data.unit}s; Y explains why"
+        return NOTHING_LEARNED, f"after {data.finished:,} {data.unit}s; t y explains why"
     return NO_REWARD, f"after {data.finished:,} {data.unit}s"
 
 
@@ -340,7 +340,7 @@ def lane_heads(data: CurveData, usual: Sequence[str], glyphs: Glyphs) -> tuple[s
 def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tuple[str, ...]:
     """Return what the numbers of the labels are, and of how many seeds, the longest form first.
 
-    ``counts_seeds`` says that M does for these runs.
+    ``counts_seeds`` says that many seeds do for these runs.
     """
     if not data.furthest:
         return ()

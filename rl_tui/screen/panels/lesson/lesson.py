@@ -148,7 +148,7 @@ class _Page:
             return
         yield Text(f"In your run: {in_run_text(in_run, self._look.glyphs)}", self._palette.strong)
         if went_another_way(ask, in_run):
-            yield Text("Your run went another way: b goes back, N sets it up again.", self._palette.text)
+            yield Text("Your run went another way: b goes back, r p restarts it.", self._palette.text)
 
     def _locked(self, ask: Ask, given: Given) -> Block:
         at = "" if given.step == NO_STEP else f" at step {given.step:,}"
@@ -224,7 +224,7 @@ class _Page:
                 yield from (Text(name.capitalize(), self._palette.strong), _Prose(hint))
         if not is_passed and asked < len(hints):
             following = list(hints)[asked]
-            yield from (BLANK, self._key("H", "the solution" if following == "solution" else following))
+            yield from (BLANK, self._key("h", "the solution" if following == "solution" else following))
 
     def _look_at(self, spotlight: Spotlight) -> Block:
         mark = self._look.glyphs.cursor

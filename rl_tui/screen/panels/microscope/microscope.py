@@ -1,4 +1,4 @@
-"""The microscope (key d): the last step in detail, from the agent's choice to the updated cell.
+"""The microscope: the last step in detail, from the agent's choice to the updated cell.
 
 The step follows Sutton & Barto, 2nd ed., Fig. 3.1, the backup tree Fig. 3.4. The sections form two
 columns where there is room. While steps pass too fast, only the history of the cell is drawn.
@@ -87,7 +87,7 @@ def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look)
     form = number_form([q] if exact is None else [q, exact], _VALUE_COLUMNS)
     now = form.text(q, look.glyphs) if snapshot.agent.holds(pair) else look.glyphs.ellipsis
     if exact is None and is_secret(snapshot) and not snapshot.exact_answer.refused:
-        key = () if keeps_back(snapshot, "answer") else (f"now {now}, h shows the exact",)
+        key = () if keeps_back(snapshot, "answer") else (f"now {now}, w h shows the exact value",)
         return *key, f"now {now}"
     if exact is None:
         return (f"now {now}",)
@@ -254,7 +254,7 @@ class Microscope(ScrolledPanel):
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it, and those that choose the cell."""
-        return "tab: another cell · d: close", "d: close"
+        return "tab: another cell · esc: close", "esc: close"
 
 
 def lit_sources(snapshot: Snapshot) -> frozenset[int]:

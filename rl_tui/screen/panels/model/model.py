@@ -200,7 +200,7 @@ class ModelPanel(ScrolledPanel):
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
         """Return the keys, the longest form first; arrows choose a pair."""
-        pair, close = "↑ ↓: state   ← →: action", "m: close"
+        pair, close = "↑ ↓: state   ← →: action", "esc: close"
         if not is_scrolled:
             return f"{pair}   {close}", close
         scroll = f"pgup pgdn: scroll   {close}"

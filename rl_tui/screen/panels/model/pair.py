@@ -33,7 +33,7 @@ from rl_tui.worlds.world import World
 
 UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"
 HIDDEN: Final = "···"
-SECRET: Final = "hidden until h or the end of the budget"
+SECRET: Final = "hidden until w h or the end of the budget"
 _DECIMALS: Final = 4
 _EQUALS: Final = "   = "
 _CONTINUED: Final = "     "
@@ -180,7 +180,7 @@ def means_key(snapshot: Snapshot) -> tuple[str, ...]:
     """
     if not hides_means(snapshot):
         return ()
-    return (ANSWER_KEPT,) if keeps_back(snapshot, "answer") else (SECRET, "hidden until h")
+    return (ANSWER_KEPT,) if keeps_back(snapshot, "answer") else (SECRET, "hidden until w h")
 
 
 def decimals_of(mdp: TabularMDP, exact: Solution, pair: int) -> int:

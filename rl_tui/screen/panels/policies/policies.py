@@ -122,20 +122,20 @@ _CHOOSE: Final = "screen.do('policies.choose({})')"
 
 
 _KEYS: Final = (
-    "↑ ↓: which · enter: keep it in view · P: back to V",
-    "↑ ↓: which · enter: keep · P: back",
-    "↑ ↓ · enter: keep · P: back",
-    "enter: keep · P: back",
-    "P: back",
+    "↑ ↓: which · enter: keep it in view · esc: back to V",
+    "↑ ↓: which · enter: keep · esc: back",
+    "↑ ↓ · enter: keep · esc: back",
+    "enter: keep · esc: back",
+    "esc: back",
 )
 
 # Arms show their bars all the time: there is no V to go back to
-_KEYS_OF_ARMS: Final = ("↑ ↓: which · enter: keep it in view · P: close", *_KEYS[1:])
+_KEYS_OF_ARMS: Final = ("↑ ↓: which · enter: keep it in view · esc: close", *_KEYS[1:])
 
 _KEYS_ELSEWHERE: Final = (
-    "click or tab here to choose · P: close",
-    "tab here to choose · P: close",
-    "P: close",
+    "click or tab here to choose · esc: close",
+    "tab here to choose · esc: close",
+    "esc: close",
 )
 
 
@@ -304,7 +304,7 @@ def _amount(x: float, look: Look) -> str:
 def _reasons(snapshot: Snapshot) -> Iterator[Note]:
     said = set[str]()
     if not snapshot.answers.drawn.choices and answer_of(snapshot, PolicyKind.DRAWN).is_known:
-        yield "nothing drawn: at random; D draws", False
+        yield "nothing drawn: at random; w p draws", False
     for kind, name in POLICY_NAMES.items():
         if is_kept_back(snapshot, kind):
             which = f" {_GAMMA_BEST}," if kind is PolicyKind.OPTIMAL else ""

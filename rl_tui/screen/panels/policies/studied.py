@@ -72,7 +72,7 @@ def study_headings(
     if shown is not None:
         said = f"{what} of {POLICY_NAMES[shown].of}"
         forms = (f"{title} · {said}", said)
-        return (f"{title} · {said} · P: policies", *forms) if names_key else forms
+        return (f"{title} · {said} · t p: policies", *forms) if names_key else forms
     answers = snapshot.answers
     if answers.studied is None:
         return ()

@@ -114,13 +114,13 @@ class FindingsPanel(ScrolledPanel):
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the keys of the panel."""
         if not self._findings:
-            return ("F: close",)
+            return ("esc: close",)
         return (
-            "enter: go to its step · F: close",
-            "enter: its step · F: close",
-            "enter: step · F: close",
-            "enter · F: close",
-            "F: close",
+            "enter: go to its step · esc: close",
+            "enter: its step · esc: close",
+            "enter: step · esc: close",
+            "enter · esc: close",
+            "esc: close",
         )
 
 

@@ -57,7 +57,7 @@ class OutputPanel(ScrolledPanel):
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it."""
-        return ("O: close",)
+        return ("esc: close",)
 
     def _scroll(self, rows: int) -> None:
         self._follows = False

@@ -45,7 +45,7 @@ _GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a usual one, 
 _NEWS_ROWS: Final = 2
 _ERROR_ROWS: Final = 3
 _REASON_ROWS: Final = 2
-_HINTS: Final = ("F: findings · O: output", "F O")
+_HINTS: Final = ("a f findings · a w output", "a f · a w")
 
 
 class _Part(NamedTuple):
@@ -129,7 +129,7 @@ class _Writer:
         yield _Part(1 if program.verdict.findings else 3, self._findings())
         yield _Part(7, self._gamma())
         yield _Part(7, self._choices())
-        yield _Part(8, self._notes(), more=" F shows it")
+        yield _Part(8, self._notes(), more=" a f shows it")
 
     def _error(self) -> Sequence[Block]:
         error = self._program.error
@@ -149,7 +149,7 @@ class _Writer:
             return [self._row(later, self._palette.text)]
         if program.table is None:
             start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
-            looked = f"{start}: F says what was looked for" if program.looked_for else start
+            looked = f"{start}: a f says what was looked for" if program.looked_for else start
             return [self._row((looked, start, f" {NO_TABLE}"), self._palette.text)]
         tables = table_texts(program.table)
         forms = (*(f" {environment} · {each}" for each in tables[:2]), *(f" {each}" for each in tables))
@@ -199,7 +199,7 @@ class _Writer:
         at = f" ({place})" if place else ""
         count = f" {self._look.glyphs.breakpoint} {counted(findings)}: "
         style = self._palette.bad if worst.kind == "fault" else self._palette.strong
-        hint = Piece("   F shows it" if len(findings) == 1 else "   F shows them", self._palette.dim)
+        hint = Piece("   a f shows it" if len(findings) == 1 else "   a f shows them", self._palette.dim)
         texts = (f"{count}{said}{at}", f"{count}{said}", count.rstrip(": "))
         return [Row([Piece(texts[0], style), hint], *([Piece(text, style)] for text in texts))]
 
@@ -208,20 +208,20 @@ class _Writer:
             return []
         if is_early(self._program.verdict.update):
             early = f" {NO_JUDGEMENT}"
-            return [self._row((f"{early}   F says what was examined", early), self._palette.dim)]
+            return [self._row((f"{early}   a f says what was examined", early), self._palette.dim)]
         found = f" nothing wrong found in {self._steps:,} steps"
         is_open = self._program.verdict.update.rule is Rule.UNKNOWN
         if is_open:
             in_part = f"{found}, as far as can be told"
-            return [self._row((f"{in_part}   F says how far", in_part, found), self._palette.dim)]
-        return [self._row((f"{found}   F says what was examined", found), self._palette.dim)]
+            return [self._row((f"{in_part}   a f says how far", in_part, found), self._palette.dim)]
+        return [self._row((f"{found}   a f says what was examined", found), self._palette.dim)]
 
     def _choices(self) -> Sequence[Block]:
         table = self._program.table
         if table is None or not table.others:
             return []
         names = ", ".join(one_line(each, LONGEST_NAME) for each in table.others[:4])
-        forms = (f" T chooses another table: {names}", f" T: another table ({len(table.others):,})")
+        forms = (f" a b chooses another table: {names}", f" a b: another table ({len(table.others):,})")
         return [self._row(forms, self._palette.dim)]
 
     def _notes(self) -> Sequence[Block]:

@@ -136,7 +136,7 @@ class Sheet:
         palette = self._scene.look.palette
         if not self._scene.hides_means:
             return []
-        return [Segment("  h", palette.press), Segment("  show the true means q*", palette.dim)]
+        return [Segment("  w h", palette.press), Segment("  show the true means q*", palette.dim)]
 
     def _greedy_note(self) -> Pieces:
         if len(self._scene.world.live) > _STATES_IN_GREEDY_LINE:
@@ -227,7 +227,7 @@ def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_ex
         ]
         forms.append(f"{_KEY}{''.join(marked)}".rstrip())
     forms.append(f"{_KEY} {layer}")
-    return [*(f"{each} · h: Q*" for each in forms if hides_exact), *forms]
+    return [*(f"{each} · w h shows Q*" for each in forms if hides_exact), *forms]
 
 
 def followed(footings: Sequence[str], part: str, *, is_following: bool) -> list[str]:

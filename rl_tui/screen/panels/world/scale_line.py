@@ -16,7 +16,7 @@ from rl_tui.screen.theme.look import Look
 VALUE: Final = "value"
 NOTHING_KNOWN: Final = "nothing known yet"
 ALL_ZERO: Final = "0 so far"
-VEILED: Final = "hidden, h shows it"
+VEILED: Final = "hidden, w h shows it"
 _GAP: Final = "  "
 _MOST_KEPT: Final = 64  # the same line is drawn in every frame
 

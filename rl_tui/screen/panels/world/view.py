@@ -353,12 +353,12 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def _about_cursor(self) -> tuple[str, ...]:
         if self.cursor is None:
-            usual = "arrows: cursor · k: breakpoint"
+            usual = "arrows: cursor · t b: breakpoint"
             return f"{usual} · ?: words", usual, "arrows: cursor"
         name = self.name_at(self.cursor)
         if not name:
             return "esc: back to the agent", "esc: back"
-        return f"{name} · k: breakpoint · esc: back", f"{name} · esc: back", name
+        return f"{name} · t b: breakpoint · esc: back", f"{name} · esc: back", name
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return ``height`` strips of ``width`` cells (both at least 1)."""

@@ -77,7 +77,7 @@ class KeptBack(Subject):
         """Say that no step is taken, if a prediction is open; return whether that is so."""
         is_open = self.record is not None and "run" in self.record.hidden
         if is_open:
-            self.screen.tell(PREDICT_FIRST)
+            self.screen.refuse(PREDICT_FIRST)
         return is_open
 
     @property

@@ -139,10 +139,10 @@ def read_answer(text: str) -> float:
 # The lesson
 
 
-NOT_DONE: Final = "this page is not done: . again skips it"
-FIRST_PAGE: Final = "this is the first page"
-SEEN_BEFORE: Final = "the run has been further: go to its end with g, or set it up again with N"
-CAN_BE_DONE: Final = "it can be done: not so"
+NOT_DONE: Final = "This page is not done. Press . again to skip it."
+FIRST_PAGE: Final = "This is the first page."
+SEEN_BEFORE: Final = "You are in the past. end: to the end of the run, r p: restart."
+CAN_BE_DONE: Final = "Not right: this can be done."
 _LONGEST_REPLY: Final = 15.0
 
 
@@ -285,7 +285,7 @@ class LessonActions(Subject):
         elif page.task is not None:
             self._ask_claim(record, page)
         elif page.asked is None:
-            self.screen.tell("this page asks nothing; . turns it")
+            self.screen.tell("This page asks nothing. Press . for the next page.")
         elif given is not None and record.is_done(page.id):
             said = answer_text(page.asked, given.answer, self.glyphs)
             kept = "locked" if page.prediction is not None else "right"
@@ -323,7 +323,7 @@ class LessonActions(Subject):
 
     def _ask_claim(self, record: LessonRecord, page: Page) -> None:
         if record.has_passed(page.id):
-            self.screen.tell("this task is passed; . turns the page")
+            self.screen.tell("This task is passed. Press . for the next page.")
             return
         question = "Say so only where you are sure: no setting and no luck passes this task."
         self.ask(
@@ -348,9 +348,9 @@ class LessonActions(Subject):
             return
         hints = _hints_of(open_page(record))
         if not hints:
-            self.screen.tell("there is no hint on this page")
+            self.screen.tell("There is no hint on this page.")
         elif record.hints_on(record.page) >= len(hints):
-            self.screen.tell("that was the last hint: the solution stands on the page")
+            self.screen.tell("That was the last hint. The solution is on the page.")
             self.board.lesson.reads = True
         else:
             self._keep(record.ask_hint(record.page))
@@ -378,7 +378,7 @@ class LessonActions(Subject):
         speed = record.lesson.setups[setup].speed
         if speed is not None:
             self.link.send(SetSpeed(speed))
-        self.screen.tell("the run of this page begins again")
+        self.screen.tell("The run of this page starts again.")
 
     # News
 
@@ -399,7 +399,7 @@ class LessonActions(Subject):
 
     def _tell_passed(self) -> None:
         place = self.board.lesson
-        self.screen.tell("task passed" if place.is_docked or place.reads else "task passed: R reads why")
+        self.screen.tell("Task passed." if place.is_docked or place.reads else "Task passed. R: read why.")
 
 
 def _hints_of(page: Page) -> tuple[str, ...]:

@@ -48,7 +48,9 @@ class NextLesson(Subject):
             self.screen.post_message(LessonWanted(self._following))
         else:
             self._has_said_so = True
-            self.screen.tell(f"this is the last page; . again opens the next lesson: {self._following.title}")
+            self.screen.tell(
+                f"This is the last page. Press . again for the next lesson: {self._following.title}."
+            )
 
     async def _find(self, lesson: Lesson) -> None:
         self._following = await asyncio.to_thread(following_lesson, lesson)

@@ -134,4 +134,4 @@ class PolicyActions(Subject):
         self._is_kept = True
         self.board.close()
         name = POLICY_NAMES[self._current].of
-        self.screen.tell(f"kept: {name}; v: Qπ in the table; P and P again end it")
+        self.screen.tell(f"Kept: {name}. v: Qπ in the table; t p, then esc: end it.")

@@ -119,7 +119,8 @@ class ViewActions(Subject):
         legends = self.board.legends
         legends.shows_actions = not legends.shows_actions
         has_actions = self.board.wanted_layer in ACTION_LAYERS or not legends.shows_actions
-        self.board.show_layer(self.board.wanted_layer if has_actions else Layer.Q)
+        self.board.wanted_layer = self.board.wanted_layer if has_actions else Layer.Q
+        self.board.apply_switches()
         if view.lacks_room:
             width, height = self.board.size
             alone = self.board.zoomed != view.id and view.has_room_in(width - _AROUND, height - _AROUND)

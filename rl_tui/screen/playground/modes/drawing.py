@@ -1,4 +1,4 @@
-"""Draw policy (key D): the mode in which a person chooses an action for each state."""
+"""Draw policy: the mode in which a person chooses an action for each state."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from rl_tui.worlds.world import World
 
 NOTHING_TO_CHOOSE: Final = "nothing to choose"
 
-_END = "D: end"
+_END = "esc: end"
 _FIGURE = 8  # cells of a return, as in the table of policies
 
 
@@ -118,7 +118,15 @@ def hints(world: World) -> Hints:
         draws = (("shift+arrow", "draw"),)
     else:
         draws = ()
-    return (*draws, ("digits", "draw"), ("D", "end"), ("del", "none"), ("C", "clear"), *moves, ("?", "help"))
+    return (
+        *draws,
+        ("digits", "draw"),
+        ("w p", "end"),
+        ("del", "none"),
+        ("C", "clear"),
+        *moves,
+        ("?", "keys"),
+    )
 
 
 # The mode
@@ -131,7 +139,11 @@ _NONE: Final = ("delete", "backspace")
 class PolicyDrawing(KeyMode):
     """Drawing a policy under the cursor of the world, which has the focus; the run goes on as it does."""
 
-    way_back = "click or tab here to draw on · D: end", "tab here to draw on · D: end", "D: end"
+    way_back = (
+        "click or tab here to draw on · w p ends it",
+        "tab here to draw on · w p ends it",
+        "w p ends it",
+    )
     _studied_before: PolicyKind | None = None
 
     def takes(self, key: str) -> bool:
@@ -342,4 +354,4 @@ def _first_words(world: World) -> str:
         how = "arrows move; digits draw, and a second click on an arm"
     else:
         how = "arrows move, digits draw"
-    return f"you draw a policy: {how}; undrawn states (?) act at random; D ends"
+    return f"You draw a policy: {how}. Undrawn states (?) act at random. esc: end."

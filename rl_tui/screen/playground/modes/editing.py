@@ -1,4 +1,4 @@
-"""Edit world (key C): the mode in which a person changes the world while the agent learns."""
+"""Edit world: the mode in which a person changes the world while the agent learns."""
 
 from __future__ import annotations
 
@@ -328,7 +328,7 @@ class WorldEditing(KeyMode):
 
     def _end(self) -> None:
         self.leave()
-        self.screen.tell("the world stays as you drew it; C goes on drawing")
+        self.screen.tell("The world stays as you edited it. w d: go on editing.")
 
     # What is shown
 

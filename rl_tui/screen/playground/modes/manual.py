@@ -138,7 +138,7 @@ _HINTS: Final = (
     ("y", "hand back"),
     ("s", "agent's step"),
     ("space", "run"),
-    ("?", "help"),
+    ("?", "keys"),
 )
 
 

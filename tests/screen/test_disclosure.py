@@ -1,0 +1,82 @@
+"""Which panels are in view: one by one as they come to mean something, or those of a lesson's page."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from conftest import MakeApp
+from lesson_texts import TEXT
+from seams import app_at, on_screen, order, playground, press
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import begun
+from rl_tui.lessons.lesson import lesson_of
+from rl_tui.live.commands import KeepLesson
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.frame.legend_switch import LegendSwitch
+from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, LESSON, TABLE, TIMELINE, WORLD
+
+ALL = {WORLD, TABLE, CURVE, TIMELINE, LAST_STEP, CONTROLS}
+
+
+def in_view(pilot: Pilot[UserError]) -> set[str]:
+    board = playground(pilot).board
+    return {panel for panel in ALL if board.shows(panel)}
+
+
+async def begin(pilot: Pilot[UserError]) -> None:
+    """Let panels come one by one from here on."""
+    playground(pilot).panels.is_gradual = True
+    playground(pilot).redraw()
+    await settle(pilot)
+
+
+async def test_panels_come_once_they_mean_something_and_none_goes_again(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
+        assert in_view(pilot) == ALL
+        await begin(pilot)
+        assert in_view(pilot) == {WORLD}
+        await press(pilot, "s")
+        assert in_view(pilot) == {WORLD, TABLE}, "a value differs from the first estimate"
+        await press(pilot, "s")
+        assert in_view(pilot) == {WORLD, TABLE, LAST_STEP}
+        await press(pilot, "e")
+        assert in_view(pilot) == ALL - {CONTROLS}
+        await press(pilot, "1")
+        assert in_view(pilot) == ALL
+        assert pilot.app.focused is not None, "the slider has the focus"
+        await press(pilot, "escape", "home")
+        assert in_view(pilot) == ALL
+
+
+async def test_all_panels_are_a_key_away_and_that_is_remembered(make_app: MakeApp, tmp_path: Path) -> None:
+    async with on_screen(make_app("frozenlake")) as pilot:
+        await begin(pilot)
+        assert in_view(pilot) == {WORLD}
+        await press(pilot, "m", "p")
+        assert in_view(pilot) == ALL
+        await press(pilot, "m", "p")
+        assert in_view(pilot) == {WORLD}
+    switch = LegendSwitch(tmp_path)
+    switch.turn_panels()
+    assert LegendSwitch(tmp_path).shows_all_panels
+    switch.turn_panels()
+    assert not LegendSwitch(tmp_path).shows_all_panels
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24)], ids=["120", "80"])
+async def test_a_page_has_the_panels_it_names_or_those_of_the_page_before(size: tuple[int, int]) -> None:
+    lesson = lesson_of(TEXT.replace('id = "start"\n', 'id = "start"\npanels = ["world"]\n'), Path("l.toml"))
+    first = lesson.pages[0].id
+    assert {lesson.panels_of(page.id) for page in lesson.pages} == {frozenset({WORLD})}
+    later = replace(lesson, pages=(lesson.pages[0].model_copy(update={"panels": None}), *lesson.pages[1:]))
+    assert later.panels_of(first) is None
+    async with on_screen(app_at(recipe_of(lesson, "evening")), size) as pilot:
+        await order(pilot, KeepLesson(begun(lesson)))
+        assert in_view(pilot) == {WORLD}
+        assert playground(pilot).board.shows(LESSON)
+        assert playground(pilot).board.lesson.is_docked, "the page is beside the world at any of these sizes"
