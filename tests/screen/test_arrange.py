@@ -16,15 +16,18 @@ from rl_tui.screen.frame.shape import ROOMY, Arrangement, Shape, cell_size, size
 from rl_tui.screen.kit.row import (
     CONTROLS,
     CURVE,
+    DISCOUNT,
     DRAW,
     LAST_STEP,
     LESSON,
+    MANY_SEEDS,
     PROGRAM,
     TABLE,
     TIMELINE,
     WORLD,
     beside,
 )
+from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.worlds.drawing import Arms, Axes, Body, BodyKind, CellKind, Graph, Grid
 
 
@@ -65,8 +68,8 @@ SHAPES = MAPS | {
 STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "plain": ({}, {}),
     "panel": ({"opened": "microscope"}, {}),
-    "wide panel": ({"opened": "discount", "is_wide": True}, {}),
-    "wide panel, drawing": ({"opened": "discount", "is_wide": True}, {"is_drawn": True}),
+    "wide panel": ({"opened": "discount", "wide_rows": 15}, {}),
+    "wide panel, drawing": ({"opened": "discount", "wide_rows": 15}, {"is_drawn": True}),
     "lanes": ({}, {"lanes": True}),
     "lanes, panel": ({"opened": "microscope"}, {"lanes": True}),
     "lanes, drawing": ({}, {"lanes": True, "is_drawn": True}),
@@ -220,9 +223,23 @@ def test_a_small_screen_has_curve_and_timeline_in_its_last_line() -> None:
 
 def test_a_panel_of_charts_has_the_lower_band_where_it_is_roomy_else_the_right_column() -> None:
     lake = MAPS["lake"]
-    assert arrange(Size(120, 40), lake, "discount", is_wide=True).regions["discount"] == (2, 19, 116, 17)
-    assert arrange(Size(80, 24), lake, "discount", is_wide=True).regions["discount"] == (35, 1, 44, 22)
-    assert arrange(Size(60, 18), lake, "discount", is_wide=True).regions == {"discount": (0, 1, 60, 16)}
+    assert arrange(Size(120, 40), lake, "discount", wide_rows=15).regions["discount"] == (2, 20, 116, 16)
+    assert arrange(Size(80, 24), lake, "discount", wide_rows=15).regions["discount"] == (35, 1, 44, 22)
+    assert arrange(Size(60, 18), lake, "discount", wide_rows=15).regions == {"discount": (0, 1, 60, 16)}
+
+
+@pytest.mark.parametrize(("panel", "cell"), [(MANY_SEEDS, (13, 5)), (DISCOUNT, (11, 4))])
+def test_the_lake_has_the_rows_that_a_panel_below_it_does_not_need(panel: str, cell: tuple[int, int]) -> None:
+    rows = next(row.wide_rows for row in PANELS if row.id == panel)
+    place = arrange(Size(120, 40), MAPS["lake"], panel, wide_rows=rows)
+    assert place.cell == cell
+    assert place.regions[panel].height >= rows
+
+
+def test_a_table_ends_where_its_rows_and_its_legend_do() -> None:
+    for name in ("lake", "student", "walk", "large lake"):
+        table = arrange(Size(160, 50), SHAPES[name]).regions[TABLE]
+        assert SHAPES[name].table_rows + 8 >= table.height >= min(SHAPES[name].table_rows + 8, 14), name
 
 
 def test_a_page_about_the_world_alone_leaves_it_nearly_all_of_the_height() -> None:
@@ -235,6 +252,7 @@ def test_two_wide_maps_lie_one_above_the_other() -> None:
     place = arranged(MAPS["cliff"], "lanes", Size(120, 40))
     left, right = place.regions[WORLD], place.regions[beside(WORLD)]
     assert (left.x, left.bottom) == (right.x, right.y)
+    assert left.right - 12 * place.cell.width >= 28, "name and results of each have room beside its map"
     place = arranged(MAPS["lake"], "lanes", Size(120, 40))
     assert place.regions[WORLD].y == place.regions[beside(WORLD)].y
 
@@ -267,11 +285,13 @@ def test_cells_are_as_tall_as_fits_then_as_wide(
     assert cell_size(rows, columns, width, height) == cell
 
 
-def test_a_long_chain_lies_above_all_else_and_a_short_one_beside_the_table() -> None:
-    long, short = (arrange(Size(120, 40), SHAPES[name]).regions for name in ("long walk", "walk"))
-    assert long[TABLE].y > long[WORLD].bottom
-    assert short[TABLE].y == short[WORLD].y
-    assert short[CURVE].height == 16
+@pytest.mark.parametrize(("size", "rows"), [((60, 18), 8), ((80, 24), 10), ((120, 40), 13), ((160, 50), 17)])
+def test_a_chain_lies_above_all_else_and_grows_with_the_screen(size: tuple[int, int], rows: int) -> None:
+    long, short = (arrange(Size(*size), SHAPES[name]).regions for name in ("long walk", "walk"))
+    for regions in (long, short):
+        assert regions[TABLE].y > regions[WORLD].bottom
+        assert regions[WORLD].width >= size[0] - 4
+    assert short[WORLD].height == rows
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.screen.draw.block_signs import SignName, block_sign, sign_size
+from rl_tui.screen.draw.block_signs import SignName, block_number, block_sign, sign_size
 
 MIRRORED = str.maketrans("▘▝▖▗▌▐▛▜▙▟▞▚", "▝▘▗▖▐▌▜▛▟▙▚▞")
 FLIPPED = str.maketrans("▘▝▖▗▀▄▛▜▙▟▞▚", "▖▗▘▝▄▀▙▟▛▜▚▞")
@@ -53,3 +53,9 @@ def test_tied_directions_are_heads_apart() -> None:
 )
 def test_a_sign_grows_with_its_cell(cell: tuple[int, int], size: tuple[int, int]) -> None:
     assert sign_size(*cell) == size
+
+
+def test_a_number_has_three_rows_in_blocks_unless_it_is_more_than_digits() -> None:
+    assert block_number(".17") == ("  ▀█  ▀▀█", "   █   ▄▀", "▀ ▀▀▀  ▀ ")
+    assert {len(row) for row in block_number("−12.5")} == {17}
+    assert block_number("1e5") == block_number("") == ()

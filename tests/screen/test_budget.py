@@ -24,13 +24,13 @@ def test_on_the_way_only_what_the_agent_knows() -> None:
     assert "pulls     400 of 1,000" in text
     assert "winnings  485" in text
     assert "1.21 a pull" in text
-    assert "h  shows regret and the best arm" in text
+    assert "w h  shows regret and the best arm" in text
     for secret in ("regret  ", "best possible", "%"):
         assert secret not in text
 
 
 @pytest.mark.parametrize(
-    ("width", "hint"), [(33, "h  shows regret and the best arm"), (32, "h  shows regret"), (15, "")]
+    ("width", "hint"), [(35, "w h  shows regret and the best arm"), (34, "w h  shows regret"), (17, "")]
 )
 def test_the_hint_is_whole_or_not_there(width: int, hint: str) -> None:
     assert drawn(bandit(400), width).rstrip().splitlines()[-1].strip() == (hint or "winnings")

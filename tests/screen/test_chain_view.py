@@ -13,6 +13,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.exact_answers import Answer
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.run import Run
+from rl_tui.screen.draw.block_signs import block_number
 from rl_tui.screen.panels.graph.chain import chain_boxes
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.worlds.drawing import Graph
@@ -149,3 +150,14 @@ def test_the_last_step_is_an_arrow_between_its_states_and_its_update_has_a_frame
         updated.x + updated.width - 1,
     ]
     assert not {"▌", "▐"} & set("".join(rows(snapshot, 69, 11, plain=True)))
+
+
+def test_large_boxes_have_their_values_in_blocks_and_the_exact_ones_below() -> None:
+    snapshot = random_walk()
+    view = GraphView(snapshot.world, look())
+    drawn = [strip.text for strip in view.picture(snapshot, 116, 12)]
+    value = block_number(f"{snapshot.agent.q[0]:.2f}".removeprefix("0"))
+    assert all(any(line in row for row in drawn) for line in value)
+    assert any("exact" in row for row in drawn[-3:])
+    plain = rows(snapshot, 116, 12, plain=True)
+    assert any(f"{snapshot.agent.q[0]:.2f}" in row for row in plain)

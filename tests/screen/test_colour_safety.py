@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from colour_vision import EYES, contrast, distance, least_distance, lightness
@@ -64,8 +66,18 @@ def test_16_colours_are_readable_and_their_signs_differ_for_every_eye(
     assert high.bgcolor is not None
     ends = [as_shown(style.bgcolor, terminal, foreground=False) for style in (low, high)]
     assert least_distance(*ends) > 20
-    words = [as_shown(style.color, terminal, foreground=True) for style in palette.signed[1:4:2]]
-    assert least_distance(*words) > 20
+    slight = [as_shown(style.bgcolor, terminal, foreground=False) for style in palette.signed[1:4:2]]
+    assert least_distance(*slight) > 20
+
+
+@pytest.mark.parametrize(("dark", "terminal"), SIXTEEN)
+def test_16_colours_tell_few_visits_from_many_and_slight_errors_from_large_ones(
+    dark: bool, terminal: TerminalTheme
+) -> None:
+    palette = palette_for("16", dark)
+    for ramp in (palette.visits, palette.signed[2:], palette.signed[2::-1]):
+        grounds = [as_shown(style.bgcolor, terminal, foreground=False) for style in ramp]
+        assert all(least_distance(*each) > 10 for each in combinations(grounds, 2)), ramp
 
 
 @pytest.mark.parametrize("depth", ["256", "truecolor"])

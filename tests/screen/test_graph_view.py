@@ -11,6 +11,7 @@ from textual.strip import Strip
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.recipe import begin
+from rl_tui.screen.draw.block_signs import block_number, block_numbers
 from rl_tui.screen.panels.graph.graph import BOLD, THIN, GraphView, StrokeArms, joint
 from rl_tui.screen.panels.graph.layout import GraphLayout, graph_layout
 from rl_tui.screen.panels.graph.routing import RIGHT, Box, Port, RoutingSheet, route
@@ -355,3 +356,23 @@ def test_what_depends_on_how_one_came_there_has_a_question_mark() -> None:
     layout = graph_layout(shape, 60, 20)
     assert layout is not None
     check_layout(shape, layout, 60, 20)
+
+
+@pytest.mark.parametrize(("size", "box"), [((68, 24), (12, 6)), ((100, 32), (16, 8)), ((150, 40), (21, 9))])
+def test_boxes_grow_with_the_room(size: tuple[int, int], box: tuple[int, int]) -> None:
+    shape = shape_of(student_world().mdp, ((0, 1), (0, 0), (1, 1), (2, 1)))
+    layout = graph_layout(shape, *size)
+    assert layout is not None
+    assert layout.boxes[0][2:] == box
+    check_layout(shape, layout, *size)
+
+
+def test_all_values_are_in_blocks_or_none_and_exact_ones_below_them() -> None:
+    shown = changed(student(), is_hidden=False)
+    small, large = (picture(shown, *size) for size in ((100, 32), (150, 40)))
+    for text in ("6.37", "5.71", "10.00"):
+        assert any(text in row and "exact" not in row for row in small)
+        blocks = block_number(text)
+        assert all(any(line in row for row in large) for line in blocks)
+    assert any("exact 10.00" in row for row in large)
+    assert block_numbers(["6.37", "10.00"], 16) == {}

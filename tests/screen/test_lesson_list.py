@@ -258,7 +258,8 @@ async def test_the_last_page_names_the_next_lesson_and_opens_it(
             await worker.wait()
         assert "next lesson: A second walk" in screen_text(pilot.app)
         await press(pilot, ".")
-        assert notes(pilot.app)[-1] == "This is the last page. Press . again for the next lesson: A second walk."
+        said = "This is the last page. Press . again for the next lesson: A second walk."
+        assert notes(pilot.app)[-1] == said
         assert lesson_on_screen(pilot).lesson.id == "walk"
         await settled(pilot, ".")
         assert (lesson_on_screen(pilot).lesson.id, lesson_on_screen(pilot).page) == ("other", "start")

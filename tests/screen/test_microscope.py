@@ -333,13 +333,13 @@ def test_steps_that_pass_too_fast_leave_the_history_only() -> None:
 def test_what_does_not_fit_is_scrolled_with_a_bar_and_a_hint() -> None:
     widget = Microscope(look())
     rows = widget.picture(LAKE, NARROW, 17)
-    assert widget.footing == "↑ ↓: more · d: close"
+    assert widget.footing == "↑ ↓: more · esc: close"
     assert all(row.text[-1] in "█│" for row in rows)
     top, end = shown(LAKE, NARROW, 17), shown(LAKE, NARROW, 17, scrolled=999)
     assert "The step" in top[0]
     assert " step" in end[-1]
     widget.picture(LAKE, NARROW, 60)
-    assert widget.footing == "tab: another cell · d: close"
+    assert widget.footing == "tab: another cell · esc: close"
 
 
 @pytest.mark.exhaustive("every algorithm at every size", but=["q-learning", "n-step-sarsa"])

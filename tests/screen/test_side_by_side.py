@@ -27,7 +27,7 @@ from rl_tui.screen.kit.value_scale import SteadyScale
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.q_table.q_table import QTable
-from rl_tui.screen.panels.side_by_side import greedy_differences, sides
+from rl_tui.screen.panels.side_by_side import greedy_differences, lane_results, lane_titles, sides
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.playground.actions.lanes import ONE_RUN
 
@@ -84,6 +84,16 @@ def test_a_tie_is_another_set_of_greedy_actions_than_one_of_the_two() -> None:
     assert pair is not None
     q[pair] = 1.0
     assert greedy_differences(left, changed(left, q=q)).states == {1}
+
+
+def test_results_stand_beside_a_map_that_leaves_columns_free_and_nowhere_else() -> None:
+    lane = side_by_side(2, shown=1)
+    view = GridView(lane.world, look())
+    view.lane, view.results, view.cell = lane_titles(lane, "2"), lane_results(lane, look()), Size(11, 4)
+    beside = [strip.text[44:].strip() for strip in view.picture(lane, 70, 17)]
+    assert beside[:5] == ["2 α 0.5", "Q-learning ε 0.1", "", "greedy .6", "agent  .32"]
+    assert not view.picture(lane, 70, 17)[-1].text.startswith("2 α 0.5"), "it is named once"
+    assert "agent  .32" not in "".join(strip.text for strip in view.picture(lane, 60, 17))
 
 
 async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: MakeApp) -> None:

@@ -55,7 +55,8 @@ def recipe_line(
     line = shlex.join(words)
     if len(line.encode()) > LONGEST_LINE:
         raise UserError(
-            f"the edits are too long for one line: save the session with m s, then {_REPLAY} does the run again"
+            f"the edits are too long for one line: save the session with m s, then {_REPLAY} does the "
+            f"run again"
         )
     return line
 

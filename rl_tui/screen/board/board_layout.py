@@ -64,10 +64,9 @@ class BoardLayout(Layout):
         }
 
     def _place(self, size: Size, shape: Shape, zoomed: str | None) -> Arrangement:
-        is_wide = self.opened is not None and self._rows[self.opened].is_wide
-        return arrange(
-            _screen(size), shape, self.opened, zoomed=zoomed, is_wide=is_wide, shown=self.in_view(size)
-        )
+        wide_rows = 0 if self.opened is None else self._rows[self.opened].wide_rows
+        shown = self.in_view(size)
+        return arrange(_screen(size), shape, self.opened, zoomed=zoomed, wide_rows=wide_rows, shown=shown)
 
     def arrange(
         self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True

@@ -1,4 +1,4 @@
-"""Signs in quadrant blocks, drawn by a rule at any size.
+"""Signs in quadrant blocks, drawn by a rule at any size, and numbers three rows high.
 
 A sign is a predicate of x (right) and y (down), both from −1 to 1 in the largest square in the middle: a
 column is as wide as half a row is high. A quarter of a character is filled where the sign holds at half of
@@ -8,7 +8,7 @@ column is as wide as half a row is high. A quarter of a character is filled wher
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache, partial
 from typing import Final, Literal
 
@@ -20,6 +20,23 @@ SignName = Literal["arrow", "heads", "disc", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
 
 _QUADRANTS: Final = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # by bits: upper left, upper right, lower left, lower right
+_HALVES: Final = " ▀▄█"  # by bits: upper, lower
+_PIXELS: Final = {  # five rows from above, three pixels each, as octal digits; a point has only the last
+    "0": "75557",
+    "1": "62227",
+    "2": "71747",
+    "3": "71717",
+    "4": "55711",
+    "5": "74717",
+    "6": "74757",
+    "7": "71122",
+    "8": "75757",
+    "9": "75717",
+    "−": "00700",
+    ".": "00001",
+    "<": "12421",
+    ">": "42124",
+}
 _POINTS: Final = 4
 _LEAST_SHAFT: Final = 6  # rows; a shorter arrow is all head
 _SHAFT: Final = 0.32
@@ -46,6 +63,34 @@ def block_sign(name: SignName, columns: int, rows: int, *directions: Direction) 
         return _QUADRANTS[sum(holds(column, row, *each) << bit for bit, each in enumerate(quarters))]
 
     return tuple("".join(character(column, row) for column in range(columns)) for row in range(rows))
+
+
+@lru_cache(1_024)
+def block_number(text: str) -> tuple[str, ...]:
+    """Return the three rows of a number in half blocks, without a 0 before its point.
+
+    Empty if it has any other character than digits, sign and point.
+    """
+    head, point, tail = text.partition(".")
+    if point and head.lstrip("−") == "0":
+        text = f"{head[:-1]}.{tail}"
+    if not text or not set(text) <= _PIXELS.keys():
+        return ()
+
+    def row(upper: int) -> str:
+        pixels = [[f"{int(line):03b}" for line in (_PIXELS[each] + "0")[upper:][:2]] for each in text]
+        drawn = [
+            "".join(_HALVES[int(low + high, 2)] for high, low in zip(*two, strict=True)) for two in pixels
+        ]
+        return " ".join(one[-1] if sign == "." else one for one, sign in zip(drawn, text, strict=True))
+
+    return row(0), row(2), row(4)
+
+
+def block_numbers(texts: Iterable[str], width: int) -> dict[str, tuple[str, ...]]:
+    """Return the rows of each number in blocks; empty if any of them is wider than ``width``."""
+    found = {text: block_number(text) for text in texts}
+    return found if all(0 < len("".join(rows[:1])) <= width for rows in found.values()) else {}
 
 
 def sign_size(width: int, height: int) -> tuple[int, int]:

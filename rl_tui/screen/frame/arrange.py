@@ -45,16 +45,16 @@ _LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
 _BESIDE_PAGE: Final = 12  # rows of curve and table, where the page of a lesson has the right column
 _AROUND_A_MAP: Final = 15  # rows
 _LEAST_SCROLLING: Final = 5  # rows of the lower band, before a map without an agent that walks scrolls
-_WIDE_PANEL: Final = 19  # rows of a panel of charts below world and table, with timeline and sliders
+_BELOW_A_WORLD: Final = 19  # rows of a panel below the world, where the page of a lesson is beside it
 _BELOW_LANES: Final = 18  # rows below the worlds of two lanes, before there are tables
 _UPPER: Final = 16  # rows of the upper band that a table is given beside a low map
 _MOST_CURVE: Final = 16
 _LAST_STEP: Final = 8  # rows in which it tells all
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
-_LEAST_LINK: Final = 5  # columns from a state of a chain to the next, below which the chain lies on top
 _LEAST_SETTINGS: Final = 5
 _TABLE_KEPT: Final = 12  # rows of the table before others come below it
+_AROUND_A_TABLE: Final = 8  # rows: heads, legend, layers
 _SHARE: Final = 0.235  # of the screen; a map that has less takes rows of the lower band
 _PANEL_COLUMNS: Final = (44, 60)
 _PANEL_SHARE: Final = 0.4
@@ -71,14 +71,14 @@ def arrange(
     opened: str | None = None,
     *,
     zoomed: str | None = None,
-    is_wide: bool = False,
+    wide_rows: int = 0,
     shown: Collection[str] | None = None,
 ) -> Arrangement:
     """Return the place of every panel on a screen of ``size``.
 
-    The panel ``zoomed`` covers all others. The one ``opened`` by its key has the right column, or the lower
-    band if it ``is_wide`` and there is room. ``shown`` are the ids of the panels that a page of a lesson is
-    about, None: all.
+    The panel ``zoomed`` covers all others. The panel ``opened`` by its key has the right column; on
+    roomy screens the lower band, if it asks for ``wide_rows`` there. ``shown`` are the ids of the panels that
+    a page of a lesson is about, None: all.
     """
     sheet = ScreenPlan(size, shape, shown)
     if zoomed is not None:
@@ -93,15 +93,16 @@ def arrange(
         return Arrangement(sheet.regions, Size(0, 0))
     if opened is not None and sheet.room is not ROOMY:
         sheet.lanes = False
-    return _Bands(sheet, opened, is_wide=is_wide and sheet.room is ROOMY and not shape.has_lesson).place()
+    is_wide = sheet.room is ROOMY and not (shape.has_lesson or shape.is_drawn or sheet.lanes)
+    return _Bands(sheet, opened, wide_rows if is_wide else 0).place()
 
 
 class _Bands:
     """Puts world and right column into the upper band, curve and agent into the lower one."""
 
-    def __init__(self, sheet: ScreenPlan, opened: str | None, *, is_wide: bool) -> None:
+    def __init__(self, sheet: ScreenPlan, opened: str | None, wide_rows: int) -> None:
         self.sheet, self.shape, self.room = sheet, sheet.shape, sheet.room
-        self.wide = opened if is_wide and not sheet.lanes and not sheet.shape.is_drawn else None
+        self.wide, self.wide_rows = opened if wide_rows else None, wide_rows
         self.drawing = self.shape.drawing
         docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size, sheet.shown) else None
         tools = DRAW if self.shape.is_drawn and self.room is not SMALL else None
@@ -208,9 +209,9 @@ class _Bands:
         if not self.has_lower:
             return 0
         if self.wide is not None:
-            return _WIDE_PANEL
+            return self.wide_rows + 2  # with timeline and sliders
         if self.below_page is not None:
-            return min(_WIDE_PANEL, (sheet.foot - sheet.top) // 2)
+            return min(_BELOW_A_WORLD, (sheet.foot - sheet.top) // 2)
         if self.aside == LESSON and sheet.shown is None:
             return _BESIDE_PAGE + 2
         rows = 0
@@ -245,20 +246,23 @@ class _Bands:
     def _stacked_cell(self, cell: Size, extra: int) -> Size | None:
         """Return the cell of a map above all else, if that is much higher than ``cell``; else None.
 
-        A long chain lies there too; it has no cells.
+        A chain lies there too; it has no cells.
         """
         sheet = self.sheet
         if sheet.lanes or self.aside or self.wide or sheet.shown is not None:
             return None
         if self.chain:
-            is_narrow = self._world_room() < _LEAST_LINK * self.chain
-            return cell if is_narrow else None
+            return cell
         if not self.is_place:
             return None
-        rows = sheet.foot - sheet.top - _LEAST_BELOW_WIDE_MAP[self.room] - extra - 1
-        stacked = self._cell(sheet.usable, rows)
+        stacked = self._cell(sheet.usable, self._rows_on_top(extra))
         is_better = stacked.height >= _TALLER * cell.height and stacked.width >= cell.width
         return stacked if is_better or (self.is_small(cell) and stacked.area > cell.area) else None
+
+    def _rows_on_top(self, extra: int) -> int:
+        """Return the rows for a picture above all other panels."""
+        sheet = self.sheet
+        return sheet.foot - sheet.top - _LEAST_BELOW_WIDE_MAP[self.room] - extra - 1
 
     def _cell_above_another(self, height: int) -> Size | None:
         """Return the cell where two maps lie one above the other, None where they may not."""
@@ -277,7 +281,7 @@ class _Bands:
             case Arms(count=arms):
                 return Size(room, min(height, arms * rows_an_arm(arms, height) + 1))
             case Graph() if self.chain:
-                return Size(room, min(height, chain_rows(self.chain, room) + 1 + self.sheet.blank))
+                return Size(room, min(height, chain_rows(self.chain, room) + self.sheet.blank))
             case _:
                 return Size(room, height)
 
@@ -287,7 +291,7 @@ class _Bands:
         x = sheet.margin
         if self.is_alone and self.room is ROOMY and picture.width < left:
             x += (left - picture.width) // 2
-        wide = max(picture.width, min(left, 40)) if not sheet.lanes else max(picture.width, room)
+        wide = left if is_over else max(picture.width, room if sheet.lanes else min(left, 40))
         region = Region(x - 1, sheet.top, min(wide, left) + 1, picture.height + extra)
         sheet.put(WORLD, region)
         if is_over:
@@ -331,7 +335,12 @@ class _Bands:
             sheet.put(panel, Region(x, bottom - high, columns, high))
             bottom -= high + sheet.blank
         if sheet.shows(self.table):
-            sheet.put(self.table, Region(x, sheet.top, columns, bottom - sheet.top))
+            self._put_table(Region(x, sheet.top, columns, bottom - sheet.top))
+
+    def _put_table(self, region: Region) -> None:
+        """Put the table there; on roomy screens it ends below its rows and its legend."""
+        rows = self.shape.table_rows + _AROUND_A_TABLE if self.room is ROOMY else region.height
+        self.sheet.put(self.table, Region(*region[:3], min(region.height, rows)))
 
     def _below_table(self) -> list[tuple[str, tuple[int, ...]]]:
         """Return the panels that may follow below the table, with their numbers of rows, the most first."""
@@ -436,7 +445,7 @@ class _Bands:
     def _on_top(self, cell: Size, extra: int) -> Arrangement:
         """Return the place of a wide map above all else: below it the last step, curve and table."""
         sheet, x, foot = self.sheet, self.sheet.margin, self.sheet.foot
-        picture = self._picture(cell, sheet.usable, sheet.foot)
+        picture = self._picture(cell, sheet.usable, self._rows_on_top(extra))
         sheet.put(WORLD, Region(x - 1, sheet.top, sheet.usable + 1, picture.height + extra))
         low = sheet.top + picture.height + extra + sheet.blank
         sheet.put(LAST_STEP, Region(x, low, sheet.usable, 1))
@@ -447,7 +456,7 @@ class _Bands:
         right = 32 if self.room is SMALL else self.most
         left, at, rows = sheet.usable - right - sheet.gap, sheet.size.width - sheet.margin - right, foot - low
         agent = 0 if self.room is not ROOMY else 6 if rows >= 14 else 4
-        sheet.put(self.table, Region(at, low, right, rows - agent - bool(agent)))
+        self._put_table(Region(at, low, right, rows - agent - bool(agent)))
         if agent:
             sheet.put(self.shape.settings, Region(at, foot - agent, right, agent))
         if self.room is SMALL:

@@ -51,8 +51,8 @@ class PanelRow:
     """One panel. ``widget`` names its class, ``module:Class``, imported when a board is made.
 
     ``title`` and ``help`` explain it in the help. A panel with an ``opened_by`` is closed at first. Open, it
-    has the right column beside the world; with ``is_wide`` the whole width below world and table where
-    there is room for that. ``needs`` says whether there is anything to show, by how the
+    has the right column beside the world; with ``wide_rows`` at least these rows of the whole width below
+    world and table if they fit. ``needs`` says whether there is anything to show, by how the
     world is drawn. ``caption`` says in some five words what the panel is, and ``terms`` are the ids of
     the terms of the glossary that it is about, what is asked first before the rest. With ``is_twofold`` each
     of two lanes side by side has one; :func:`beside` is the id of the second. A panel ``of_program`` has
@@ -68,7 +68,7 @@ class PanelRow:
     caption: str = ""
     terms: tuple[str, ...] = ()
     opened_by: OpeningKey | None = None
-    is_wide: bool = False
+    wide_rows: int = 0
     has_border: bool = True
     is_twofold: bool = False
     needs: Callable[[Drawing | None], bool] = lambda _: True

@@ -269,7 +269,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Run the same under many other seeds: means with their errors.",
             old="M",
         ),
-        is_wide=True,
+        wide_rows=12,
         not_for_program="this runs built-in agents; rl-tui grade {file} runs your program under many seeds",
     ),
     PanelRow(
@@ -293,7 +293,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Show each γ at which the best actions change.",
             old="G",
         ),
-        is_wide=True,
+        wide_rows=15,
     ),
     PanelRow(
         POLICIES,

@@ -12,8 +12,11 @@ from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.live.snapshot import AgentView, Snapshot
 from rl_tui.live.viewport import pairs_of_states
 from rl_tui.runs.timeline.run_names import feature_text
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.canvas import Line, Piece
 from rl_tui.screen.kit.counterparts import are_alike, are_same_size, in_common
 from rl_tui.screen.kit.panel import BoardPanel
+from rl_tui.screen.kit.snapshot_facts import hides_greedy
 from rl_tui.screen.panels.controls.controls import in_force, sliders_of
 from rl_tui.screen.panels.policies.studied import as_studied, studied_kind
 from rl_tui.screen.panels.program.words import name_of
@@ -25,6 +28,7 @@ from rl_tui.worlds.editing.carried import differing_choices
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 DIFFERS: Final = "◤"
+_TWO_DIGITS: Final = 10.0  # and more before the point leave out those behind it
 
 
 def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
@@ -109,7 +113,7 @@ def name_panels(
     for panel in panels:
         panel.is_led = not is_led
         if isinstance(panel, WorldView):
-            panel.lane = lane_titles(lane, number)
+            panel.lane, panel.results = lane_titles(lane, number), lane_results(lane, look)
             panel.differing = differing.drawn
         elif isinstance(panel, QTable):
             panel.lane, panel.differing = number, differing.greedy
@@ -119,7 +123,7 @@ def stand_alone(panel: BoardPanel) -> None:
     """Let ``panel`` be that of the only lane in view."""
     panel.is_led = False
     if isinstance(panel, WorldView):
-        panel.lane, panel.note, panel.differing = (), (), frozenset()
+        panel.lane, panel.results, panel.note, panel.differing = (), (), (), frozenset()
     elif isinstance(panel, QTable):
         panel.lane, panel.differing = "", frozenset()
 
@@ -143,6 +147,27 @@ def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
     known = "" if algorithm in name else algorithm
     forms = (" ".join(filter(None, (known, *settings))), known)
     return (*(f"{number} {name} · {form}" for form in forms if form), f"{number} {name}")
+
+
+def lane_results(lane: Snapshot, look: Look) -> tuple[Line, ...]:
+    """Return the lines beside the world of ``lane``: greedy return, then return and steps of the agent."""
+    results, palette = lane.results, look.palette
+    own = palette.lanes[lane.run_group.shown % len(palette.lanes)]
+    greedy = None if hides_greedy(lane) else results.greedy_return
+    known = (
+        ("greedy", greedy, palette.best),
+        ("agent", results.return_last_100, own),
+        ("steps", results.length_last_100, palette.text),
+    )
+    return tuple(
+        [Piece(f"  {name:7}", palette.dim), Piece(_brief(value, look), style)]
+        for name, value, style in known
+        if value is not None
+    )
+
+
+def _brief(value: float, look: Look) -> str:
+    return numbers.brief(value, look.glyphs, decimals=0 if abs(value) >= _TWO_DIGITS else 2)
 
 
 def greedy_differences(left: Snapshot, right: Snapshot) -> GreedyDifferences:

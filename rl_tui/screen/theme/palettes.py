@@ -145,7 +145,9 @@ DARK_256, LIGHT_256 = dark_and_light(
 
 # Palettes in the 16 named colours, whose order of luminance holds in every terminal's version of them.
 #
-# Ordinary text keeps the colours of the terminal, so that it is readable whatever its background is.
+# Ordinary text keeps the colours of the terminal, so that it is readable whatever its background is. The
+# middle of visits is green: no ink is readable on the dark grey of every terminal, and the light one is
+# nearly white.
 DARK_16, LIGHT_16 = dark_and_light(
     "16",
     inks=("black", "bright_white"),
@@ -156,15 +158,15 @@ DARK_16, LIGHT_16 = dark_and_light(
         ("black on bright_yellow", "bright_white on blue"),
     ),
     signed=(
-        ("bright_white on red", "bright_white on red"),
-        ("bright_red", "red"),
+        ("black on bright_red", "bright_white on red"),
+        ("bright_white on red", "black on bright_red"),
         ("default", "default"),
-        ("bright_cyan", "blue"),
         ("black on cyan", "black on cyan"),
+        ("black on bright_cyan", "bright_white on blue"),
     ),
     visits=(
         ("bright_white on black", "black on bright_white"),
-        ("black on white", "black on white"),
+        ("black on green", "black on green"),
         ("black on bright_white", "bright_white on black"),
     ),
     unvisited=("dim", "dim"),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from rich.style import Style
 
-from rl_tui.screen.draw.block_signs import block_sign, sign_size
+from rl_tui.screen.draw.block_signs import SignName, block_numbers, block_sign, sign_size
 from rl_tui.screen.draw.canvas import Canvas, centred
 from rl_tui.screen.kit.snapshot_facts import followed_step, is_secret
 from rl_tui.screen.panels.graph.layout import GraphLayout
@@ -30,9 +30,11 @@ if TYPE_CHECKING:
 # Boxes
 
 _LEAST_STEP: Final = 2  # columns from a box to the next: one for the box, one for the line between
-_MOST_WIDTH: Final = 25
-_GAPS: Final = 8  # times wider than the gap behind it is a box
-_HEIGHTS: Final = ((22, 11), (18, 9), (14, 7), (0, 5))  # least columns of a box, and its rows
+_MOST_WIDTH: Final = 33
+_PARTS: Final = 6  # a step has: one is the line between two boxes
+_LEAST_HEIGHT: Final = 5  # rows of a box; a wide one has two thirds of its columns
+_BLOCK_NUMBER: Final = 7  # rows of a box with a number in blocks; arrows need more
+_ARROW_ROWS: Final = 2
 _AROUND: Final = 2  # rows: the agent above, exact values below
 _LEAST_BLOCK: Final = 9  # columns of a box with arrows of blocks
 _LEAST_NUMBER: Final = 3  # columns; shorter numbers would say less than the tint
@@ -46,8 +48,8 @@ def chain_rows(states: int, width: int) -> int:
 
 def _box_size(step: int) -> tuple[int, int]:
     """Return the columns and rows of a box that begins ``step`` columns before the next one."""
-    wide = min(_MOST_WIDTH, step - max(1, step // _GAPS))
-    return wide, next(rows for least, rows in _HEIGHTS if wide >= least or not least)
+    wide = min(_MOST_WIDTH, step - max(1, step // _PARTS))
+    return wide, max(_LEAST_HEIGHT, 2 * wide // 3 | 1)
 
 
 def chain_boxes(chain: tuple[int, ...], width: int, height: int) -> tuple[Box, ...] | None:
@@ -86,7 +88,7 @@ def end_rewards(mdp: TabularMDP) -> Mapping[int, float | None]:
 class ChainScene(NamedTuple):
     """What a chain looks like at one moment.
 
-    ``rewards`` are those of :func:`end_rewards`, ``exact`` the exact V, [S], None where it is not shown.
+    ``rewards`` are those of :func:`end_rewards`, ``exact`` is that of :func:`exact_v`.
     ``updated`` is the state of the last update, with the sign of its error.
     """
 
@@ -104,18 +106,22 @@ def chain_scene(
     space: FiniteSpace, snapshot: Snapshot, scene: GraphScene, rewards: Mapping[int, float | None]
 ) -> ChainScene:
     """Return the scene of ``snapshot``."""
-    last, solution = followed_step(snapshot), snapshot.exact_answer.solution
-    exact = None
-    if solution is not None and not is_secret(snapshot):
-        q = solution.q.tolist()
-        pairs = map(space.pairs_of, range(space.states))
-        exact = tuple(max(q[own.start : own.stop], default=0.0) for own in pairs)
+    last = followed_step(snapshot)
     updated = way = None
     if last is not None and last.updated_pair >= 0:
         updated = space.state_of(last.updated_pair), last.error_sign
     if last is not None and not last.planned:
         way = last.state, last.next_state
-    return ChainScene(*scene, rewards, exact, updated, way)
+    return ChainScene(*scene, rewards, exact_v(space, snapshot), updated, way)
+
+
+def exact_v(space: FiniteSpace, snapshot: Snapshot) -> tuple[float, ...] | None:
+    """Return the exact V, [S]; None if it is unknown or hidden."""
+    solution = snapshot.exact_answer.solution
+    if solution is None or is_secret(snapshot):
+        return None
+    q, pairs = solution.q.tolist(), map(space.pairs_of, range(space.states))
+    return tuple(max(q[own.start : own.stop], default=0.0) for own in pairs)
 
 
 @dataclass
@@ -175,8 +181,13 @@ class ChainPicture:
         sign = glyphs.goal if reward is not None and reward > 0.0 else glyphs.hole
         paid = "" if reward is None else reward_text(reward, glyphs)
         name, edge = self.shape.nodes[state].name, int(box.height >= 5)
-        bold = style + Style(bold=True)
-        if box.height < 3 or not paid or len(f"{sign} {paid}") <= box.width:
+        bold, rows = style + Style(bold=True), min(box.height - 6, box.width // 2 - 1)
+        if rows >= _ARROW_ROWS and glyphs.braille:
+            shape: SignName = "star" if sign == glyphs.goal else "ring"
+            for y, line in enumerate(block_sign(shape, 2 * rows, rows), start=edge + 2):
+                self._put(box, y, line, bold)
+            self._put(box, box.height - 1 - edge, paid, bold)
+        elif box.height < 3 or not paid or len(f"{sign} {paid}") <= box.width:
             self._put(box, box.height // 2, f"{sign} {paid}".rstrip(), bold) or self._put(
                 box, box.height // 2, sign, bold
             )
@@ -194,13 +205,31 @@ class ChainPicture:
         if box.height > 1 and self._put(box, edge, name, style + Style(bold=True)) and flag:
             x = box.x + min(box.width - 1, (box.width + len(name)) // 2 + 1)
             self.canvas.put(x, box.y + edge, flag, scene.values.flag_style(state, look.palette.you, look))
-        if box.height > 2:
-            self._put_arrows(state, box, edge + 1, box.height - 2 * edge - 2)
         text = scene.values.text(state, scene.form, look)
+        number = self._numbers(box).get(text, ())
+        if box.height > 2:
+            self._put_arrows(state, box, edge + 1, box.height - 2 * edge - (4 if number else 2))
         is_new = state not in scene.values.known
         ink = look.palette.focus if state == scene.signs.cursor else style + Style(bold=not is_new)
-        if box.width >= _LEAST_NUMBER:
+        if number:
+            top = box.height - edge - 3 if self._has_choice else (box.height - 2) // 2
+            for y, line in enumerate(number, start=top):
+                self._put(box, y, line, ink)
+        elif box.width >= _LEAST_NUMBER:
             self._put(box, box.height - 1 - edge, text, ink)
+
+    @property
+    def _has_choice(self) -> bool:
+        return len({each.name for each in self.shape.actions}) > 1
+
+    def _numbers(self, box: Box) -> Mapping[str, tuple[str, ...]]:
+        """Return the values in blocks; empty if the box is too small for them."""
+        if box.height < _BLOCK_NUMBER + _ARROW_ROWS * self._has_choice or not self.look.glyphs.braille:
+            return {}
+        texts = (
+            self.scene.values.text(state, self.scene.form, self.look) for state in range(len(self.boxes))
+        )
+        return block_numbers(filter(None, texts), box.width - 2)
 
     def _put_arrows(self, state: int, box: Box, top: int, rows: int) -> None:
         ways = [

@@ -15,13 +15,14 @@ from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.world_editor import EditorView
+from rl_tui.screen.draw.block_signs import block_numbers
 from rl_tui.screen.draw.canvas import Canvas, centred, shortened
 from rl_tui.screen.draw.names import DEPENDS
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
 from rl_tui.screen.kit.snapshot_facts import keeps_back
-from rl_tui.screen.panels.graph.chain import ChainPicture, chain_layout, chain_scene, end_rewards
+from rl_tui.screen.panels.graph.chain import ChainPicture, chain_layout, chain_scene, end_rewards, exact_v
 from rl_tui.screen.panels.graph.layout import GraphLayout, graph_layout
 from rl_tui.screen.panels.graph.routing import Box
 from rl_tui.screen.panels.graph.shape import (
@@ -121,6 +122,7 @@ def _reward(entry: Mapping[str, Any], target: str) -> float:
 
 
 VALUE_WIDTH: Final = 6
+_LEAST_BLOCK: Final = 7  # rows of a box with a number in blocks; one more has the exact value below it
 HEADING: Final = f"{TITLE} · bold ="
 END: Final = "end"  # in place of the value of a terminal state
 THIN: Final = 1
@@ -186,7 +188,8 @@ class GraphView(WorldView):
             in_chain = chain_scene(self.world.space, snapshot, scene, self._ends)
             ChainPicture(canvas, self._shape, layout.boxes, in_chain, self.look).draw()
         elif self._layout is not None:
-            draw_graph(canvas, self._shape, self._layout, scene, self.look)
+            exact = exact_v(self.world.space, snapshot)
+            draw_graph(canvas, self._shape, self._layout, scene, exact, self.look)
         else:
             rows = len(self._shape.actions)
             self._height, self._top = height, max(0, min(self._top, rows - height))
@@ -275,11 +278,27 @@ class GraphView(WorldView):
         self._top = 0
 
 
-def draw_graph(canvas: Canvas, shape: GraphShape, layout: GraphLayout, scene: GraphScene, look: Look) -> None:
+def draw_graph(
+    canvas: Canvas,
+    shape: GraphShape,
+    layout: GraphLayout,
+    scene: GraphScene,
+    exact: Sequence[float] | None,
+    look: Look,
+) -> None:
     """Draw ``layout`` with the values, the greedy actions, agent, cursor and breakpoints stamped on it."""
-    values, _, signs = scene
+    values, form, signs = scene
+    texts = [values.text(state, form, look) for state in range(len(shape.nodes))]
+    has_blocks = layout.boxes[0].height >= _LEAST_BLOCK and look.glyphs.braille
+    width_inside = min(box.width for box in layout.boxes) - 2
+    numbers = block_numbers(filter(None, texts), width_inside) if has_blocks else {}
     for state, (node, box) in enumerate(zip(shape.nodes, layout.boxes, strict=True)):
-        _draw_box(canvas, box, node, state, scene, look)
+        below = ""
+        if exact is not None and box.height > _LEAST_BLOCK and not node.terminal and state < len(exact):
+            below = f"exact {form.text(exact[state], look.glyphs)}"
+        text = texts[state] or END
+        value = (*numbers.get(text, (text,)), *filter(None, [below]))
+        _draw_box(canvas, box, node, value, state, scene, look)
     _draw_lines(canvas, layout, values, signs.agent, look)
     for fork in layout.forks:
         canvas.put(fork.x, fork.y, look.glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
@@ -307,8 +326,10 @@ def _with_new(values: StateValues, shape: GraphShape) -> StateValues:
     return replace(values, value=(*values.value, *(None if each.terminal else math.nan for each in new)))
 
 
-def _draw_box(canvas: Canvas, box: Box, node: Node, state: int, scene: GraphScene, look: Look) -> None:
-    values, form, signs = scene
+def _draw_box(
+    canvas: Canvas, box: Box, node: Node, value: Sequence[str], state: int, scene: GraphScene, look: Look
+) -> None:
+    values, _, signs = scene
     glyphs, palette, agent = look.glyphs, look.palette, state == signs.agent
     if node.terminal:
         horizontal, vertical, *corners = tuple(glyphs.double_box)
@@ -323,7 +344,7 @@ def _draw_box(canvas: Canvas, box: Box, node: Node, state: int, scene: GraphScen
         canvas.put(box.x, y, vertical, border)
         canvas.put(box.x + 1, y, " " * inner, background)
         canvas.put(box.x + box.width - 1, y, vertical, border)
-    first = box.y + 1 + (box.height - 4) // 2
+    first, text = box.y + 1 + (box.height - 3 - len(value)) // 2, value[0]
     name = shortened(node.name, inner - 1, glyphs.ellipsis)
     flag, is_full = values.flag(state, signs.differing, look), len(name) == inner - 1
     # the blank before a name that fills the box is the agent's, or else the flag's
@@ -333,11 +354,11 @@ def _draw_box(canvas: Canvas, box: Box, node: Node, state: int, scene: GraphScen
         canvas.put(
             box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent
         )
-    text = values.text(state, form, look) or END
     style = palette.focus if state == signs.cursor else background
     flag_style = values.flag_style(state, background, look)
     if not (flag and is_full and agent):
-        canvas.put(box.x + 1, first + 1, centred(text, inner), style)
+        for y, line in enumerate(value, start=first + 1):
+            canvas.put(box.x + 1, y, centred(line, inner), style)
         canvas.put(box.x + 1 + start + len(name), first, flag, flag_style)
     elif len(text) <= inner - 2:
         canvas.put(box.x + 1, first + 1, centred(text, inner - 2) + "  ", style)

@@ -46,6 +46,8 @@ _BOX_HEIGHTS: Final = (4, 5, 6)  # borders, name, value; more where more lines n
 _LEAST_INNER: Final = 6  # a value, and the mark before a name of five letters
 _MOST_INNER: Final = 16
 _ROOMY: Final = (4, 2, 0)  # more characters inside where there is room
+_TALLEST: Final = 9  # rows of a box that grows with the room, and the most characters inside
+_WIDEST: Final = 19
 _LEAST_GAP: Final = 4  # an edge with a fork and a head
 _MOST_GAP: Final = 20
 _LEAST_ROWS: Final = 1
@@ -61,9 +63,10 @@ def places(shape: GraphShape, width: int, height: int) -> Iterator[Places]:
     lines = [_lines_between(shape, row) for row in range(rows - 1)]
     across, wants = _wants(shape, columns)
     lefts = [max(0, wants[0] - less) for less in (0, 1, 2)] + [0]
+    grown = _height(shape, height), min(_WIDEST, width // columns // 2 - 2)
     choices = product(
-        enumerate(_BOX_HEIGHTS),
-        enumerate(_box_widths(shape, columns)),
+        enumerate(dict.fromkeys((grown[0], *_BOX_HEIGHTS))),
+        enumerate(_box_widths(shape, columns, grown[1])),
         enumerate(lefts),
         enumerate((wants[-1], 0)),
     )
@@ -83,13 +86,21 @@ def places(shape: GraphShape, width: int, height: int) -> Iterator[Places]:
         )
 
 
-def _box_widths(shape: GraphShape, columns: int) -> Iterator[list[int]]:
-    """Yield the widths of the columns of boxes: roomy, compact, as narrow as their names."""
+def _height(shape: GraphShape, height: int) -> int:
+    """Return the wished rows of a box: half of its share of ``height``, within limits."""
+    rows = 1 + max(node.row for node in shape.nodes)
+    return max(_BOX_HEIGHTS[0], min(_TALLEST, height // rows // 2))
+
+
+def _box_widths(shape: GraphShape, columns: int, grown: int) -> Iterator[list[int]]:
+    """Yield the widths of the columns of boxes: ``grown``, roomy, compact, as narrow as their names."""
     names = [
         max((cell_len(node.name) for node in shape.nodes if node.column == column), default=0)
         for column in range(columns)
     ]
     inner = [min(_MOST_INNER, max(_LEAST_INNER, 1 + name)) for name in names]
+    if grown > max(inner) + _ROOMY[0]:
+        yield [grown + 2] * columns
     for more in _ROOMY:
         yield [max(inner) + more + 2] * columns
     yield [each + 2 for each in inner]
@@ -113,7 +124,7 @@ def _lefts(
     room = [has + part * more for has, more in zip(room, missing, strict=True)]
     free -= part * sum(missing)
     for gap in range(1, len(room) - 1):
-        more = max(0.0, min(_MOST_GAP - room[gap], free / (len(room) - gap)))
+        more = max(0.0, min(max(_MOST_GAP, width // 4) - room[gap], free / (len(room) - gap)))
         room[gap] += more
         free -= more
     x, lefts = room[0] + free / 2, []
@@ -128,7 +139,7 @@ def _tops(rows: int, height: int, box_height: int, wants: Sequence[int]) -> list
     free = height - rows * box_height - sum(gaps)
     if free < 0:
         return None
-    while free > 0 and any(gap < _MOST_ROWS for gap in gaps):
+    while free > 0 and any(gap < max(_MOST_ROWS, height // 4) for gap in gaps):
         # rows that still lack lines for labels come first, then the narrowest
         index = min(range(len(gaps)), key=lambda each: (gaps[each] >= wants[each], gaps[each]))
         if gaps[index] >= wants[index] and free <= 2:
@@ -186,12 +197,12 @@ def _label(action: GraphAction) -> str:
 # Lines and labels
 
 
-_GOOD_ENOUGH: Final = 2.4  # cost of a label at which no other arrangement is tried
+_GOOD_ENOUGH: Final = 1.2  # cost of a label at which no other arrangement is tried
 _WORK: Final = 60  # actions × arrangements that may be tried to find a better one
 _MOST_WORK: Final = 120  # and to find one at all
 _MOST_ACTIONS: Final = 20  # more lines than this cannot be followed
 _NARROWNESS: Final = 10.0  # over the width of a box: what a wider one may cost in worse labels
-_HEIGHT: Final = 0.3  # what a box of one row less may cost in worse labels
+_HEIGHT: Final = 0.3  # cost of each row between the height of a box and its wished height
 _SECOND_PORT: Final = 1.0
 _BY_A_TAKEN_PORT: Final = 5.0
 _LOOP_SIDE: Final = {RIGHT: 0.0, LEFT: 1.5, UP: 2.0, DOWN: 2.5}
@@ -281,7 +292,7 @@ class _Drawing:
     def finished(self) -> tuple[float, GraphLayout]:
         """Return the layout and its cost: that of labels each, and a little for the lines."""
         cost = self._label_cost / max(1, len(self._wanted)) + 0.001 * self._route_cost
-        cost += _HEIGHT * self._boxes[0].height
+        cost += _HEIGHT * abs(self._boxes[0].height - _height(self._shape, self._sheet.height))
         cost += _NARROWNESS / min(box.width for box in self._boxes)
         layout = GraphLayout(
             self._boxes, tuple(self._strokes), tuple(self._heads), tuple(self._forks), tuple(self._labels)

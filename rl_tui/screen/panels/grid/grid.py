@@ -270,6 +270,7 @@ class GridView(WorldView):
             return self._drawn_cells(snapshot, width, height)
         self.heading = self._title(self._what_is_drawn(form, width), width)
         self.footing = self._where(width - SCALE_ROOM) or self._where(width)
+        self.free_columns = width - part.columns * form.width
         self._form = form
         if self.drawn_layer is Layer.LANDSCAPE:
             landscape = self._landscape(cells, part, form, width, height)

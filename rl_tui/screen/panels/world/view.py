@@ -14,7 +14,7 @@ from textual.strip import Strip
 from rl_tui.live.last_step.step_report import story_of
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import Cells
-from rl_tui.screen.draw.canvas import Canvas, Piece, shortened
+from rl_tui.screen.draw.canvas import Canvas, Line, Piece, length, shortened, strips_of
 from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.bindings import binding
@@ -43,6 +43,8 @@ from rl_tui.worlds.world import World
 WAITING: Final = "the world is being built"
 SCALE_ROOM: Final = 28
 """The cells that the scale needs behind what is said first in the line below the picture."""
+_LEAST_RESULTS: Final = 18  # columns
+_GAP: Final = 3  # columns
 
 
 class WorldView(DrawnPicture, can_focus=True):
@@ -52,7 +54,8 @@ class WorldView(DrawnPicture, can_focus=True):
     arrow key or a click moves it, it stays with the agent; escape takes it back there. ``is_manual``
     says that a person is the agent: then the cursor is not drawn. While a mode is on that has keys of its
     own, ``title`` and ``prompt``, the longest forms first, are said. So is the name of a ``lane`` where
-    another one stands beside it, and without focus a ``note`` about both.
+    another one stands beside it, and without focus a ``note`` about both. If the picture leaves enough
+    ``free_columns``, they show name and ``results`` of the lane.
 
     On a board a line with the scale of the tints is below the picture, in which all this is said, and the
     Bellman equation of the state that a planner backed up last, where its steps can be followed.
@@ -77,6 +80,9 @@ class WorldView(DrawnPicture, can_focus=True):
     title: tuple[str, ...] = ()
     prompt: tuple[str, ...] = ()
     lane: tuple[str, ...] = ()
+    results: tuple[Line, ...] = ()
+    free_columns = 0
+    """The empty columns right of the picture."""
     note: tuple[str, ...] = ()
     is_manual = False
     """Whether a person takes the actions."""
@@ -92,6 +98,7 @@ class WorldView(DrawnPicture, can_focus=True):
     """Whether the cells of a map have the numbers of their states."""
     shows_actions = False
     """Whether the cells of a map show Q of every action, where they have room, in place of V."""
+    _is_named_beside = False
     _said = "", ""  # a mode or a lane, and what is said with it, in one line
 
     def __init__(self, world: World, look: Look, **options: Any) -> None:
@@ -171,7 +178,7 @@ class WorldView(DrawnPicture, can_focus=True):
         return snapshot.counters.state
 
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the place so many rows below and columns to the right, or as far as there is one."""
+        """Return the place ``rows`` below and ``columns`` to the right, or the last one on the way."""
         raise NotImplementedError
 
     def state_at(self, place: int) -> int | None:
@@ -259,8 +266,20 @@ class WorldView(DrawnPicture, can_focus=True):
         self.tints = ValueScale() if self.veils else self.steady_scale.of(snapshot, layer)
         self.range_of_v = self.tints if self.tints.ramp is Ramp.VALUES else self.steady_scale.of_v
         strips = self.drawing(as_layer(snapshot, layer), width, rows)
+        strips = self._with_results(strips, width)
         self._say_what_matters(snapshot, width)
         return [*strips, self._line(snapshot, width)] if has_line else strips
+
+    def _with_results(self, strips: list[Strip], width: int) -> list[Strip]:
+        """Return ``strips`` with name and results of the lane in the free columns at the right."""
+        room, palette = self.free_columns - _GAP, self.look.palette
+        name, *settings = (self.lane or ("",))[0].split(" · ")
+        said = [[Piece(name, palette.strong)], *([Piece(f"  {each}", palette.dim)] for each in settings)]
+        self._is_named_beside = bool(self.results) and room >= max(_LEAST_RESULTS, *map(length, said))
+        if not self._is_named_beside:
+            return strips
+        left, lines = width - room, strips_of([*said, [], *self.results], room, len(strips), self.look)
+        return [Strip.join((one.crop(0, left), other)) for one, other in zip(strips, lines, strict=True)]
 
     def has_layer(self, layer: Layer) -> bool:
         """Return whether it is drawn otherwise in ``layer`` than in others; V is drawn where it is not."""
@@ -314,7 +333,12 @@ class WorldView(DrawnPicture, can_focus=True):
         heading, footing = self._said if self.title or self.lane else (self.heading, self.footing)
         if self.title:
             said += [Piece(f" {heading} ", palette.strong + Style(reverse=True))]
-        elif self.lane or self.studied is not None or self.is_numbered or self.shows_actions:
+        elif (
+            (self.lane and not self._is_named_beside)
+            or self.studied is not None
+            or self.is_numbered
+            or self.shows_actions
+        ):
             said += [Piece(heading, palette.strong)]
         if footing:
             said += [Piece("  " if said else "", palette.text), Piece(footing, palette.dim)]
