@@ -63,9 +63,9 @@ def texts_of_commands(command: click.Command = program) -> Iterator[str]:
 
 
 def texts_of_help() -> Iterator[str]:
-    """The topics of the help, as its module has them."""
+    """The topics of the help, as its module has them, without names of keys."""
     for node in ast.walk(ast.parse(inspect.getsource(help_screen))):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
             yield node.value
 
 

@@ -179,8 +179,8 @@ async def test_the_settings_stand_below_a_blank_row_where_all_of_them_fit() -> N
     controls.begin_with(recipe("frozenlake"))
     async with Alone().run_test(size=(48, 9)) as pilot:
         for height, rows in (
-            (9, ["", "sliders", "sliders", "sliders", "", "a Q-learning · p ε-greedy · t ties random"]),
-            (4, ["sliders", "sliders", "sliders", "a Q-learning  p ε-greedy  + − 10/s  o options"]),
+            (9, ["", "sliders", "sliders", "sliders", "", "a a Q-learning · a p ε-greedy · a t ties random"]),
+            (4, ["sliders", "sliders", "sliders", "a a Q-learning · a p ε-greedy · + − 10/s"]),
         ):
             controls.wanted = LAKE.agent.hyperparameters
             controls.show(LAKE)

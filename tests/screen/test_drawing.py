@@ -164,7 +164,7 @@ async def test_the_mode_is_seen_and_ends_by_its_keys_and_by_another_mode(make_ap
             said = "return .01 · 10 states on its way at random (?)" if drawn(pilot) else "all at random (?)"
             assert world.head.endswith(f" · {said}")
             assert world.foot == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · esc: end"
-            assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  D end")
+            assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  w p end")
             await press(pilot, "shift+right", *keys_of_end)
             assert not screen.drawing.is_on
             assert not world.has_class("-manual")
@@ -215,7 +215,7 @@ async def test_an_arm_of_a_bandit_is_drawn(make_app: MakeApp) -> None:
         await press(pilot, "7")
         assert drawn(pilot) == ((0, 7),)
         assert worth(pilot).expected_return is not None
-        assert view(pilot).head == "Drawn · its return is hidden (w h shows it)"
+        assert view(pilot).head == "You draw · return hidden (w h shows it)"
         assert view(pilot).foot.endswith("esc: end")
         assert "? random" not in picture(pilot)
 

@@ -134,7 +134,7 @@ def test_a_task_has_a_sign_beside_each_condition_and_what_was_found() -> None:
     assert "✓ no step by you" in said
     assert "… later" in said
     assert "3 of 20" in said
-    assert "H hint 1 of 2" in said
+    assert "h hint 1 of 2" in said
     assert "optimist" not in said
 
 
@@ -147,7 +147,7 @@ def test_hints_come_one_by_one_and_the_solution_last() -> None:
         (True, True, True),
         (True, True, True),
     ]
-    assert "H the solution" in shown[2]
+    assert "h the solution" in shown[2]
     assert SET_INITIAL_Q not in shown[2]
     assert " H " not in shown[3]
 

@@ -19,13 +19,17 @@ def key_on_screen(word: str) -> str:
     found = min(ACTIONS, key=lambda action: (_distance(action, word), _is_special(action)))
     if _distance(found, word) == _UNRELATED or (shipped_folder() / f"{word}.toml").is_file():
         return ""
-    label = "" if found.label.lower() == word.lower() else f" ({found.label})"
+    label = "" if found.label.lower().rstrip("…") == word.lower() else f" ({found.label})"
     return f"on screen it is the key {found.shown}{label}: {_command(found)}"
 
 
 def _distance(action: Action, word: str) -> int:
     """Return 0 for the label of ``action``, 1 for another name, 2 for the first word of its help."""
-    word, label, verb = word.lower(), action.label.lower(), action.help.split()[0].strip(",;").lower()
+    word, label, verb = (
+        word.lower(),
+        action.label.lower().rstrip("…"),
+        action.help.split()[0].strip(",;").lower(),
+    )
     return (word == label, word in f"{label} {action.aliases}".split(), word == verb, True).index(True)
 
 

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from rl_tui.live.record import Record
     from rl_tui.live.sessions.autosave import Autosave, KeptSession
     from rl_tui.live.sessions.session import StoredSession
-    from rl_tui.screen.app.find import Entry
+    from rl_tui.screen.app.find import Hit
     from rl_tui.screen.catalogue.catalogue import CatalogueScreen
     from rl_tui.screen.catalogue.lessons import LessonsScreen
     from rl_tui.screen.playground.actions.next_lesson import LessonWanted
@@ -363,7 +363,7 @@ class RlTuiApp(LinkedApp[UserError]):
             find = FindScreen(self.look, entries_on(screen), partial(new_values, screen), more)
             self.push_screen(find, self._do_found)
 
-    async def _do_found(self, entry: Entry | None) -> None:
+    async def _do_found(self, entry: Hit | None) -> None:
         done = None if entry is None else entry.do()
         if isawaitable(done):
             await done

@@ -37,7 +37,7 @@ Put: TypeAlias = Callable[[float | str], object]
 NOTHING: Final = "Nothing has a word that begins so. ? shows all keys."
 
 
-class Entry(NamedTuple):
+class Hit(NamedTuple):
     """What can be found: its name, what kind of thing it is, a sentence, and what enter does with it.
 
     ``also`` are other words for it. What is ``refused`` can do nothing now, as its sentence says.
@@ -52,7 +52,7 @@ class Entry(NamedTuple):
     refused: bool = False
 
 
-class FindScreen(Dialog[Entry]):
+class FindScreen(Dialog[Hit]):
     """A line to type, and the entries that it finds, one in a row. Answers the one that is chosen.
 
     ``for_query`` makes entries of what is typed, such as a setting with its new value; ``more`` reads files,
@@ -69,16 +69,16 @@ class FindScreen(Dialog[Entry]):
     def __init__(
         self,
         look: Look,
-        entries: Sequence[Entry],
-        for_query: Callable[[str], list[Entry]],
-        more: Callable[[], list[Entry]],
+        entries: Sequence[Hit],
+        for_query: Callable[[str], list[Hit]],
+        more: Callable[[], list[Hit]],
     ) -> None:
         super().__init__()
         self._look = look
         self._entries = list(entries)
         self._for_query = for_query
         self._more = more
-        self._found = list[Entry]()
+        self._found = list[Hit]()
 
     def compose(self) -> ComposeResult:
         """Yield the line, the rows and the sentence."""
@@ -135,7 +135,7 @@ class FindScreen(Dialog[Entry]):
         else:
             self._tell(NOTHING)
 
-    def _row(self, entry: Entry, width: int) -> Text:
+    def _row(self, entry: Hit, width: int) -> Text:
         """Return the name of ``entry`` at the left, its keys and kind at the right, in ``width`` columns."""
         palette, glyphs = self._look.palette, self._look.glyphs
         keys, kind = self._written(entry.keys), entry.kind
@@ -154,7 +154,7 @@ class FindScreen(Dialog[Entry]):
 # What fits best
 
 
-def found_by(query: str, entries: Sequence[Entry]) -> list[Entry]:
+def found_by(query: str, entries: Sequence[Hit]) -> list[Hit]:
     """Return those of ``entries`` that ``query`` is about, the best first; all actions for an empty one."""
     if not query.strip():
         return [entry for entry in entries if entry.kind == "action"]
@@ -163,7 +163,7 @@ def found_by(query: str, entries: Sequence[Entry]) -> list[Entry]:
     return [entry for _, entry in sorted(found, key=lambda pair: -pair[0])]
 
 
-def relevance(query: str, entry: Entry) -> float:
+def relevance(query: str, entry: Hit) -> float:
     """Return how well ``query`` fits ``entry``, from 0 (not at all) to 1.
 
     It may be the key of the entry. Else each word of it has to begin a word of the entry, or to be somewhere
@@ -174,7 +174,7 @@ def relevance(query: str, entry: Entry) -> float:
     return min((_weight(word, entry) for word in _words(query)), default=0.0)
 
 
-def _weight(word: str, entry: Entry) -> float:
+def _weight(word: str, entry: Hit) -> float:
     name = _words(entry.name)
     if word in name:
         return 1.0
@@ -195,23 +195,23 @@ def _words(text: str) -> list[str]:
 # What there is
 
 
-def entries_on(screen: Screen[Any]) -> list[Entry]:
+def entries_on(screen: Screen[Any]) -> list[Hit]:
     """Return what can be found on ``screen`` without reading files: actions, settings, words."""
     if not isinstance(screen, ActionScreen):
         return []
     actions = [_of_action(screen, action) for action in screen.actions if action.id != "find"]
     settings = [
-        Entry(parameter.name, "setting", _sentence(parameter), ask, also=parameter.symbol)
+        Hit(parameter.name, "setting", _sentence(parameter), ask, also=parameter.symbol)
         for parameter, ask, _ in _settings(screen)
     ]
     words = [
-        Entry(term.word, "word", term.text, partial(screen.show_words, (id_,)), also=" ".join(term.also))
+        Hit(term.word, "word", term.text, partial(screen.pages.show_words, (id_,)), also=" ".join(term.also))
         for id_, term in glossary().items()
     ]
     return [*actions, *settings, *words]
 
 
-def new_values(screen: Screen[Any], query: str) -> list[Entry]:
+def new_values(screen: Screen[Any], query: str) -> list[Hit]:
     """Return an entry for each setting that ``query`` names before a number, as in ``epsilon .3``."""
     word, _, number = query.replace("=", " ").strip().rpartition(" ")
     try:
@@ -220,7 +220,7 @@ def new_values(screen: Screen[Any], query: str) -> list[Entry]:
         return []
     asked = word.strip().lower()
     return [
-        Entry(
+        Hit(
             f"Set {parameter.symbol} to {value:g}",
             "setting",
             _sentence(parameter),
@@ -234,10 +234,10 @@ def new_values(screen: Screen[Any], query: str) -> list[Entry]:
     ]
 
 
-def _of_action(screen: ActionScreen, action: Action) -> Entry:
+def _of_action(screen: ActionScreen, action: Action) -> Hit:
     name = action.label[0].upper() + action.label[1:]
     do = partial(screen.run_action, action.textual_action)
-    return Entry(name, "action", action.sentence, do, action.shown, action.aliases, bool(action.refused))
+    return Hit(name, "action", action.sentence, do, action.shown, action.aliases, bool(action.refused))
 
 
 def _settings(screen: Screen[Any]) -> Iterator[tuple[Parameter, Ask, Put]]:
@@ -256,23 +256,23 @@ def _sentence(parameter: Parameter) -> str:
     return f"{parameter.help[0].upper()}{parameter.help[1:]}."
 
 
-def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None) -> list[Entry]:
+def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None) -> list[Hit]:
     """Return the worlds, lessons and sessions; ``open_found`` opens one. To be called in a thread."""
     from rl_tui.lessons.catalogue import read_lessons
     from rl_tui.live.sessions.session import sessions_in
     from rl_tui.worlds.files.catalogue import scenarios
 
     worlds = [
-        Entry(each.title, "world", each.summary, partial(open_found, each), also=each.id)
+        Hit(each.title, "world", each.summary, partial(open_found, each), also=each.id)
         for each in scenarios()
     ]
     lessons = [
-        Entry(each.title, "lesson", each.summary, partial(open_found, each), also=each.id)
+        Hit(each.title, "lesson", each.summary, partial(open_found, each), also=each.id)
         for each in read_lessons().lessons
     ]
     kept = () if sessions is None else sessions_in(sessions)[0]
     return [
         *worlds,
         *lessons,
-        *(Entry(each.title, "session", f"Step {each.step:,}.", partial(open_found, each)) for each in kept),
+        *(Hit(each.title, "session", f"Step {each.step:,}.", partial(open_found, each)) for each in kept),
     ]

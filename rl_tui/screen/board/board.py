@@ -300,7 +300,7 @@ class Board(Container):
 
     @property
     def is_paired(self) -> bool:
-        """Whether two lanes stand side by side."""
+        """Whether two runs are side by side."""
         return self._pair.is_shown
 
     def on_resize(self) -> None:

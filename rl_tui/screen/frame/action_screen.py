@@ -8,25 +8,24 @@ from typing import TYPE_CHECKING, Final
 from textual.actions import parse
 from textual.app import ComposeResult
 from textual.events import Key
-from textual.geometry import Offset
 from textual.notifications import SeverityLevel
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.frame.help_pages import HelpPages
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.moment import tell
 from rl_tui.screen.frame.shape import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.registry import actions_of
-from rl_tui.screen.kit.row import PanelRow, beside
+from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.theme.look import Look
 
 if TYPE_CHECKING:
     from rl_tui.screen.dialogs.dialog import Dialog
-    from rl_tui.screen.frame.number_here import NumberHere
 
 LEAST_WIDTH: Final = 60
 LEAST_HEIGHT: Final = 18
@@ -73,7 +72,7 @@ class ActionScreen(Screen[None]):
         super().__init__()
         self.look = look
         self.panel_rows = panels
-        self._mouse_at_key = Offset(0, 0)  # at the last key that asked nothing
+        self.pages = HelpPages(self)
 
     @property
     def known_actions(self) -> tuple[Action, ...]:
@@ -114,72 +113,15 @@ class ActionScreen(Screen[None]):
     def on_key(self, event: Key) -> None:
         """Note where the mouse is: what asks is not what moved a cursor."""
         if event.key != "question_mark":
-            self._mouse_at_key = self.app.mouse_position
+            self.pages.note_key()
 
     def action_quit(self) -> None:
         """Quit."""
         self.app.exit()
 
     def action_help(self) -> None:
-        """Show the keys of this place; where the mouse was moved onto a word or a number, explain that."""
-        words, number = self._words_here() if self.app.mouse_position != self._mouse_at_key else ((), None)
-        if words:
-            self.show_words(words, number)
-        else:
-            self.show_keys()
-
-    def show_keys(self) -> None:
-        """Show all keys of this place; words and pages are a key away."""
-        from rl_tui.screen.frame.key_sheet import KeySheet
-
-        self.app.push_screen(KeySheet(self.look, self.actions, self.focused, self.name_of_focus), self._turn)
-
-    def show_words(self, here: Sequence[str], number: NumberHere | None = None) -> None:
-        """Show the terms with the ids ``here``, or all; the pages are a key away.
-
-        ``number`` is what is under the cursor, for ``NUMBER`` among the ids.
-        """
-        from rl_tui.screen.frame.glossary import GlossaryScreen, setting_here
-
-        setting = setting_here(self, self.look.glyphs)
-        self.app.push_screen(GlossaryScreen(self.look, here, number, setting), self._turn)
-
-    def _turn(self, page: str | None) -> None:
-        """Go on to another ``page`` of what ``?`` shows; None: it was closed."""
-        from rl_tui.screen.frame.key_sheet import FIND, KEYS, PAGES, WORDS
-
-        if page == KEYS:
-            self.show_keys()
-        elif page == WORDS:
-            self.show_words(*self._words_here())
-        elif page == PAGES:
-            self.app.push_screen(self.help_screen(), self._turn)
-        elif page == FIND:
-            self.call_later(self.app.run_action, "find")
-
-    def _words_here(self) -> tuple[Sequence[str], NumberHere | None]:
-        """Return the ids of the terms that are about what the mouse or the focus is on, and the number there.
-
-        The number under the mouse counts only where that was moved since the last key.
-        """
-        # these bring widgets that the first paint has no need of
-        from rl_tui.screen.frame.glossary import number_under_mouse, words_here
-        from rl_tui.screen.frame.number_here import number_here
-
-        rows = {name: row for row in self.panel_rows for name in (row.id, beside(row.id))}
-        number = None
-        if self.app.mouse_position != self._mouse_at_key or self.focused is None:
-            number = number_under_mouse(self, self.look)
-        is_pointed_at = number is not None
-        number = number or number_here(self.focused, self.look)
-        has_number = number is not None
-        words = words_here(self, rows, self.look.glyphs, has_number=has_number, is_number_first=is_pointed_at)
-        return words, number
-
-    @property
-    def name_of_focus(self) -> str:
-        """The title of the panel in focus."""
-        return next((row.title for row in self.panel_rows if row.id == getattr(self.focused, "id", "")), "")
+        """Show the keys of this place, or explain what the mouse points at."""
+        self.pages.open()
 
     def help_screen(self) -> Dialog[str]:
         """Return the pages about panels, planners and the like."""

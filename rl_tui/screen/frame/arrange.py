@@ -120,7 +120,7 @@ class _Bands:
         named = sheet.shown
         has_column = self.aside or sheet.shows(TABLE) or sheet.shows(LAST_STEP)
         self.is_alone = named is not None and not has_column
-        self.has_lower = sheet.shows(CURVE) or sheet.shows(self.shape.settings)
+        self.has_lower = bool(self.below_page or sheet.shows(CURVE) or sheet.shows(self.shape.settings))
         self.wind = int(isinstance(self.drawing, Grid) and bool(self.drawing.wind))
         self.is_place = isinstance(self.drawing, Grid) and not self.drawing.legend
         self.chain = len(self.drawing.chain) if isinstance(self.drawing, Graph) else 0
@@ -406,8 +406,10 @@ class _Bands:
             foot -= 1
             sheet.put(LAST_STEP, Region(x, foot, width, 1))
         if self.below_page is not None and self.aside == LESSON:
-            sheet.put(self.below_page, Region(x, low, width, foot - 1 - low))
-            sheet.put(TIMELINE, Region(x, foot - 1, width, 1))
+            if sheet.shows(TIMELINE):
+                foot -= 1
+                sheet.put(TIMELINE, Region(x, foot, width, 1))
+            sheet.put(self.below_page, Region(x, low, width, foot - low))
             return
         second = self.below_page
         if second is None and self.aside == LESSON and not sheet.lanes and sheet.shows(TABLE):

@@ -408,7 +408,7 @@ _MORE: Final[tuple[Action, ...]] = (
         "panels",
         "Show all panels from now on, or only those that mean something so far.",
     ),
-    Action("turn_legends", "m l", "legends", "Hide or show what symbols on panels mean.", old="L"),
+    Action("view.turn_legends", "m l", "legends", "Hide or show what symbols on panels mean.", old="L"),
     Action(
         "theme",
         "m c",

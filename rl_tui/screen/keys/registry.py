@@ -74,6 +74,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "Close what is open, or go back to the start screen; press twice once a step was taken.",
         Group.PROGRAM,
         symbol="esc",
+        command="leaving.back",
         rank=18,
         aliases="menu list",
         leaves=True,

@@ -48,6 +48,7 @@ from rl_tui.screen.playground.actions.agent import AgentActions, WhyActions
 from rl_tui.screen.playground.actions.export import ExportActions
 from rl_tui.screen.playground.actions.kept_back import KeptBack
 from rl_tui.screen.playground.actions.lanes import LaneActions
+from rl_tui.screen.playground.actions.leaving import LEAVING_KEYS, Leaving
 from rl_tui.screen.playground.actions.lesson import LessonActions
 from rl_tui.screen.playground.actions.menus import MenuActions
 from rl_tui.screen.playground.actions.opened_panels import MicroscopeActions, PolicyActions, SeedActions
@@ -159,7 +160,7 @@ class Playground(ActionScreen):
         self._by_command = {each.command or each.id: each for each in self.known_actions}
         self._told_keys = set[str]()  # ids of actions whose old key was pressed
         self._moment: object = None
-        self._asked: tuple[str, int] | None = None  # the key that asked to leave, and the last deed then
+        self.leaving = Leaving(*of, self.session, self.lesson, self.modes, self._leave)
         self._watches = watches
         self.frames = Frames(self, fps)
         self._settling = Settling(
@@ -226,7 +227,9 @@ class Playground(ActionScreen):
 
     async def action_old_key(self, id_: str) -> None:
         """Name the key that the action ``id_`` has now, once, and do it; or only name it."""
-        action = next(each for each in self.known_actions if each.id == id_)
+        action = next((each for each in self.known_actions if each.id == id_), None)
+        if action is None:
+            return  # of a file, in a kiosk
         if action.old_only_tells or id_ not in self._told_keys:
             self._told_keys.add(id_)
             self.tell(f"The key is now {action.shown}: {action.label}.")
@@ -320,6 +323,9 @@ class Playground(ActionScreen):
 
     def _set_out(self, record: LessonRecord) -> None:
         self.post_message(self.SetupWanted(record))
+
+    def _leave(self) -> None:
+        self.post_message(self.Left(self.recipe))
 
     def _reopen(self, recipe: Recipe) -> None:
         self.post_message(self.Reopened(recipe, self.wanted.speed))
@@ -424,18 +430,12 @@ class Playground(ActionScreen):
         """Hold back what needs a world; let a second escape leave only if nothing came between."""
         if self.early_keys.take(event):
             event.stop()
-        if event.key not in ("escape", "q"):
-            self._asked = None
+        if event.key not in LEAVING_KEYS:
+            self.leaving.forget()
 
     def on_mouse_down(self) -> None:
         """Let a click come between them too."""
-        self._asked = None
-
-    @property
-    def name_of_focus(self) -> str:
-        """The title of the panel in focus."""
-        panel = self.board.panel_of(self.focused)
-        return self.board.rows[panel].title if self.focused is not None and panel in self.board.rows else ""
+        self.leaving.forget()
 
     def help_screen(self) -> HelpScreen:
         """Return the pages of the help, with the notes of the scenario, which tell answers."""
@@ -443,40 +443,6 @@ class Playground(ActionScreen):
         notes = self.kept_back.notes or self.recipe.scenario.notes
         return HelpScreen(self.look, panels, notes)
 
-    def action_turn_legends(self) -> None:
-        """Hide captions and legends, or show them again."""
-        self.legends.turn()
-        self.board.apply_switches()
-        self.redraw()
-
-    def action_back(self) -> None:
-        """Close what is open, or go back to the start screen, asking first where something was done."""
-        where = "the start screen" if self.wanted.lesson is None else "the lessons"
-        if not self._closes() and not self._asks("esc", f"esc again goes to {where}"):
-            self.post_message(self.Left(self.recipe))
-
     def action_quit(self) -> None:
         """Close what is open, or quit, asking first where something was done."""
-        if not self._closes() and not self._asks("q", "q again quits"):
-            self.app.exit()
-
-    def _closes(self) -> bool:
-        """Close the zoom, a panel or a mode, if one is open; return whether one was."""
-        if self.board.zoomed:
-            self.board.zoom(None)
-        elif self.board.opened is not None:
-            self.board.close()
-        elif self.modes.current is not None and not self.lesson.is_over:
-            self.modes.current.toggle()
-        else:
-            return False
-        return True
-
-    def _asks(self, key: str, question: str) -> bool:
-        """Ask for ``key`` once more where something was done since it was pressed; return whether it did."""
-        asked = key, self.wanted.last_deed
-        if self.lesson.is_over or not self.wanted.was_used(self.snapshot) or self._asked == asked:
-            return False
-        self._asked = asked
-        self.tell(f"{question}; {self.session.after_leaving}.")
-        return True
+        self.leaving.quit()

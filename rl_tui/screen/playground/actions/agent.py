@@ -67,16 +67,18 @@ class AgentActions(Subject):
 
     def value(self, deed: str) -> str:
         """Return the current value of what ``deed`` sets."""
-        values = self.recipe.hyperparameters
+        recipe, values = self.recipe, self.recipe.hyperparameters
+        if recipe.algorithm not in BY_ID or self.why_not(deed):  # of a watched program nothing is known
+            return ""
         current = {
-            "choose_algorithm": BY_ID[self.recipe.algorithm].name,
+            "choose_algorithm": BY_ID[recipe.algorithm].name,
             "choose_policy": POLICY_BY_ID[values.policy].name,
             "next_ties": values.ties,
-            "next_seed": str(self.recipe.seed + 1),
-            "ask_seed": str(self.recipe.seed),
+            "next_seed": str(recipe.seed + 1),
+            "ask_seed": str(recipe.seed),
             "ask_initial_q": f"{values.initial_q:g}",
         }
-        return "" if self.why_not(deed) else current.get(deed, "")
+        return current.get(deed, "")
 
     def choose_algorithm(self) -> None:
         """Choose the algorithm."""

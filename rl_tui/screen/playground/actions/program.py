@@ -55,7 +55,7 @@ class ProgramActions(Subject):
     def sets_itself(self) -> bool:
         """Say that a program sets its own hyper-parameters, if one is watched; return whether that is so."""
         if self.program is not None:
-            self.screen.tell(DECIDES.format(file=file_name(self.program)))
+            self.screen.refuse(DECIDES.format(file=file_name(self.program)))
         return self.program is not None
 
     def choose_table(self) -> None:

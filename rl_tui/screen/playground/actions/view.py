@@ -34,7 +34,7 @@ class ViewActions(Subject):
         if deed == "hide_answer" and snapshot.world.mdp is None:
             return "this world has no exact values to hide"
         if deed == "hide_answer" and snapshot.playback.phase is Phase.SPENT:
-            return "the budget is spent, and nothing is hidden any more; r r starts again"
+            return "the budget is spent, so nothing is hidden; r r starts again"
         if deed == "turn_actions" and not isinstance(drawing, Grid):
             return f"{'each bar' if isinstance(drawing, Arms) else 'the table'} shows Q of every action here"
         if deed == "numbers" and not isinstance(drawing, Grid):
@@ -48,6 +48,7 @@ class ViewActions(Subject):
             "hide_answer": "hidden" if self.link.wanted.is_hidden else "shown",
             "turn_actions": "Q" if legends.shows_actions else "V",
             "numbers": "on" if legends.numbers_states else "off",
+            "turn_legends": "on" if legends.is_on else "off",
         }
         return "" if self.why_not(deed) else values.get(deed, "")
 
@@ -141,6 +142,13 @@ class ViewActions(Subject):
         """Hide whatever would reveal the exact values, or show it."""
         if self.snapshot is not None:
             self.link.send(HideAnswer(not self.link.wanted.is_hidden))
+
+    def turn_legends(self) -> None:
+        """Hide captions and legends, or show them again."""
+        self.board.legends.turn()
+        self.board.apply_switches()
+        if self.snapshot is not None:
+            self.board.show(self.snapshot)
 
     def numbers(self) -> None:
         """Show or hide the numbers of the states in the cells of a map."""

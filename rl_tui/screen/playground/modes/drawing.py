@@ -71,7 +71,13 @@ def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[tuple[str, ...]]:
         return
     worth = answers.policies.get(PolicyKind.DRAWN)
     if is_kept_back(snapshot, PolicyKind.DRAWN):
-        yield f"its return is hidden ({shown_by(snapshot)})", "its return is hidden", "return hidden"
+        how = shown_by(snapshot)
+        yield (
+            f"its return is hidden ({how})",
+            f"return hidden ({how})",
+            "its return is hidden",
+            "return hidden",
+        )
     elif worth is not None and worth.expected_return is not None:
         yield (f"return {_amount(worth.expected_return, glyphs)}",)
     elif worth is not None and (worth.is_known or worth.refused):
@@ -341,7 +347,7 @@ def likely_cell(world: World, state: int, action: int) -> int:
 def _refused(world: World) -> str:
     """Return why nothing can be drawn in ``world``, empty if something can be."""
     if world.mdp is None:
-        return "what actions lead to is not known here: a drawn policy could not be evaluated"
+        return "without a transition table, a drawn policy has no exact return"
     if not (np.diff(world.space.first_pair) > 1).any():
         return "nothing to draw: no state has more than one action"
     return ""

@@ -113,7 +113,7 @@ class ManualControl(KeyMode):
         refused = _refused(snapshot)
         if refused:
             self.leave()
-            self.screen.tell(refused)
+            self.screen.refuse(refused)
             return
         glyphs = self.glyphs
         self._write(title(snapshot, glyphs), prompts(snapshot, glyphs), ((_keys(snapshot), "act"), *_HINTS))

@@ -1,0 +1,62 @@
+"""Leaving the playground, or the program: what is open is closed first, and what was done is asked about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.playground.actions.lesson import LessonActions
+from rl_tui.screen.playground.actions.session import SessionActions
+from rl_tui.screen.playground.modes.mode import Modes
+
+LEAVING_KEYS: Final = ("escape", "q")
+
+
+@dataclass(eq=False)
+class Leaving(Subject):
+    """Asks for the same key once more where something was done; ``leave`` goes to the start screen."""
+
+    session: SessionActions
+    lesson: LessonActions
+    modes: Modes
+    leave: Callable[[], None]
+    _asked: tuple[str, int] | None = None  # the key that asked, and the last deed then
+
+    def back(self) -> None:
+        """Close what is open, or go back to the start screen."""
+        where = "the start screen" if self.link.wanted.lesson is None else "the lessons"
+        if not self._closes() and not self._asks("esc", f"esc again goes to {where}"):
+            self.leave()
+
+    def quit(self) -> None:
+        """Close what is open, or quit."""
+        if not self._closes() and not self._asks("q", "q again quits"):
+            self.screen.app.exit()
+
+    def forget(self) -> None:
+        """Ask anew at the next key: something else came between."""
+        self._asked = None
+
+    def _closes(self) -> bool:
+        """Close the zoom, a panel or a mode, if one is open; return whether one was."""
+        if self.board.zoomed:
+            self.board.zoom(None)
+        elif self.board.opened is not None:
+            self.board.close()
+        elif self.modes.current is not None and not self.lesson.is_over:
+            self.modes.current.toggle()
+        else:
+            return False
+        return True
+
+    def _asks(self, key: str, question: str) -> bool:
+        """Ask for ``key`` once more where something was done since it was pressed; return whether it did."""
+        wanted = self.link.wanted
+        asked = key, wanted.last_deed
+        if self.lesson.is_over or not wanted.was_used(self.snapshot) or self._asked == asked:
+            return False
+        self._asked = asked
+        self.screen.tell(f"{question}; {self.session.after_leaving}.")
+        return True
