@@ -75,19 +75,22 @@ STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "lanes, drawing": ({}, {"lanes": True, "is_drawn": True}),
     "lesson": ({}, {"has_lesson": True}),
     "lesson, read": ({}, {"has_lesson": True, "reads": True}),
-    "lesson, world alone": ({"shown": (WORLD,)}, {"has_lesson": True}),
-    "lesson, world and curve": ({"shown": (WORLD, CURVE, TIMELINE)}, {"has_lesson": True}),
-    "lesson, world and table": ({"shown": (WORLD, TABLE, CURVE, TIMELINE)}, {"has_lesson": True}),
-    "lesson, world, panel": ({"shown": (WORLD,), "opened": "policies"}, {"has_lesson": True}),
+    "lesson, world alone": ({}, {"shown": frozenset({WORLD}), "has_lesson": True}),
+    "lesson, world and curve": ({}, {"shown": frozenset({WORLD, CURVE, TIMELINE}), "has_lesson": True}),
+    "lesson, world and table": (
+        {},
+        {"shown": frozenset({WORLD, TABLE, CURVE, TIMELINE}), "has_lesson": True},
+    ),
+    "lesson, world, panel": ({"opened": "policies"}, {"shown": frozenset({WORLD}), "has_lesson": True}),
     "lesson, panel": ({"opened": "policies"}, {"has_lesson": True}),
     "lesson, lanes": ({}, {"has_lesson": True, "lanes": True}),
     "lesson, drawing": ({}, {"has_lesson": True, "is_drawn": True}),
-    "world alone": ({"shown": (WORLD,)}, {}),
-    "world and curve": ({"shown": (WORLD, CURVE, TIMELINE)}, {}),
-    "world and table": ({"shown": (WORLD, CURVE, TIMELINE, TABLE)}, {}),
-    "all but the settings": ({"shown": (WORLD, CURVE, TIMELINE, TABLE, LAST_STEP)}, {}),
-    "world and settings": ({"shown": (WORLD, CONTROLS)}, {}),
-    "world, panel": ({"shown": (WORLD,), "opened": "microscope"}, {}),
+    "world alone": ({}, {"shown": frozenset({WORLD})}),
+    "world and curve": ({}, {"shown": frozenset({WORLD, CURVE, TIMELINE})}),
+    "world and table": ({}, {"shown": frozenset({WORLD, CURVE, TIMELINE, TABLE})}),
+    "all but the settings": ({}, {"shown": frozenset({WORLD, CURVE, TIMELINE, TABLE, LAST_STEP})}),
+    "world and settings": ({}, {"shown": frozenset({WORLD, CONTROLS})}),
+    "world, panel": ({"opened": "microscope"}, {"shown": frozenset({WORLD})}),
     "drawing": ({}, {"is_drawn": True}),
     "drawing, panel": ({"opened": "world_check"}, {"is_drawn": True}),
     "program": ({}, {"is_program": True}),
@@ -108,7 +111,7 @@ def check(place: Arrangement, shape: Shape, state: str, size: Size) -> None:
     assert all(between.contains_region(each) for each in place.regions.values()), case
     assert not any(one.overlaps(other) for one, other in combinations(place.regions.values(), 2)), case
     asked, changes = STATES[state]
-    if {"shown", "opened"} <= asked.keys() and size_class(size) is not ROOMY:
+    if "shown" in changes and "opened" in asked and size_class(size) is not ROOMY:
         return  # a board then shows all panels
     if state == "lesson, read" and place.regions.keys() == {LESSON}:
         return
@@ -116,9 +119,9 @@ def check(place: Arrangement, shape: Shape, state: str, size: Size) -> None:
     wanted |= {DRAW} if changes.get("is_drawn") and "opened" not in asked else set()
     wanted |= {LESSON} if changes.get("has_lesson") else set()
     assert wanted <= place.regions.keys(), case
-    if "shown" in asked:
+    if "shown" in changes:
         permanent = {WORLD, TABLE, CURVE, TIMELINE, LAST_STEP, CONTROLS}
-        assert place.regions.keys() & permanent <= {*asked["shown"]}, case
+        assert place.regions.keys() & permanent <= {*changes["shown"]}, case
     if isinstance(shape.drawing, Grid) and WORLD in place.regions:
         assert place.cell.area > 0
         assert place.cell.width <= place.regions[WORLD].width

@@ -93,13 +93,13 @@ async def test_the_table_the_model_and_a_new_size_may_look_elsewhere_while_the_a
         assert isinstance(table.row_range, RowRange)
         assert table.row_range.first is None
         await train(pilot, 2_000)
-        await tap(pilot, "m")
+        await tap(pilot, "w", "m")
         panel = pilot.app.screen.query_one(ModelPanel)
         panel.show_pair(4)
         await settle(pilot)
         assert newest(screen).agent.holds(4)
         assert "not yet visited" in "\n".join(panel.render_line(y).text for y in range(panel.size.height))
-        await tap(pilot, "m")
+        await tap(pilot, "escape")
         map_of(screen).focus()
         await tap(pilot, "f")  # it covers all others
         check_complete(screen)
@@ -114,7 +114,7 @@ async def test_two_lanes_show_and_scroll_the_same_part_and_count_what_is_in_view
     async with on_screen(app_of(), (120, 40)) as pilot:
         screen = playground(pilot)
         await train(pilot, 3_000)
-        await tap(pilot, "c", "enter", "down", "enter")
+        await tap(pilot, "c", "a", "down", "enter")
         left, right = (screen.board.panel(panel) for panel in ("world", "world-beside"))
         assert isinstance(left, GridView)
         assert isinstance(right, GridView)

@@ -55,7 +55,7 @@ from rl_tui.screen.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.timeline import HINTS, TimelineBar
 from rl_tui.screen.panels.world.view import WorldView
-from rl_tui.screen.panels.world_views import WorldPlaceholder, make_world_view
+from rl_tui.screen.panels.world_views import make_world_view
 from rl_tui.screen.theme.look import Look
 
 # The place of the lesson
@@ -178,7 +178,6 @@ class Board(Container):
         """The world of the lane that is led, None before the first snapshot."""
         self._is_one_lane = self.keeps_focus = False
         self.wanted_layer = Layer.Q  # of worlds and tables
-        self._made(WORLD, WorldPlaceholder)
         self.curve = self._made(CURVE, ReturnCurve)
         self.curve.begin_with(wanted.recipe)
         self.timeline = self._made(TIMELINE, TimelineBar)
@@ -197,7 +196,7 @@ class Board(Container):
         self.apply_switches()
 
     def _made(self, panel: str, kind: type[Kind]) -> Kind:
-        made = self.panel(panel)
+        made = self._panels[panel]
         assert isinstance(made, kind)
         return made
 
@@ -255,12 +254,6 @@ class Board(Container):
         shape = replace(self._arrangement.shape, **changes)
         if shape != self._arrangement.shape:
             self._arrangement.shape = shape
-            self._arrange_again()
-
-    def show_only(self, panels: frozenset[str] | None) -> None:
-        """Give a place only to these panels, by their ids, None: to all."""
-        if panels != self._arrangement.shown:
-            self._arrangement.shown = panels
             self._arrange_again()
 
     def _take_lead(self, snapshot: Snapshot) -> None:

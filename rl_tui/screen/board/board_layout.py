@@ -19,10 +19,7 @@ _AROUND = 2  # rows of the screen that the board has not: header and keys
 
 
 class BoardLayout(Layout):
-    """Gives each panel the region that the arrangement has for it: of its ``shape``, and what is open.
-
-    ``shown`` are the ids of the panels to show, None: all.
-    """
+    """Gives each panel the region that the arrangement has for it: of its ``shape``, and what is open."""
 
     name = "board"
 
@@ -30,7 +27,6 @@ class BoardLayout(Layout):
         self.shape = shape
         self.zoomed: str | None = None
         self.opened: str | None = None
-        self.shown: frozenset[str] | None = None
         self.placed: frozenset[str] = frozenset()
         self._rows = {row.id: row for row in panels}
 
@@ -40,7 +36,7 @@ class BoardLayout(Layout):
         So it is beside a panel that a key has opened, where that leaves no room for a page of a lesson.
         """
         is_opened = self.opened is not None and not docks_lesson(_screen(size), None)
-        return None if is_opened or self.shape.lanes or self.shape.is_drawn else self.shown
+        return None if is_opened or self.shape.lanes or self.shape.is_drawn else self.shape.shown
 
     def has_lesson_in_a_row(self, size: Size) -> bool:
         """Return whether a lesson has one row only: its page is not read, and has no room beside all else."""
@@ -65,8 +61,8 @@ class BoardLayout(Layout):
 
     def _place(self, size: Size, shape: Shape, zoomed: str | None) -> Arrangement:
         wide_rows = 0 if self.opened is None else self._rows[self.opened].wide_rows
-        shown = self.in_view(size)
-        return arrange(_screen(size), shape, self.opened, zoomed=zoomed, wide_rows=wide_rows, shown=shown)
+        shape = replace(shape, shown=self.in_view(size))
+        return arrange(_screen(size), shape, self.opened, zoomed=zoomed, wide_rows=wide_rows)
 
     def arrange(
         self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True

@@ -7,7 +7,6 @@ upper left corner of the screen, whose first row is the header and whose last on
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import Final
 
 from textual.geometry import Region, Size
@@ -72,20 +71,18 @@ def arrange(
     *,
     zoomed: str | None = None,
     wide_rows: int = 0,
-    shown: Collection[str] | None = None,
 ) -> Arrangement:
     """Return the place of every panel on a screen of ``size``.
 
     The panel ``zoomed`` covers all others. The panel ``opened`` by its key has the right column; on
-    roomy screens the lower band, if it asks for ``wide_rows`` there. ``shown`` are the ids of the panels that
-    a page of a lesson is about, None: all.
+    roomy screens the lower band, if it asks for ``wide_rows`` there.
     """
-    sheet = ScreenPlan(size, shape, shown)
+    sheet = ScreenPlan(size, shape)
     if zoomed is not None:
         return sheet.alone(zoomed)
-    if shape.has_lesson and shape.reads and not docks_lesson(size, shown):
+    if shape.has_lesson and shape.reads and not docks_lesson(size, shape.shown):
         return sheet.alone(LESSON)
-    if shape.has_lesson and not docks_lesson(size, shown):
+    if shape.has_lesson and not docks_lesson(size, shape.shown):
         sheet.put(LESSON, Region(0, 1, size.width, 1))
         sheet.top = 2
     if sheet.room is SMALL and opened is not None:
@@ -104,7 +101,7 @@ class _Bands:
         self.sheet, self.shape, self.room = sheet, sheet.shape, sheet.room
         self.wide, self.wide_rows = opened if wide_rows else None, wide_rows
         self.drawing = self.shape.drawing
-        docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size, sheet.shown) else None
+        docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size, self.shape.shown) else None
         tools = DRAW if self.shape.is_drawn and self.room is not SMALL else None
         self.table = DRAW if self.shape.is_drawn and self.room is SMALL else TABLE
         """The panel at the right of the world."""
@@ -117,7 +114,7 @@ class _Bands:
         )
         if sheet.lanes and self.aside is not None:
             self.below_page, self.aside = (self.below_page, self.aside) if docked else (self.aside, None)
-        named = sheet.shown
+        named = self.shape.shown
         has_column = self.aside or sheet.shows(TABLE) or sheet.shows(LAST_STEP)
         self.is_alone = named is not None and not has_column
         self.has_lower = bool(self.below_page or sheet.shows(CURVE) or sheet.shows(self.shape.settings))
@@ -212,7 +209,7 @@ class _Bands:
             return self.wide_rows + 2  # with timeline and sliders
         if self.below_page is not None:
             return min(_BELOW_A_WORLD, (sheet.foot - sheet.top) // 2)
-        if self.aside == LESSON and sheet.shown is None:
+        if self.aside == LESSON and self.shape.shown is None:
             return _BESIDE_PAGE + 2
         rows = 0
         if isinstance(self.drawing, Grid):
@@ -249,7 +246,7 @@ class _Bands:
         A chain lies there too; it has no cells.
         """
         sheet = self.sheet
-        if sheet.lanes or self.aside or self.wide or sheet.shown is not None:
+        if sheet.lanes or self.aside or self.wide or self.shape.shown is not None:
             return None
         if self.chain:
             return cell

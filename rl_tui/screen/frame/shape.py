@@ -29,7 +29,8 @@ class Shape:
     ``actions`` is the greatest number of a state, ``table_rows`` what the whole table takes. With ``lanes``
     two runs are to stand side by side. Of a program that is watched there is nothing to set. With
     ``has_lesson`` a page stands beside the world; where there is no room for both, ``reads`` says that the
-    page has it. While a person draws the world, it ``is_drawn``: then there is a panel of tools.
+    page has it. While a person draws the world, it ``is_drawn``: then there is a panel of tools. ``shown``
+    are the ids of the panels in view, None: all.
     """
 
     drawing: Drawing | None = None
@@ -40,6 +41,7 @@ class Shape:
     has_lesson: bool = False
     reads: bool = False
     is_drawn: bool = False
+    shown: frozenset[str] | None = None
 
     @property
     def settings(self) -> str:
@@ -158,7 +160,6 @@ class ScreenPlan:
 
     size: Size
     shape: Shape
-    shown: Collection[str] | None
     regions: dict[str, Region] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -172,7 +173,7 @@ class ScreenPlan:
 
     def shows(self, panel: str) -> bool:
         """Return whether a page of a lesson shows ``panel``; a page that names none shows all."""
-        return self.shown is None or panel in self.shown
+        return self.shape.shown is None or panel in self.shape.shown
 
     def put(self, panel: str, region: Region) -> None:
         """Put ``panel`` there, if that is anywhere."""

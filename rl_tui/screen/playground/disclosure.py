@@ -37,7 +37,7 @@ class Disclosure(Subject):
         """Bring into view what means something in ``snapshot``."""
         if self.is_gradual:
             self._so_far |= self._meaningful(snapshot)
-        self.board.show_only(self.in_view)
+        self.board.reshape(shown=self.in_view)
 
     def _meaningful(self, snapshot: Snapshot) -> frozenset[str]:
         agent, found = snapshot.agent, set[str]()
@@ -53,12 +53,12 @@ class Disclosure(Subject):
         """Bring the settings into view before ``command`` goes to them."""
         if self.is_gradual and command.startswith(_CHANGES_AGENT):
             self._so_far |= {CONTROLS}
-            self.board.show_only(self.in_view)
+            self.board.reshape(shown=self.in_view)
 
     def turn(self) -> None:
         """Show all panels from now on, or again only those that mean something."""
         self.board.legends.turn_panels()
-        self.board.show_only(self.in_view)
+        self.board.reshape(shown=self.in_view)
 
     def why_not(self, deed: str) -> str:
         """Return why no panel is left out."""

@@ -130,7 +130,13 @@ _KEYS: Final = (
 )
 
 # Arms show their bars all the time: there is no V to go back to
-_KEYS_OF_ARMS: Final = ("↑ ↓: which · enter: keep it in view · esc: close", *_KEYS[1:])
+_KEYS_OF_ARMS: Final = (
+    "↑ ↓: which · enter: keep it in view · esc: close",
+    "↑ ↓: which · enter: keep · esc: close",
+    "↑ ↓ · enter: keep · esc: close",
+    "enter: keep · esc: close",
+    "esc: close",
+)
 
 _KEYS_ELSEWHERE: Final = (
     "click or tab here to choose · esc: close",
