@@ -32,7 +32,8 @@ AnyWidget = TypeVar("AnyWidget", bound=Widget)
 
 def notes(app: App[Any]) -> list[str]:
     """The messages that are shown, oldest first."""
-    return [note.message for note in app._notifications]
+    assert isinstance(app, RlTuiApp)
+    return app.messages.texts
 
 
 def screen_text(app: App[Any]) -> str:

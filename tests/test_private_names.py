@@ -13,14 +13,13 @@ import pytest
 
 pytestmark = pytest.mark.unit
 
-MOST: Final = 29
+MOST: Final = 28
 WHY: Final = {
     # Textual, for which it has no public name
     "_batch_count": "a layout is not over while the app holds updates back",
     "_close_all": "the moment between the end of an app and that of its screens",
     "_compositor": "all that is drawn on a screen, as text",
     "_context": "a pilot waits for the app of the moment without being given it",
-    "_notifications": "the messages that are shown",
     "_parse_rules": "styles are parsed once for all apps",
     "_size": "a widget that stands on no screen has no size of its own",
     "_time": "a clock that stalls",

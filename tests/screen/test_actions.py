@@ -100,7 +100,7 @@ async def test_every_action_can_be_done_on_its_screen(make_app: MakeApp, place: 
 async def test_what_cannot_be_done_says_why_in_a_clause(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit")) as pilot:
         refused = {each.id: each.refused for each in playground(pilot).actions if each.refused}
-        alone = {"lanes.compare", "lanes.next_lane", "lanes.one_lane", "lanes.end"}
+        alone = {"lanes.show_runs", "lanes.next_lane", "lanes.one_lane", "lanes.end"}
         assert alone | {"view.numbers", "run.evaluate", "until.clear_breakpoints"} <= refused.keys()
         assert not {"run.step", "agent.choose_policy", "board.many_seeds"} & refused.keys()
         assert all(why == why.strip(" .") for why in refused.values())

@@ -13,7 +13,7 @@ from textual.strip import Strip
 
 from rl_tui.live.pace.until import Breakpoints
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.names import breakpoints_text
+from rl_tui.screen.draw.names import breakpoint_names
 from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.grid.grid import GridView
@@ -250,8 +250,6 @@ def test_a_breakpoint_is_seen_in_every_depth(depth: str, dark: bool, plain: bool
 
 def test_breakpoints_in_words() -> None:
     stops = Breakpoints(frozenset({6, 2}), frozenset({17}))
-    assert breakpoints_text(lake().world, stops, LOOK.glyphs) == "state 2; state 6; 4,↓"
-    assert breakpoints_text(bandit().world, Breakpoints(pairs=frozenset({3})), LOOK.glyphs) == "arm 3"
-    many = Breakpoints(frozenset(range(9)))
-    assert breakpoints_text(lake().world, many, LOOK.glyphs).endswith("state 5 and 3 more")
-    assert breakpoints_text(lake().world, Breakpoints(), LOOK.glyphs) == ""
+    assert breakpoint_names(lake().world, stops, LOOK.glyphs) == ["state 2", "state 6", "4,↓"]
+    assert breakpoint_names(bandit().world, Breakpoints(pairs=frozenset({3})), LOOK.glyphs) == ["arm 3"]
+    assert breakpoint_names(lake().world, Breakpoints(), LOOK.glyphs) == []

@@ -14,16 +14,16 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, Command, DropLane, HideAnswer
+from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, Command, DropLane, HideAnswer, MarkLane
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm
 from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.dialogs.choice import Choice
-from rl_tui.screen.dialogs.compare_lanes import INSTEAD_OF, Compare
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.compare_lanes import Runs
+from rl_tui.screen.dialogs.form import Choice, Prompt
 from rl_tui.screen.dialogs.lane_changes import lane_changes, what_may_differ
 from rl_tui.screen.playground.actions.lanes import ONE_RUN
+from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find
 
 LAKE, ARMS = lake_world().space, bandit_world().space
@@ -95,7 +95,7 @@ async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.Monkey
     return sent
 
 
-async def test_the_last_branches_of_the_run_can_be_lanes_once_the_world_is_there(
+async def test_the_branches_of_the_run_can_be_runs_once_the_world_is_there(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def entry(step: int) -> JournalEntry:
@@ -105,46 +105,68 @@ async def test_the_last_branches_of_the_run_can_be_lanes_once_the_world_is_there
     forks = (Branch(f"branch {n}", (entry(n),), 0, n, end=700 + n, here=9) for n in range(2, 8))
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
         sent = await beside(pilot, 1, monkeypatch)
+        await pilot.press("c", "b")
+        assert "this run has one branch" in screen_text(pilot.app), "that cannot be chosen"
+        await pilot.press("escape")
         show(playground(pilot), changed(snapshot(pilot), timeline=Timeline((first, *forks), 6)))
         await pilot.press("c", "b")
         listed = rows(pilot)
-        at = listed.index("Another lane, a branch of this run")
-        assert listed[at + 1].strip() == "branch 3: ε 0.03 from step 3 · to step 703"
-        assert listed[at + 4].strip() == "branch 6: ε 0.06 from step 6 · to step 706"
-        assert listed[at + 5].strip() == "2 more: j lists them"
-        await choose(pilot, "branch-5")
+        assert listed[0] == "1 ▸ branch 6: ε 0.06 from step 6 · to step 706"
+        assert listed[3] == "4   branch 3: ε 0.03 from step 3 · to step 703"
+        assert len(listed) == 6
+        await pilot.press("1")
         assert sent == [AddBranch(5)]
         playground(pilot).link.snapshot = None
+        await pilot.press("c", "b")
+        assert isinstance(pilot.app.screen, Playground), "nothing is asked without a world"
+
+
+async def test_of_another_setting_the_sliders_come_first_and_schedules_are_folded(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
+        await beside(pilot, 1, monkeypatch)
         await pilot.press("c", "s")
-        assert not isinstance(pilot.app.screen, Compare), "nothing is asked without a world"
+        listed = rows(pilot)
+        assert [row[4:].split()[0] for row in listed] == ["α", "γ", "ε", "policy", "ties", "Q₀", "schedules"]
+        assert listed[0].split() == ["1", "▸", "α", "constant", "0.1", "step", "size"]
+        assert listed[-1] == "7   schedules (6)"
+        await pilot.press("7")
+        unfolded = rows(pilot)
+        assert [row.split() for row in unfolded[1:6]] == [row.split() for row in listed[1:6]]
+        assert unfolded[6].split() == ["7", "▸", "α", "schedule", "constant", "no", "effect", "now"]
 
 
-async def test_it_lists_the_lanes_and_what_may_be_different(
+async def test_the_table_of_the_runs_controls_one_puts_one_beside_it_or_ends_one(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
         sent = await beside(pilot, 3, monkeypatch)
         await pilot.press("c", "c")
-        assert isinstance(pilot.app.screen, Compare)
+        assert isinstance(pilot.app.screen, Runs)
         listed = rows(pilot)
-        assert listed[0].split() == ["lane", "algorithm", "step", "last", "100", "greedy"]
+        assert listed[0].split() == ["run", "algorithm", "step", "last", "100", "greedy"]
         assert listed[1].split() == ["1", "α", "0.1", "Q-learning", "150,000", ".500", ".730"]
-        assert listed[2].startswith("▸ 2 α 0.5 ")
+        assert listed[2].startswith("2 ▸ α 0.5 ")
+        assert listed[2].endswith("control")
         assert listed[3].split()[:3] == ["3", "SARSA", "SARSA"]
-        assert "Another lane, the same but for" in listed
-        words = next(row for row in listed if row.startswith("  α ")).split()
-        assert words == ["α", "instead", "of", "constant", "0.5"]
-        assert any(row.split() == ["α", "schedule", "instead", "of", "constant"] for row in listed)
         assert pilot.app.screen.query_one(OptionList).highlighted == 2
         await pilot.press("up", "enter")
         assert sent == [ChooseLane(0)]
         assert not pilot.app.screen.query(OptionList)
+        await pilot.press("c", "c", "3")
+        assert sent[1:] == [ChooseLane(2)]
         await pilot.press("c", "c", "down", "delete")
-        assert sent[1:] == [DropLane(2)]
+        assert sent[2:] == [DropLane(2)]
         await pilot.press("c", "c", "up", "backspace")
-        assert sent[2:] == [DropLane(0)]
+        assert sent[3:] == [DropLane(0)]
+        await pilot.press("c", "c", "space")
+        about = pilot.app.screen.query_one("#about", Static)
+        assert str(about.render()).startswith("Not here: you control this one.")
+        await pilot.press("up", "space")
+        assert sent[4:] == [MarkLane(0)]
         await pilot.press("c", "c", "enter", "c", "l")  # the one that is shown already, then the next
-        assert sent[3:] == [ChooseLane(2)]
+        assert sent[5:] == [ChooseLane(2)]
 
 
 async def test_one_run_is_compared_with_what_is_chosen(
@@ -158,17 +180,16 @@ async def test_one_run_is_compared_with_what_is_chosen(
             assert f"Not now: {ONE_RUN}." in screen_text(pilot.app)
             await pilot.press("escape")
         await pilot.press("c", "s")
-        await pilot.press("up", "delete")
-        assert notes(pilot.app)[-1] == "the only run cannot be ended; esc leaves it"
-        await choose(pilot, "with-alpha")
+        await choose(pilot, "alpha")
         assert isinstance(app.screen, Prompt)
         app.screen.query_one(Input).value = "0.5"
         await pilot.press("enter")
         await pilot.press("c", "a")
         assert isinstance(app.screen, Choice)
+        assert app.screen.query_one("#box").border_title == "Another algorithm beside Q-learning"
         await choose(pilot, "sarsa")
         await pilot.press("c", "s")
-        await choose(pilot, "with-initial_q")
+        await choose(pilot, "initial_q")
         assert "starts again" not in str(app.screen.query_one(".hint", Static).render())
         await pilot.press("5", "enter")
         assert sent == [
@@ -177,24 +198,24 @@ async def test_one_run_is_compared_with_what_is_chosen(
             AddLane((SetParameter("initial_q", 5.0),)),
         ]
         await pilot.press("c", "s")
-        await choose(pilot, "with-gamma")
-        await pilot.press("enter")  # the value in force
+        await choose(pilot, "gamma")
+        await pilot.press("enter")  # the current value
         assert len(sent) == 3
         assert "no difference" in notes(pilot.app)[-1]
 
 
-async def test_in_a_narrow_terminal_each_lane_keeps_to_its_row_and_four_are_the_most(
+async def test_in_a_narrow_terminal_each_run_keeps_to_its_row_and_four_are_the_most(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         await beside(pilot, 4, monkeypatch)
-        await pilot.press("c", "c")
+        await pilot.press("c", "a")
+        assert "four runs are open" in screen_text(pilot.app)
+        await pilot.press("c")
         listed = rows(pilot)
         assert listed[1].split() == ["1", "α", "0.1", "150,000", ".500", ".730"]
         width = pilot.app.screen.query_one(OptionList).scrollable_content_region.width
         assert max(map(len, listed[:5])) <= width
-        assert listed[-1] == "Four lanes are the most: end one to open another."
-        assert not any(INSTEAD_OF in row for row in listed)
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
         assert "softmax, τ 0.3" in rows(pilot)[4]
@@ -204,11 +225,12 @@ async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch
     async with on_screen(make_app("bandit", ascii=True)) as pilot:
         sent = await beside(pilot, 2, monkeypatch)
         await pilot.press("c", "c")
-        assert rows(pilot)[1].split()[-1] == "-"
-        assert "-: hidden until h." in " ".join(rows(pilot))
+        assert "-" in rows(pilot)[1].split()
+        assert ".730" not in " ".join(rows(pilot))
+        assert "Hidden until w h." in str(pilot.app.screen.query_one("#about", Static).render())
         assert all(row.isascii() for row in rows(pilot))
         await pilot.press("escape", "w", "h")
         assert sent == [HideAnswer(is_hidden=False)]
         show(playground(pilot), changed(snapshot(pilot), is_hidden=False))
         await pilot.press("c", "c")
-        assert rows(pilot)[1].split()[-1] == ".730"
+        assert ".730" in rows(pilot)[1].split()

@@ -16,8 +16,7 @@ from rl_tui.runs.changes import read_world, written_world
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.opening import DrawingStart
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.dialogs.choice import Choice
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Choice, Prompt
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.last_step.last_step import OF_ANOTHER_WORLD, nothing_yet
 from rl_tui.screen.playground.modes.texts import title

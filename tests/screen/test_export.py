@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from conftest import MakeApp
 from open_grids import open_grid_recipe
-from seams import app_at, on_screen, order, tap, train
+from seams import app_at, notes, on_screen, order, tap, train
 from seams import snapshot as shown
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
@@ -20,9 +20,8 @@ from textual.widgets import Input, OptionList, Static
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import AddLane
 from rl_tui.runs.recipe import SetParameter
-from rl_tui.screen.dialogs.choice import Choice
-from rl_tui.screen.dialogs.dialog import Prompt
 from rl_tui.screen.dialogs.export import BrokenOffError, CommandLine, Working
+from rl_tui.screen.dialogs.form import Choice, Prompt
 from rl_tui.screen.playground.actions.export import script_of
 
 
@@ -48,7 +47,7 @@ async def choose(pilot: Pilot[UserError], kind: str) -> None:
 
 
 def said(pilot: Pilot[UserError]) -> list[str]:
-    return [str(toast.render()) for toast in pilot.app.screen.query("Toast")]
+    return notes(pilot.app)
 
 
 async def test_a_script_is_written_under_the_name_offered_and_never_over_what_is_there(
@@ -62,7 +61,7 @@ async def test_a_script_is_written_under_the_name_offered_and_never_over_what_is
         assert pilot.app.screen.query_one(Input).value == name
         await tap(pilot, *"mine.py")
         fault = pilot.app.screen.query_one(".error", Static)
-        assert str(fault.render()) == "mine.py is there already: type another name"
+        assert str(fault.render()) == "Mine.py is there already: type another name."
         await press(pilot, "enter")
         assert isinstance(pilot.app.screen, Prompt)
         await press(pilot, "escape")
@@ -87,7 +86,9 @@ async def test_of_two_lanes_the_one_shown_is_exported_and_named(make_app: MakeAp
         await press(pilot, "m", "x")
         both = shown(pilot)
         number = both.run_group.shown + 1
-        assert pilot.app.screen.query_one("#box").border_title == f"Export · lane {number} of 2"
+        assert pilot.app.screen.query_one("#box").border_title == f"Export · run {number} of 2"
+        about = str(pilot.app.screen.query_one("#about", Static).render())
+        assert f"Only run {number} of 2; the others are left out." in " ".join(about.split())
     assert f"It contains lane {number} of 2 only." in " ".join(script_of(both).split())
     assert f"(the run had {both.counters.episodes:,})" in script_of(both)
     assert "It contains lane" not in script_of(first)
@@ -98,9 +99,11 @@ async def test_tables_and_the_picture_are_those_that_are_shown(make_app: MakeApp
         await press(pilot, "m", "x")
         assert isinstance(pilot.app.screen, Choice)
         option = pilot.app.screen.query_one(OptionList).get_option("returns")
-        assert option.disabled
-        assert "no episode is finished yet" in str(option.prompt)
-        assert "true means" not in str(pilot.app.screen.query_one(OptionList).get_option("script").prompt)
+        assert "not here: no episode is finished yet" in str(option.prompt)
+        await press(pilot, "5")
+        assert isinstance(pilot.app.screen, Choice), "that cannot be chosen"
+        await press(pilot, "home", "down")
+        assert "true means" not in str(pilot.app.screen.query_one("#about", Static).render())
         await press(pilot, "escape")
         await train(pilot, 300)
         for number, kind in enumerate(("q-csv", "q-npy", "returns", "svg"), start=1):
@@ -181,8 +184,8 @@ async def test_a_bandit_warns_of_its_true_means_and_what_takes_long_can_be_broke
             raise
 
     async with on_screen(make_app("bandit")) as pilot:
-        await press(pilot, "m", "x")
-        assert "true means" in str(pilot.app.screen.query_one(OptionList).get_option("script").prompt)
+        await press(pilot, "m", "x", "down")
+        assert "true means" in str(pilot.app.screen.query_one("#about", Static).render())
         await press(pilot, "escape")
         answers: list[str | None] = []
         pilot.app.push_screen(Working("Returns", endless), answers.append)

@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 from lane_samples import lane_views
 from samples import bandit, lake, look, planning, student
-from seams import notes
 from snapshots import changed
 from textual.app import App
 from textual.widgets import OptionList, Static
@@ -25,8 +24,15 @@ from rl_tui.runs.recipe import (
 )
 from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.runs.timeline.run_names import LanePast
-from rl_tui.screen.dialogs.dialog import goto_prompt, parse_goto
-from rl_tui.screen.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment, journal_lines
+from rl_tui.screen.dialogs.journal import (
+    HOW_TO_BRANCH,
+    NO_CHANGE,
+    JournalScreen,
+    Moment,
+    goto_form,
+    journal_lines,
+    parse_goto,
+)
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.worlds.editing.edit import read_edits
@@ -129,29 +135,30 @@ class Bench(App[None]):
         self.push_screen(JournalScreen(look(), self.snapshot), self.answers.append)
 
     @property
-    def entries(self) -> list[str]:
-        return [str(each.prompt) for each in self.screen.query_one("#entries", OptionList).options]
+    def rows(self) -> list[str]:
+        return [str(each.prompt) for each in self.screen.query_one(OptionList).options]
 
     @property
-    def texts(self) -> list[str]:
-        return [str(each.render()) for each in self.screen.query(Static)]
+    def about(self) -> str:
+        return str(self.screen.query_one("#about", Static).render())
 
 
 async def test_the_branches_are_told_apart() -> None:
     app = Bench(TWO)
-    async with app.run_test(size=(80, 24)) as pilot:
-        branches = app.screen.query_one("#branches", OptionList)
-        first, second = (str(each.prompt).splitlines() for each in branches.options)
-        assert first == ["branch 1", "to step 10,000, 2 changes"]
-        assert second == [
-            "branch 2  (in force)",
-            "to step 5,001, from branch 1 at step 1,200, 1 change, 61 by hand",
+    async with app.run_test(size=(100, 24)) as pilot:
+        assert app.rows == [
+            "1   branch 1            to step 10,000  2 changes",
+            "2 ▸ branch 2 (current)  to step 5,001   from branch 1 at step 1,200, 1 change, 61 by…",
         ]
-        assert branches.highlighted == 1
-        assert app.entries == ["step 1,200: α 0.1 → 0.3", "steps 3,401–3,461: 61 by hand"]
+        assert app.about.splitlines() == [
+            "From branch 1 at step 1,200, 1 change, 61 by hand.",
+            "step 1,200: α 0.1 → 0.3 · steps 3,401–3,461: 61 by hand",
+        ]
         await pilot.press("up")
-        assert app.entries == ["step 1,200: α 0.1 → 0.5", "step 3,000: Q-learning → SARSA"]
-        assert "Changes in branch 1:" in app.texts
+        assert app.rows[0].startswith("1 ▸ branch 1")
+        assert app.about.endswith("step 1,200: α 0.1 → 0.5 · step 3,000: Q-learning → SARSA")
+        await pilot.press("tab")
+        assert app.rows == ["1 ▸ step 1,200: α 0.1 → 0.5", "2   step 3,000: Q-learning → SARSA"]
 
 
 @pytest.mark.parametrize(
@@ -159,11 +166,15 @@ async def test_the_branches_are_told_apart() -> None:
     [
         (["enter"], Moment(1)),
         (["up", "enter"], Moment(0)),
+        (["1"], Moment(0)),
+        (["k", "enter"], Moment(0)),
         (["up", "tab", "enter"], Moment(0, 1_200)),
         (["up", "tab", "down", "enter"], Moment(0, 3_000)),
-        (["tab", "down", "shift+tab", "up", "tab", "enter"], Moment(0, 1_200)),
+        (["tab", "down", "escape", "up", "tab", "enter"], Moment(0, 1_200)),
         (["tab", "down", "enter"], Moment(1, 3_400)),
+        (["tab", "2"], Moment(1, 3_400)),
         (["escape"], None),
+        (["q"], None),
     ],
 )
 async def test_enter_goes_to_a_branch_or_to_a_change(keys: list[str], answer: Moment | None) -> None:
@@ -173,11 +184,11 @@ async def test_enter_goes_to_a_branch_or_to_a_change(keys: list[str], answer: Mo
     assert app.answers == [answer]
 
 
-async def test_c_compares_with_another_branch_that_is_no_lane_yet() -> None:
+async def test_c_compares_with_another_branch_that_is_no_run_yet() -> None:
     app = Bench(TWO)
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+    async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("c")
-        assert notes(app) == ["branch 2 is the one shown: choose another one"]
+        assert app.about == "Not here: branch 2 is the current one. Choose another branch."
         assert app.answers == []
         await pilot.press("up", "c")
     assert app.answers == [AddBranch(0)]
@@ -185,17 +196,17 @@ async def test_c_compares_with_another_branch_that_is_no_lane_yet() -> None:
     past = LanePast(snapshot.recipe, snapshot.recipe, "branch 1", FIRST)
     there = replace(lane_views(2)[1], past=past)
     app = Bench(TWO, changed(snapshot, lanes=(lane_views(2)[0], there)))
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+    async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("up", "c")
-        assert notes(app) == ["branch 1 is a lane already: l shows it"]
+        assert app.about == "Not here: branch 1 is a run already."
     assert app.answers == []
 
 
 async def test_steps_by_hand_are_counted_apart() -> None:
     app = Bench(Timeline((Branch("branch 1", HANDS, end=4_000, here=4_000),)))
     async with app.run_test(size=(80, 24)):
-        (only,) = app.screen.query_one("#branches", OptionList).options
-        assert str(only.prompt).splitlines()[1] == "to step 4,000, 61 by hand"
+        (only,) = app.rows
+        assert only.endswith("to step 4,000  61 by hand")
 
 
 async def test_a_bandit_has_pulls() -> None:
@@ -206,17 +217,20 @@ async def test_a_bandit_has_pulls() -> None:
     ):
         app = Bench(timeline, snapshot)
         async with app.run_test(size=(80, 24)):
-            (only,) = app.screen.query_one("#branches", OptionList).options
-            assert str(only.prompt).splitlines()[1] == f"{told}, no change"
+            (only,) = app.rows
+            assert only.endswith(f"{told}  no change")
 
 
 async def test_an_empty_journal_says_how_to_make_a_branch() -> None:
     app = Bench(Timeline((Branch("branch 1", end=7, here=7),)))
     async with app.run_test(size=(80, 24)) as pilot:
-        assert NO_CHANGE in app.texts
-        assert HOW_TO_BRANCH in app.texts
+        assert NO_CHANGE in app.about
+        assert HOW_TO_BRANCH in app.about
         await pilot.press("tab", "enter")
     assert app.answers == [Moment(0)]
+
+
+# The prompt for a moment
 
 
 # The prompt for a moment
@@ -284,7 +298,21 @@ def test_in_the_past_nobody_knows_how_many_episodes_there_were() -> None:
     ],
 )
 def test_the_prompt_names_the_range(snapshot: Snapshot, hint: str) -> None:
-    assert goto_prompt(snapshot).hint == hint
+    form = goto_form(snapshot, look().glyphs)
+    assert form.entry is not None
+    assert form.entry.hint == hint
+
+
+def test_moments_that_people_look_for_are_rows_and_what_is_unknown_says_so() -> None:
+    rows = {each.name: each for each in goto_form(lake(timeline=TWO), look().glyphs).candidates}
+    assert list(rows) == ["start", "first reward", "last change", "50 %", "end", "branches"]
+    assert rows["last change"].value == "step 3,460"
+    assert parse_goto(rows["last change"].id, lake(timeline=TWO)) == GoTo(3_460)
+    assert rows["50 %"].value == "step 2,500"
+    assert rows["branches"].value == "2"
+    assert parse_goto(rows["end"].id, lake(timeline=TWO)) == GoTo(5_001)
+    fresh = {each.name: each for each in goto_form(lake(timeline=here(10)), look().glyphs).candidates}
+    assert fresh["last change"].refused == "nothing was changed in this branch"
 
 
 def test_sweeps_and_pulls() -> None:

@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 from conftest import MakeApp
-from seams import click, notes, on_screen, playground, press, snapshot, train
+from seams import click, notes, on_screen, playground, press, screen_text, snapshot, tap, train
 from textual.events import MouseDown
 from textual.pilot import Pilot
 
@@ -16,8 +16,11 @@ from rl_tui.live.player import Player
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.catalogue.catalogue import CatalogueScreen
-from rl_tui.screen.dialogs.choice import Choice
 from rl_tui.screen.dialogs.dialog import QuitQuestion
+from rl_tui.screen.dialogs.form import Choice
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.frame.message_line import MessageLine
+from rl_tui.screen.kit.bindings import as_sentence
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import key_at
 from rl_tui.screen.playground.playground import Playground
@@ -39,7 +42,7 @@ async def test_a_message_covers_its_line_and_goes_with_the_next_key_and_leaving_
         await press(pilot, "s", "escape")
         assert len(notes(pilot.app)) == 1
         above_keys = size == (120, 40)  # where there is a free row
-        assert pilot.app.screen.query_one("Toast").region.bottom_right == (size[0], size[1] - above_keys)
+        assert pilot.app.screen.query_one(MessageLine).region.bottom_right == (size[0], size[1] - above_keys)
         await press(pilot, "v")
         assert notes(pilot.app) == []
         await press(pilot, "escape")
@@ -66,10 +69,57 @@ async def test_a_message_goes_with_a_click_and_with_the_scenario_but_what_was_wr
         playground(pilot).notify("written: somewhere")
         await press(pilot, "s", "a", "a")
         assert notes(pilot.app) == ["written: somewhere"], "beyond the next key"
-        behind = playground(pilot).query("ToastRack").first()
-        assert not behind.display, "not behind a dialog"
+        assert pilot.app.screen.query_one(MessageLine).display
+        assert not playground(pilot).query(MessageLine), "not behind a dialog"
         await press(pilot, "escape")
-        assert behind.display
+        assert playground(pilot).query_one(MessageLine).display
+
+
+@pytest.mark.parametrize("size", [(60, 18), (80, 24), (80, 30)])
+async def test_a_message_hides_no_panel_and_leaves_the_hint_at_the_right_end(
+    size: tuple[int, int], make_app: MakeApp
+) -> None:
+    async with on_screen(make_app("student"), size) as pilot:
+        await press(pilot, "b")
+        line = pilot.app.screen.query_one(MessageLine)
+        keys = playground(pilot).query_one(KeyLine)
+        lowest = max(panel.region.bottom for panel in playground(pilot).board.children if panel.display)
+        rows = screen_text(pilot.app).splitlines()
+        if size[1] < 30:
+            assert line.region == keys.region or line.region.height > 1
+            assert "This is step 0" in rows[line.region.y]
+        else:
+            assert line.region.bottom == keys.region.y
+            assert line.region.y >= lowest, "in a row that no panel has"
+            assert rows[keys.region.y].strip().startswith("space")
+
+
+async def test_a_fault_has_up_to_three_rows_until_escape_which_does_nothing_else(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student"), (60, 18)) as pilot:
+        playground(pilot).notify("a fault that goes on and on " * 20, severity="error")
+        await press(pilot, "s", "v")
+        line = pilot.app.screen.query_one(MessageLine)
+        assert line.region.height == 3
+        assert screen_text(pilot.app).splitlines()[-1].rstrip().endswith("esc: close")
+        await press(pilot, "escape")
+        assert not line.display
+        assert notes(pilot.app) == []
+        await press(pilot, "K")
+        assert "t n" in notes(pilot.app)[-1], "escape did not begin to leave"
+        await tap(pilot, "escape", "escape")
+        assert isinstance(pilot.app.screen, CatalogueScreen)
+
+
+def test_a_message_is_a_sentence_but_keys_symbols_and_paths_stay_as_they_are() -> None:
+    said = {
+        "nothing is drawn yet": "Nothing is drawn yet.",
+        "α stays 0.1: too large": "α stays 0.1: too large.",
+        "esc again goes to the catalogue": "esc again goes to the catalogue.",
+        "written: /tmp/run.py": "Written: /tmp/run.py",
+        "rl-tui grade runs it": "rl-tui grade runs it.",
+        "What do you say?": "What do you say?",
+    }
+    assert {text: as_sentence(text) for text in said} == said
 
 
 # What is written on a border

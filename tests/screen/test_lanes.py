@@ -12,7 +12,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.live.commands import AddLane
 from rl_tui.runs.recipe import SetParameter
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.dialogs.compare_lanes import Compare
+from rl_tui.screen.dialogs.form import Choice
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.row import WORLD, beside
 from rl_tui.screen.panels.controls.slider import Slider
@@ -20,9 +20,11 @@ from rl_tui.screen.panels.controls.slider import Slider
 
 async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:
     """Press c s, choose what is to be different, and type or choose its value."""
-    await press(pilot, "c", "s")
-    assert isinstance(pilot.app.screen, Compare)
-    await choose(pilot, f"with-{name}")
+    if name == "algorithm":
+        await press(pilot, "c", "a")
+    else:
+        await press(pilot, "c", "s")
+        await choose(pilot, name)
     if pilot.app.screen.query(Input):
         pilot.app.screen.query_one(Input).value = value
         await press(pilot, "enter")
@@ -41,7 +43,7 @@ async def test_a_branch_becomes_a_lane_from_the_journal_and_from_compare(make_ap
         await press(pilot, "B", "3", "right")
         pilot.app.set_focus(None)
         await train(pilot, 100)
-        for keys in (["m", "b", "up", "c"], ["c", "b", "up", "enter"]):
+        for keys in (["m", "b", "up", "c"], ["c", "b", "enter"]):
             here = snapshot(pilot).counters.step
             shown = await press(pilot, *keys)
             assert [lane.step for lane in shown.run_group.lanes] == [here, here]

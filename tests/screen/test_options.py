@@ -13,8 +13,9 @@ from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.live.snapshot import Phase
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.dialogs.choice import Choice, algorithm_choice, policy_choice
-from rl_tui.screen.dialogs.dialog import ModelScreen, Prompt
+from rl_tui.screen.dialogs.choice import algorithm_choice, policy_choice
+from rl_tui.screen.dialogs.dialog import ModelScreen
+from rl_tui.screen.dialogs.form import Choice, Prompt
 from rl_tui.screen.dialogs.options import Options, in_force
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.panels.controls.slider import Slider
@@ -46,10 +47,9 @@ def test_every_choice_has_name_summary_and_equation() -> None:
         (algorithm_choice(lake_world().space, recipe, ASCII), BY_ID.values()),
         (policy_choice(lake_world().space, recipe, ASCII), POLICY_BY_ID.values()),
     ):
-        texts = [choice.describe(each).plain for each in choice.candidates]
-        assert len(texts) == len(rows)
-        assert all(text.isascii() and "?" not in text and text.count("\n") >= 3 for text in texts)
-        assert sum("(in force)" in text for text in texts) == 1
+        assert [each.name for each in choice.candidates] == [each.name for each in rows]
+        assert all(each.words and len(each.lines) == 3 and all(each.lines) for each in choice.candidates)
+        assert [each.id for each in choice.candidates if each.id == choice.current] == [choice.current]
 
 
 async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
@@ -94,12 +94,12 @@ async def test_a_policy_is_chosen_and_an_option_that_changes_nothing_says_why(ma
         assert [each.id for each in app.screen.query(Slider)] == ["alpha", "epsilon"]
         assert snapshot(pilot).agent.hyperparameters.sample_average
         await press(pilot, "a", "o")
-        choices, hint = app.screen.query_one(OptionList), app.screen.query_one(".hint", Static)
+        choices, hint = app.screen.query_one(OptionList), app.screen.query_one("#about", Static)
         for name, reason in (("gamma", "every pull ends its episode"), ("epsilon", "")):
             choices.highlighted = choices.get_option_index(name)
             await settle(pilot)
             text = " ".join(str(hint.render()).split())
-            assert ("no effect now" in text) is bool(reason)
+            assert ("No effect now" in text) is bool(reason)
             assert reason in text
         await press(pilot, "escape", "a", "p")
         await choose(pilot, "gradient")
@@ -123,7 +123,11 @@ async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> 
         assert isinstance(pilot.app.screen, Options)
         listed = pilot.app.screen.query_one(OptionList)
         ids = [listed.get_option_at_index(number).id for number in range(listed.option_count)]
-        assert {"alpha", "step_size_schedule", "epsilon_decay", "policy", "ties", "initial_q"} <= set(ids)
+        assert ids == ["alpha", "gamma", "epsilon", "policy", "ties", "initial_q", "schedules"]
+        await choose(pilot, "schedules")
+        ids = [listed.get_option_at_index(number).id for number in range(listed.option_count)]
+        assert ids[:6] == ["alpha", "gamma", "epsilon", "policy", "ties", "initial_q"]
+        assert {"step_size_schedule", "epsilon_decay"} <= set(ids[6:])
         assert not {"n", "temperature", "lambda", "accuracy"} & set(ids)
         await choose(pilot, "epsilon_decay")
         assert isinstance(pilot.app.screen, Prompt)
@@ -141,7 +145,7 @@ async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> 
         assert snapshot(pilot).agent.hyperparameters.epsilon_schedule == "linear"
         await press(pilot, "escape")
         assert snapshot(pilot).counters.step == 0
-        await press(pilot, "a", "o")
+        await press(pilot, "a", "o", "7")
         await choose(pilot, "step_size_schedule")
         await choose(pilot, "sample-average")
         await press(pilot, "escape")

@@ -7,6 +7,7 @@ from seams import on_screen, playground, press, screen_text, snapshot, tap, trai
 from rl_tui.live.snapshot import Phase
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.dialogs.dialog import ModelScreen
+from rl_tui.screen.frame.message_line import MessageLine
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.playground.playground import Playground
@@ -57,7 +58,7 @@ async def test_plus_and_minus_climb_the_speeds_and_a_notice_hides_no_title(make_
         assert (await press(pilot, "minus", "underscore", "minus")).playback.speed == 3.0
         assert (await press(pilot, *["plus"] * 12)).playback.speed is None
         await press(pilot, "b")  # there is nothing before step 0
-        notice = pilot.app.screen.query_one("Toast").region
+        notice = pilot.app.screen.query_one(MessageLine).region
         assert (notice.bottom, notice.height) == (24, 1)
         assert notice.right >= 78
         assert RlTuiApp.NOTIFICATION_TIMEOUT <= 3

@@ -12,7 +12,7 @@ from textual.widgets import Input
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Form
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.panels.controls.settings import AgentSettings
 from rl_tui.screen.panels.controls.slider import Slider
@@ -179,14 +179,14 @@ async def test_a_prompt_names_the_range_and_stays_and_initial_q_starts_again(mak
     async with on_screen(make_app("student")) as pilot:
         await train(pilot, 10)
         for letter, wrong, expected in (
-            ("s", "", "type a whole number, 0 or more"),
-            ("i", "much", "type a number from -1e12 to 1e12"),
+            ("s", "", "Type a whole number, 0 or more."),
+            ("i", "much", "Type a number from -1e12 to 1e12"),
         ):
             await press(pilot, "r", letter)
-            assert isinstance(pilot.app.screen, Prompt)
+            assert isinstance(pilot.app.screen, Form)
             pilot.app.screen.query_one(Input).value = wrong
             await press(pilot, "enter")
-            assert isinstance(pilot.app.screen, Prompt)
+            assert isinstance(pilot.app.screen, Form)
             assert expected in str(pilot.app.screen.query_one(".error").render())
             await press(pilot, "escape")
             assert isinstance(pilot.app.screen, Playground)
@@ -194,7 +194,7 @@ async def test_a_prompt_names_the_range_and_stays_and_initial_q_starts_again(mak
         await press(pilot, "r", "i")
         pilot.app.screen.query_one(Input).value = "5"
         again = await press(pilot, "enter")
-        assert not isinstance(pilot.app.screen, Prompt)
+        assert not isinstance(pilot.app.screen, Form)
         assert again.counters.step == 0
         assert again.agent.q.tolist() == [5.0] * 5
 

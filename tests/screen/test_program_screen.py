@@ -249,7 +249,7 @@ async def test_the_step_back_is_told_as_it_was_and_an_agent_of_ours_stands_besid
         assert playground(pilot).board.is_paired
         assert "cliff.py" in screen_text(pilot.app)
         await press(pilot, "c", "c")
-        assert "One seed decides nothing; rl-tui grade runs your program" in screen_text(pilot.app)
+        assert "One seed decides nothing: rl-tui grade runs your program" in screen_text(pilot.app)
 
 
 async def test_it_starts_again_and_it_ends(script: Path) -> None:

@@ -15,7 +15,7 @@ from rl_tui.common.kiosk import VARIABLE
 from rl_tui.live.sessions.session import read_session, sessions_in
 from rl_tui.runs.library import recipe_named, recipe_with, reread
 from rl_tui.screen.app.app import RlTuiApp
-from rl_tui.screen.dialogs.choice import Choice
+from rl_tui.screen.dialogs.form import Choice
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.playground.playground import Playground
 

@@ -35,7 +35,8 @@ from rl_tui.screen.catalogue.session_text import (
     session_facts,
     short_age,
 )
-from rl_tui.screen.dialogs.dialog import Confirm, Prompt
+from rl_tui.screen.dialogs.dialog import Confirm
+from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.playground.playground import Playground
 from rl_tui.screen.theme.glyphs import ASCII
 from rl_tui.screen.theme.look import Look, palette_for
@@ -228,7 +229,7 @@ async def test_it_is_saved_under_a_name_and_goes_on_there(
         pilot.app.screen.query_one(Input).value = "Evening"
         await pilot.pause()
         error = pilot.app.screen.query_one(".error", Static)
-        assert "another session has this name" in str(error.render())
+        assert "Another session has this name" in str(error.render())
         await pilot.press("enter")
         assert isinstance(pilot.app.screen, Prompt), "it is not taken"
         pilot.app.screen.query_one(Input).value = "Evening 2"

@@ -14,7 +14,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.live.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
 from rl_tui.live.pace.until import Event, Until
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.dialogs.until_options import UntilChoice
 from rl_tui.screen.playground.actions.until import NO_BREAKPOINTS
 from rl_tui.screen.playground.playground import Playground
@@ -53,19 +53,23 @@ async def test_u_runs_until_what_is_chosen_and_remembers_it(
         await press(pilot, "escape")
         assert isinstance(app.screen, Playground)
         assert len(asked) == 2
-        await press(pilot, "u", "down", "down", "enter")
+        await press(pilot, "u", "down", "down", "down", "enter")
         assert isinstance(app.screen, Prompt)
         await press(pilot, *"500", "enter")
         assert asked[2:] == [RunUntil(Until(Event.STEP, number=500))]
         await press(pilot, "u", "down", "enter")
         app.screen.query_one(Input).value = "1"
         await press(pilot, "enter")
-        assert "type a whole number, 2 or more" in str(app.screen.query_one(".error").render())
+        assert "Type a whole number, 2 or more" in str(app.screen.query_one(".error").render())
         await press(pilot, "escape")
         assert len(asked) == 3
         playground(pilot).board.table.focus()
-        await press(pilot, "down", "right", "u", "home", *["down"] * 6, "enter", *"0.5", "enter")
+        await press(pilot, "down", "right", "u", "home", *["down"] * 7, "enter", *"0.5", "enter")
         assert asked[3:] == [RunUntil(Until(Event.VALUE, pair=6, threshold=0.5))]
+
+
+def rows(pilot: Pilot[UserError]) -> list[str]:
+    return [str(option.prompt) for option in pilot.app.screen.query_one(OptionList).options]
 
 
 async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,7 +133,7 @@ async def test_a_breakpoint_set_in_the_world_stops_the_run_and_is_taken_away(mak
     async with on_screen(make_app("frozenlake")) as pilot:
         marked = await press(pilot, "tab", "down", "down", "right", "t", "b")
         assert marked.playback.breakpoints.states == {9}
-        stopped = await press(pilot, "u", *["down"] * 4, "enter", *"99999", "enter")
+        stopped = await press(pilot, "u", *["down"] * 5, "enter", *"99999", "enter")
         assert stopped.counters.state == 9
         assert stopped.counters.step < 99_999
         assert stopped.playback.paused_by == "breakpoint: state 9"
@@ -166,11 +170,11 @@ async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_a
         marked = await press(pilot, "t", "b")
         assert notes(pilot.app) == ["breakpoint on arm 7: pauses each time it is pulled"]
         assert marked.playback.breakpoints.pairs == {7}
-        stopped = await press(pilot, "u", "down", "down", "down", "enter", "enter")
+        stopped = await press(pilot, "u", *["down"] * 4, "enter", "enter")
         assert stopped.counters.last_step.pair == 7
         assert stopped.agent.visits[7] == 1
         assert stopped.playback.paused_by == "breakpoint: arm 7"
-        cleared = await press(pilot, "t", "n", "u", "up", "enter")
+        cleared = await press(pilot, "t", "n", "u", "up", "up", "enter")
         best = int(cleared.world.mdp.reward.argmax())
         assert int(cleared.agent.q.argmax()) == best
         assert cleared.playback.paused_by == "the greedy arm is the best"
@@ -192,11 +196,11 @@ async def test_a_stepped_world_stops_at_states_and_values_and_what_it_cannot_wai
         assert pair is not None
         await press(pilot, "t", "b", "u", "down", "down", "down")
         about = str(pilot.app.screen.query_one("#about", Static).render())
-        assert about.startswith("Not here. No exact answer")
+        assert about.startswith("Not here: no exact values")
         await press(pilot, "enter")
         assert isinstance(pilot.app.screen, UntilChoice)
         assert snapshot(pilot).counters.step == 1
-        marked = await press(pilot, "down", "enter", *"9999", "enter")
+        marked = await press(pilot, "down", "down", "enter", *"9999", "enter")
         assert marked.counters.last_step.pair == pair
         assert marked.counters.step < 9_999
 
@@ -204,14 +208,17 @@ async def test_a_stepped_world_stops_at_states_and_values_and_what_it_cannot_wai
 async def test_breakpoints_are_listed_in_the_dialog_and_a_planner_stops_at_them(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake")) as pilot:
         await press(pilot, "t", "b", "u")
-        listed = pilot.app.screen.query_one("#breakpoints", Static)
-        assert str(listed.render()) == "Breakpoints: state 0. K takes them away."
-        await press(pilot, "K")
+        assert rows(pilot)[-2:] == ["Breakpoints", "9   state 0"]
+        assert "5   state 0 is reached: breakpoint on" in rows(pilot)
+        await press(pilot, "up", "delete")
         await settle(pilot)  # the dialog stays; what the key asks for is done beneath it
         cleared = await press(pilot)
         assert not cleared.playback.breakpoints
-        assert str(listed.render()) == "Breakpoints: none; k sets one where the cursor is."
-        await press(pilot, "u")
+        assert rows(pilot)[-1] == "No breakpoints. k sets one at the cursor."
+        assert "state 0 is reached: breakpoint off" in " ".join(rows(pilot))
+        marked = await press(pilot, "5")  # a switch
+        assert (await press(pilot)).playback.breakpoints.states == {0} == marked.playback.breakpoints.states
+        await press(pilot, "5", "u")
         assert isinstance(pilot.app.screen, Playground)
         await switch(pilot, "value-iteration")
         swept = await press(pilot, "u", "down", "enter")

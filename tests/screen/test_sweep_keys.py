@@ -31,12 +31,11 @@ async def test_a_key_for_a_sweep_of_each_kind_and_its_entry_in_the_journal(make_
         assert improved.agent.planning == "policy 1, improvement: 5 states changed"
         assert improved.playback.phase is Phase.PAUSED
         assert "π(14) ← argmax{" in screen_text(pilot.app)
-        await press(pilot, "m", "b")
-        entries = pilot.app.screen.query_one("#entries", OptionList)
-        listed = [str(entries.get_option_at_index(place).prompt) for place in range(entries.option_count)]
+        await press(pilot, "m", "b", "tab")
+        listed = [str(option.prompt)[4:] for option in pilot.app.screen.query_one(OptionList).options]
         assert listed[-1] == "step 22: next sweep: improvement"
         assert "step 0: next sweep: evaluation" in listed
-        await press(pilot, "escape")
+        await press(pilot, "escape", "escape")
         back = await press(pilot, "B")
         assert back.agent.policy.tolist() == evaluated.agent.policy.tolist()
         assert back.agent.planning.endswith("; then improvement")

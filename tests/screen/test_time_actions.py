@@ -16,7 +16,7 @@ from rl_tui.live.commands import Apply, ChooseBranch, Command, EpisodeBack, GoTo
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import JournalEntry, SetParameter
 from rl_tui.runs.timeline.branches import Branch, Timeline
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Form
 from rl_tui.screen.panels.controls.slider import Slider
 
 JOURNAL = (JournalEntry(40, SetParameter("alpha", 0.5)),)
@@ -103,7 +103,7 @@ async def test_it_is_asked_where_to_and_it_goes_there(
         await pilot.press("m", "g", "escape")
         assert sent == [GoTo(12), GoTo(episode=12), GoTo(100)]
         await pilot.press("m", "g", *"1234", "enter")
-        assert isinstance(pilot.app.screen, Prompt)
+        assert isinstance(pilot.app.screen, Form)
         assert pilot.app.screen.query_one(Input).value == "1234"
         assert len(sent) == 3
 

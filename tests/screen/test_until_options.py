@@ -46,7 +46,7 @@ def test_the_pair_under_the_cursor_is_not_listed_twice() -> None:
 
 def test_without_a_cell_it_says_how_to_choose_one() -> None:
     refused = found(lake(step=0))["value cursor"].refused
-    assert refused == "No cell is chosen: tab goes to the table, the arrows to a cell."
+    assert refused == "no cell is chosen: tab goes to the table, the arrows to a cell"
 
 
 def test_what_each_wait_tells_the_run() -> None:
@@ -72,7 +72,7 @@ def test_a_bandit_has_pulls_and_arms_and_gives_nothing_away() -> None:
 
 def test_a_planner_has_sweeps_and_no_rewards() -> None:
     listed = found(planning())
-    assert "nothing pays" in listed["reward"].refused
+    assert "no rewards" in listed["reward"].refused
     assert listed["end"].name == "the end of the sweep"
     assert listed["episode"].name == "a sweep by its number …"
     assert listed["step"].name == "a backup by its number …"
@@ -80,7 +80,7 @@ def test_a_planner_has_sweeps_and_no_rewards() -> None:
 
 def test_without_an_exact_answer_nobody_knows_when_a_policy_is_optimal() -> None:
     refused = found(stepped_lake())["optimal"].refused
-    assert refused == "No exact answer: this environment has no transition table to work it out from."
+    assert refused == "no exact values: this environment has no transition table to work it out from"
 
 
 def test_numbers_are_read_and_those_in_the_past_are_not() -> None:

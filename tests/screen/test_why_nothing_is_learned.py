@@ -114,14 +114,14 @@ async def test_what_cannot_be_told_is_said_with_the_reason(
 async def test_a_bandit_keeps_its_secret_until_it_is_revealed(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit-bernoulli")) as pilot:
         await press(pilot, "t", "y")
-        assert "give away" in screen_text(pilot.app)
+        assert "it would reveal the arms" in screen_text(pilot.app)
         assert "chance" not in screen_text(pilot.app)
         await press(pilot, "Y", "w", "h", "t", "y")
         assert "with chance" in screen_text(pilot.app)
         await press(pilot, "Y", "w", "h", *["s"] * 20, "t", "y")
         text = screen_text(pilot.app)
         assert "An estimate has moved already: the wait is over." in text
-        assert "give away" not in text
+        assert "reveal" not in text
         assert "chance" not in text
 
 

@@ -35,7 +35,7 @@ from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.opening import MakePlayer, Opener, Start, beginning_of, live_player
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
-from rl_tui.screen.frame.moment import MomentaryMessages, hide_messages_behind
+from rl_tui.screen.frame.message_line import Messages
 from rl_tui.screen.keys.bindings import bindings_everywhere, stopping_keys
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
@@ -153,7 +153,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self._idleness = Idleness()
         self.bug: Exception | None = None
         """The unexpected fault that ended the program, with what became of the session; None if none did."""
-        self._moment = MomentaryMessages(self)
+        self.messages = Messages(self, lambda: self.look)
+        """What is to be read of what was done."""
         self.stops = stopping_keys()
         self._key_queue = KeyQueue(self, self._type, tell_of_loss=self._tell_of_lost_keys, stops=self.stops)
         has_ascii_only = self.look.glyphs is ASCII
@@ -197,11 +198,13 @@ class RlTuiApp(LinkedApp[UserError]):
             await self._key_queue.take(event)
         else:
             if isinstance(event, MouseDown) and not event.is_forwarded:
-                self._moment.end()
+                self.messages.end_moment()
             await super().on_event(event)
 
     async def _type(self, event: Event) -> None:
-        self._moment.end()
+        self.messages.end_moment()
+        if isinstance(event, Key) and event.key == "escape" and self.messages.end_fault():
+            return
         await super().on_event(event)
 
     def on_type_first(self, message: TypeFirst) -> None:
@@ -210,9 +213,14 @@ class RlTuiApp(LinkedApp[UserError]):
             self._key_queue.take_first(message.keys)
 
     def on_notify(self, event: Notify) -> None:
-        """Spell what is told in the characters of the terminal; remember what is of the moment."""
+        """Spell what is told in the characters of the terminal, and show it where no panel is hidden."""
+        event.prevent_default()  # Textual would lay it over the screen
         event.notification.message = to_ascii(event.notification.message, self.look.glyphs)
-        self._moment.note(event.notification)
+        self.messages.note(event.notification)
+
+    def clear_notifications(self) -> None:
+        """Take all messages away."""
+        self.messages.clear()
 
     def _tell_of_lost_keys(self) -> None:
         self.notify("too many keys at once: those that are over do not count", severity="warning")
@@ -225,7 +233,7 @@ class RlTuiApp(LinkedApp[UserError]):
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)
         self.screen_change_signal.subscribe(self, forget_left_screens)
-        self.screen_change_signal.subscribe(self, lambda _: hide_messages_behind(self))
+        self.screen_change_signal.subscribe(self, self.messages.follow)
         if not self.is_headless:
             # again: the driver for browsers has put its own way to end in place
             end_on_signal(self._end, self.give_back_terminal)

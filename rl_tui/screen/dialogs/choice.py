@@ -1,106 +1,41 @@
-"""Questions for a setting of the agent: pick from a list, or type a value.
-
-Unavailable options stay in the list, greyed out, with the reason.
-"""
+"""Questions for a setting of the agent: pick from a list, or type a value."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any
-
-from rich.text import Text
-from textual.app import ComposeResult
-from textual.widgets import OptionList, Static
-from textual.widgets.option_list import Option
+import re
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.common.errors import UserError
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.dialogs.dialog import Dialog, Prompt
+from rl_tui.screen.dialogs.form import Candidate, Choice, Entry, Form, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.bindings import as_sentence
 from rl_tui.screen.panels.controls.settings import option_text
 from rl_tui.screen.panels.controls.slider_picture import parsed
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.mdp.space import FiniteSpace
 
-# Choice from a list
+# Algorithm, policy, words
 
 
-@dataclass(frozen=True, slots=True)
-class Candidate:
-    """One that may be chosen: ``lines`` describe it; ``refused`` says why it cannot be, empty if it can."""
+def algorithm_choice(
+    space: FiniteSpace,
+    recipe: Recipe,
+    glyphs: Glyphs,
+    title: str = "Algorithm",
+    *,
+    beside_program: bool = False,
+) -> Choice:
+    """Return the choice among all algorithms; those that cannot work in ``space`` are dim.
 
-    id: str
-    name: str
-    lines: tuple[str, ...] = ()
-    refused: str = ""
-
-
-class Choice(Dialog[str]):
-    """A list of candidates. Answers the id of the one chosen; escape answers None.
-
-    ``current`` is the id of the one in force, empty where none is. ``question`` stands above the list.
+    With ``beside_program`` they are for a run beside your program, and none is current.
     """
-
-    def __init__(
-        self, title: str, candidates: Iterable[Candidate], current: str, glyphs: Glyphs, question: str = ""
-    ) -> None:
-        super().__init__()
-        self._title = title
-        self._question = question
-        self.candidates = tuple(candidates)
-        self._current = current
-        self._glyphs = glyphs
-
-    def compose(self) -> ComposeResult:
-        """Yield the list."""
-        with self.box(to_ascii(self._title, self._glyphs), "enter: choose   esc: close"):
-            if self._question:
-                yield Static(to_ascii(self._question, self._glyphs), classes="hint", markup=False)
-            yield OptionList(
-                *(
-                    Option(self.describe(each), id=each.id, disabled=bool(each.refused))
-                    for each in self.candidates
-                )
-            )
-
-    def on_mount(self) -> None:
-        """Start on the one in force, else on the first."""
-        choices = self.query_one(OptionList)
-        choices.highlighted = choices.get_option_index(self._current) if self._current else 0
-        choices.focus()
-
-    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Answer the chosen one."""
-        self.dismiss(event.option_id)
-
-    def describe(self, candidate: Candidate) -> Text:
-        """Return how the list writes ``candidate``."""
-        in_force = "  (in force)" if candidate.id == self._current else ""
-        text = Text(to_ascii(f"{candidate.name}{in_force}", self._glyphs), "bold")
-        lines = (*candidate.lines, f"Not here: {candidate.refused}") if candidate.refused else candidate.lines
-        for line in lines:
-            text.append(to_ascii(f"\n{line}", self._glyphs), "not bold")
-        return text
-
-
-def algorithm_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
-    """Return the choice among all algorithms; those that cannot work in ``space`` are marked."""
     candidates = (
         _candidate(each, _refused(space, each.id, recipe.hyperparameters)) for each in BY_ID.values()
     )
-    return Choice("Algorithm", candidates, recipe.algorithm, glyphs)
-
-
-def choice_beside_program(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
-    """Return the choice of an agent of ours, with the settings of ``recipe``, beside somebody's program."""
-    candidates = (
-        _candidate(each, _refused(space, each.id, recipe.hyperparameters)) for each in BY_ID.values()
-    )
-    return Choice("An agent of ours beside your program", candidates, "", glyphs)
+    return Choice(title, candidates, "" if beside_program else recipe.algorithm, glyphs)
 
 
 def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
@@ -133,8 +68,9 @@ _MEANINGS = {
 
 
 def _candidate(row: Algorithm | Policy, refused: str) -> Candidate:
-    lines = (row.summary, row.equation, f"Sutton & Barto, 2nd ed., {row.source}")
-    return Candidate(row.id, row.name, lines, refused)
+    lines = (as_sentence(row.summary), row.equation, f"Sutton & Barto, 2nd ed., {row.source}")
+    words = re.split(r"[:,;]", row.summary, maxsplit=1)[0]
+    return Candidate(row.id, row.name, lines, refused, words=words)
 
 
 def _refused(space: FiniteSpace, algorithm: str, values: Hyperparameters) -> str:
@@ -151,7 +87,7 @@ def _refused(space: FiniteSpace, algorithm: str, values: Hyperparameters) -> str
 _EXAMPLES = {"initial_q": "0 or 2.5"}
 
 
-def ask_value(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Dialog[Any]:
+def ask_value(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Form:
     """Return what asks for a number or a word for ``name``; in all else as :func:`ask_number`."""
     if PARAMETERS[name].range is None:
         return word_choice(name, value, glyphs)
@@ -178,10 +114,16 @@ def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bo
     return Prompt(to_ascii(title, glyphs), to_ascii(hint, glyphs), option_text(value), read)
 
 
-def ask_seed(seed: int) -> Prompt:
-    """Return the prompt for the seed; ``seed`` is the one in force."""
-    hint = "the same seed gives the same run; the run starts again"
-    return Prompt("Seed", hint, str(seed), _read_seed)
+def ask_seed(seed: int, glyphs: Glyphs) -> Form:
+    """Return the question for the seed; ``seed`` is the current one."""
+    candidates = (
+        Candidate(str(seed), "the same seed", ("The same run again.",), value=str(seed)),
+        Candidate(
+            str(seed + 1), "the next seed", ("Another run with the same settings.",), value=str(seed + 1)
+        ),
+    )
+    hint = "The same seed gives the same run. The run starts again."
+    return Form("Seed", candidates, "", glyphs, entry=Entry(str(seed), hint, _read_seed), does="start again")
 
 
 def _expected(parameter: Parameter) -> str:

@@ -1,4 +1,4 @@
-"""The dialog that compares runs (key c): choose a run, or add one that differs in one setting.
+"""The dialogs that compare runs: what another run shall have otherwise, and the table of the runs.
 
 At most four runs are compared. After a study of many seeds, a second row below each run shows the mean
 and the standard error.
@@ -6,24 +6,20 @@ and the standard error.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, Final, NamedTuple
 
 from rich.cells import cell_len
 from rich.text import Text
-from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.widgets import OptionList, Static
-from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import algorithm_row
-from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.live.commands import AddBranch, ChooseLane, DropLane, MarkLane
+from rl_tui.live.commands import ChooseLane, DropLane, MarkLane
 from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.timeline.lane_view import LaneView
-from rl_tui.screen.dialogs.dialog import Dialog
-from rl_tui.screen.dialogs.lane_changes import ALGORITHM, what_may_differ
-from rl_tui.screen.dialogs.options import in_force
+from rl_tui.screen.dialogs.form import MARKS, Candidate, Choice, Form
+from rl_tui.screen.dialogs.lane_changes import what_may_differ
+from rl_tui.screen.dialogs.options import Settings
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
@@ -40,7 +36,7 @@ from rl_tui.screen.panels.seed_figures import (
     figure_decimals,
     until_of,
 )
-from rl_tui.screen.theme.glyphs import ASCII
+from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.many_seeds.figures import SeedStudy
 
@@ -50,7 +46,6 @@ from rl_tui.studies.many_seeds.figures import SeedStudy
 _LEAST_NAME: Final = 8
 _LEAST_COLUMN: Final = 8
 _STEP: Final = 10  # cells of a number of steps
-_MARK: Final = 4  # cells before a name: cursor and number
 
 
 class LaneRow(NamedTuple):
@@ -79,30 +74,27 @@ class _Column(NamedTuple):
 
 def lane_rows(
     lanes: Sequence[LaneView],
-    shown: int,
+    roles: Sequence[str],
     study: SeedStudy | None,
     look: Look,
     width: int,
     *,
     hidden: bool,
-    marked: int | None = None,
 ) -> tuple[str, list[LaneRow]]:
-    """Return a heading and a row for each of ``lanes``, of ``width`` cells; the lane ``shown`` is marked.
+    """Return a heading and a row of ``width`` cells for each of ``lanes``, each with its role of ``roles``.
 
-    So is the one ``marked`` to stand beside it, None where that goes without saying.
-
-    ``study`` is one of these lanes, or None. Of a bandit that is ``hidden`` nothing exact is told. Columns
+    ``study`` is one of these lanes, or None. Nothing exact is shown of a bandit that is ``hidden``. Columns
     for which the names leave no room are left out.
     """
-    columns = _columns(lanes, study, look, hidden=hidden)
+    columns = [*_columns(lanes, study, look, hidden=hidden), _role_column(roles)]
     while len(columns) > 1 and _room(columns, width) < _LEAST_NAME:
         last = max(columns, key=lambda column: column.rank)
         columns = [column for column in columns if column is not last]
     room = _room(columns, width)
 
-    def row(mark: str, name: str, texts: Sequence[str]) -> str:
+    def row(name: str, texts: Sequence[str]) -> str:
         cells = (f" {text:>{column.cells}}" for text, column in zip(texts, columns, strict=True))
-        return f"{mark:<{_MARK}}{shortened(name, room, look.glyphs.ellipsis):<{room}}{''.join(cells)}"
+        return f"{shortened(name, room, look.glyphs.ellipsis):<{room}}{''.join(cells)}"
 
     seeds = ""
     if study is not None:
@@ -111,13 +103,10 @@ def lane_rows(
         seeds = whole if cell_len(whole) <= room else seeds
     found = []
     for number, lane in enumerate(lanes):
-        mark = look.glyphs.cursor if number == shown else "+" if number == marked else ""
-        own = row(
-            f"{mark:<1} {number + 1}", to_ascii(lane.name, look.glyphs), [c.own[number] for c in columns]
-        )
-        below = row("", seeds, [column.of_seeds[number] for column in columns]) if seeds else ""
+        own = row(to_ascii(lane.name, look.glyphs), [column.own[number] for column in columns])
+        below = row(seeds, [column.of_seeds[number] for column in columns]) if seeds else ""
         found.append(LaneRow(own, below))
-    return row("", "lane", [column.head for column in columns]), found
+    return row("run", [column.head for column in columns]), found
 
 
 def recent_of(lanes: Sequence[LaneView]) -> str:
@@ -126,7 +115,12 @@ def recent_of(lanes: Sequence[LaneView]) -> str:
 
 
 def _room(columns: Sequence[_Column], width: int) -> int:
-    return max(0, width - _MARK - sum(1 + column.cells for column in columns))
+    return max(0, width - sum(1 + column.cells for column in columns))
+
+
+def _role_column(roles: Sequence[str]) -> _Column:
+    width = max(map(cell_len, roles))
+    return _Column("", [f"{each:<{width}}" for each in roles], [""] * len(roles), 8)
 
 
 def _columns(
@@ -179,47 +173,53 @@ def _dash(look: Look) -> str:
     return numbers.missing(look.glyphs)
 
 
-# The dialog
+# What another run has otherwise
 
 
 MOST_LANES: Final = 4
-MOST_BRANCHES: Final = 4
-Answer = ChooseLane | MarkLane | DropLane | AddBranch | str
-"""A lane to show, to mark or to end, a branch as another one, or the name of what another has otherwise."""
+EXACT: Final = "w h"  # the keys that show what is hidden
+
+
+def setting_choice(recipe: Recipe, glyphs: Glyphs) -> Settings:
+    """Return the choice of the setting that another run has otherwise."""
+    names = what_may_differ(recipe)[1:]
+    return Settings("Another run that differs in", lambda: names, lambda: recipe, glyphs, another_run=True)
+
+
+def branch_choice(branches: Mapping[int, str], glyphs: Glyphs) -> Choice:
+    """Return the choice of a branch to compare with; it answers the number. The newest is first."""
+    rows = [Candidate(str(number), words) for number, words in sorted(branches.items(), reverse=True)]
+    return Choice("A branch of this run beside it", rows, "", glyphs)
+
+
+# The table of the runs
+
 
 _PAIR: Final = 2
-_LANE: Final = "lane-"
-_WITH: Final = "with-"
-_BRANCH: Final = "branch-"
-_HINTS: Final = {
-    "marked": "+ stands beside the one shown, and space chooses it",
-    "lanes": "returns, undiscounted: mean of the {recent}; exact one of the greedy policy",
-    "branch": "this run as it went on that branch; each lane is changed by itself from now on",
-    ALGORITHM: "another way to learn, or to plan",
-}
-INSTEAD_OF: Final = "instead of"
+_KEYS: Final = "del: end"
+_KEYS_OF_MORE: Final = "space: beside   del: end"
+_CONTROL: Final = "control"
+_BESIDE: Final = "beside"
+_RETURNS: Final = "Returns, undiscounted: mean of the {recent}, and the exact one of the greedy policy."
 _ONE_SEED: Final = "One seed decides nothing"
-_COUNTS: Final = ": M counts many."
-_GRADES: Final = "; rl-tui grade runs your program under many."
-_HIDDEN: Final = " –: hidden until h."
-_KEPT: Final = " –: the lesson keeps it back."
+_HIDDEN: Final = f"Hidden until {EXACT}."
+_KEPT: Final = "The lesson hides it."
 _MANY_SEEDS: Final = "Below each: mean ± standard error of many seeds."
-_LEAST_SYMBOL: Final = 12
+Answer = ChooseLane | MarkLane | DropLane
+"""The run to control, to show next to it, or to end."""
 
 
-class Compare(Dialog[Answer]):
-    """A list of ``lanes``, at least one, of which ``shown`` is on screen; below it what else to compare with.
+class Runs(Form):
+    """The ``lanes``, two or more, of which you control ``shown``.
 
-    ``beside`` is the one that stands beside it, None without one. ``recipe`` is what is in force in the one
-    shown. Of a bandit that is ``hidden`` nothing exact is shown, where it ``is_kept`` no key shows it.
-    ``study`` is what many seeds say of these lanes, None where that is not known. ``branches`` of the one
-    shown can stand beside it, in words by their numbers: the last few are offered. ``is_program`` says that
-    one of them is somebody's program.
+    ``beside`` is the one that stands beside it, None without one. Nothing exact is shown of a bandit that is
+    ``hidden``; where it ``is_kept`` no key shows it. ``study`` is what many seeds say of these lanes, None
+    where that is not known.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("delete,backspace", "end", "end lane", id="compare.end", tooltip="End the run chosen."),
-        Binding("space", "mark", "beside", id="compare.mark", tooltip="Have the run beside the one shown."),
+        Binding("delete,backspace", "end", "end run", id="compare.end", tooltip="End the run."),
+        Binding("space", "mark", "beside", id="compare.mark", tooltip="Put the run beside yours."),
     ]
 
     def __init__(
@@ -227,160 +227,68 @@ class Compare(Dialog[Answer]):
         look: Look,
         lanes: Sequence[LaneView],
         shown: int,
-        recipe: Recipe,
         *,
         hidden: bool,
         beside: int | None = None,
         study: SeedStudy | None = None,
-        branches: Mapping[int, str] | None = None,
         is_program: bool = False,
         is_kept: bool = False,
     ) -> None:
-        super().__init__()
         self._look = look
         self._lanes = lanes
         self._shown = shown
-        self._beside = beside
-        self._recipe = recipe
         self._hidden = hidden
-        self._is_kept = is_kept
         self._study = study
-        self._branches = branches or {}
-        self._one_seed = _ONE_SEED + (_GRADES if is_program else _COUNTS)
+        roles = [""] * len(lanes)
+        roles[shown] = _CONTROL
+        if beside is not None and len(lanes) > _PAIR:
+            roles[beside] = _BESIDE
+        self._roles = roles
+        more = "rl-tui grade runs your program under many" if is_program else "t m runs many"
+        seeds = f"{_ONE_SEED}: {more}."
+        self.about_lanes = [
+            _RETURNS.format(recent=recent_of(lanes)),
+            _MANY_SEEDS if study is not None else seeds,
+            *([_KEPT if is_kept else _HIDDEN] if hidden else []),
+        ]
+        rows = [
+            Candidate("", "run"),
+            *(Candidate(str(number), lane.name) for number, lane in enumerate(lanes)),
+        ]
+        keys = _KEYS_OF_MORE if len(lanes) > _PAIR else _KEYS
+        super().__init__("Runs", rows, str(shown), look.glyphs, keys=keys)
 
-    def compose(self) -> ComposeResult:
-        """Yield the list and the sentence about the entry under the cursor."""
-        marks = "   space: beside" if len(self._lanes) > _PAIR else ""
-        with self.box("Compare", f"enter: choose{marks}   del: end lane   esc: close"):
-            yield OptionList()
-            yield Static(classes="hint", markup=False)
+    def describe(self, candidate: Candidate) -> Text:
+        """Return the row of a run in the table, or its heading; the one you control is bold."""
+        head, rows = lane_rows(
+            self._lanes, self._roles, self._study, self._look, self.room - MARKS, hidden=self._hidden
+        )
+        if not candidate.id:
+            return Text(f"{' ' * MARKS}{head}")
+        own, of_seeds = rows[int(candidate.id)]
+        text = Text.assemble(
+            self.mark(candidate), (own, "bold" if candidate.id == self.current else "not bold")
+        )
+        return text.append(f"\n{' ' * MARKS}{of_seeds}", "not bold") if of_seeds else text
 
-    def on_mount(self) -> None:
-        """Start on the run shown, or on what may be different where there is only one."""
-        choices = self.query_one(OptionList)
-        choices.set_options(self._options())
-        start = f"{_LANE}{self._shown}" if len(self._lanes) > 1 else f"{_WITH}{ALGORITHM}"
-        choices.highlighted = choices.get_option_index(start)
-        choices.focus()
+    def about(self, candidate: Candidate) -> str:
+        """Return how far to trust the numbers, the same for every run."""
+        return to_ascii("\n".join(self.about_lanes), self.glyphs)
 
-    def on_resize(self) -> None:
-        """Fit the rows to the new width; the cursor stays."""
-        choices = self.query_one(OptionList)
-        at = choices.highlighted
-        choices.set_options(self._options())
-        choices.highlighted = at
-
-    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Describe the entry under the cursor."""
-        entry = str(event.option_id)
-        name = entry.removeprefix(_WITH)
-        if entry.startswith(_LANE):
-            hint = _HINTS["lanes"].format(recent=recent_of(self._lanes))
-            if len(self._lanes) > _PAIR:
-                hint = f"{hint}. {_HINTS['marked']}"
-        elif entry.startswith(_BRANCH):
-            hint = _HINTS["branch"]
-        else:
-            hint = _HINTS.get(name, "") or PARAMETERS[name].help
-        self.query_one(".hint", Static).update(to_ascii(hint, self._look.glyphs))
-
-    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Answer the lane to show, or what is to be different."""
-        entry = str(event.option_id)
-        if entry.startswith(_LANE):
-            self.dismiss(ChooseLane(int(entry.removeprefix(_LANE))))
-        elif entry.startswith(_BRANCH):
-            self.dismiss(AddBranch(int(entry.removeprefix(_BRANCH))))
-        else:
-            self.dismiss(entry.removeprefix(_WITH))
+    def choose(self, id: str) -> None:  # noqa: A002
+        """Answer the run to control."""
+        self.dismiss(ChooseLane(int(id)))
 
     def action_end(self) -> None:
-        """Answer the lane to end."""
-        option = self.query_one(OptionList).highlighted_option
-        if option is None or not str(option.id).startswith(_LANE):
-            return
-        if len(self._lanes) > 1:
-            self.dismiss(DropLane(int(str(option.id).removeprefix(_LANE))))
-        else:
-            self.notify("the only run cannot be ended; esc leaves it")
+        """Answer the run to end."""
+        self.dismiss(DropLane(int(self.at or 0)))
 
     def action_mark(self) -> None:
-        """Answer the lane to have beside the one shown."""
-        option = self.query_one(OptionList).highlighted_option
-        if option is None or not str(option.id).startswith(_LANE):
-            return
-        lane = int(str(option.id).removeprefix(_LANE))
+        """Answer the run to show next to yours."""
+        lane = int(self.at or 0)
         if len(self._lanes) <= _PAIR:
-            self.notify("of three or four lanes one is chosen to stand beside the one shown")
+            self.tell_about("Not here: both runs are shown. A choice needs three or more.")
         elif lane == self._shown:
-            self.notify("this one is shown; choose another to stand beside it")
+            self.tell_about("Not here: you control this one. Choose another to put beside it.")
         else:
             self.dismiss(MarkLane(lane))
-
-    def _options(self) -> Iterator[Option | None]:
-        yield from self._lane_options()
-        # Textual draws the line between the options itself, and not in ASCII
-        yield None if self._look.glyphs is not ASCII else Option("", disabled=True)
-        if len(self._lanes) >= MOST_LANES:
-            yield Option("Four lanes are the most: end one to open another.", disabled=True)
-            return
-        yield from self._branch_rows()
-        yield Option("Another lane, the same but for", disabled=True)
-        names = what_may_differ(self._recipe)
-        columns = max(_LEAST_SYMBOL, *(len(self._symbol(name)) for name in names))
-        for name in names:
-            yield Option(self._entry(name, columns), id=f"{_WITH}{name}")
-
-    def _branch_rows(self) -> Iterator[Option]:
-        if not self._branches:
-            return
-        yield Option("Another lane, a branch of this run", disabled=True)
-        glyphs, room = self._look.glyphs, self._room - 2
-        for number in list(self._branches)[-MOST_BRANCHES:]:
-            words = to_ascii(self._branches[number], glyphs)
-            yield Option(Text(f"  {shortened(words, room, glyphs.ellipsis)}"), id=f"{_BRANCH}{number}")
-        more = len(self._branches) - MOST_BRANCHES
-        if more > 0:
-            yield Option(f"  {more:,} more: j lists them", disabled=True)
-
-    def _lane_options(self) -> Iterator[Option]:
-        """Yield a heading, the lanes, and how far to trust their figures."""
-        head, rows = lane_rows(
-            self._lanes,
-            self._shown,
-            self._study,
-            self._look,
-            self._room,
-            hidden=self._hidden,
-            marked=self._beside if len(self._lanes) > _PAIR else None,
-        )
-        yield Option(head, disabled=True)
-        for number, row in enumerate(rows):
-            text = Text(row.own, "bold" if number == self._shown else "not bold")
-            if row.of_seeds:
-                text.append(f"\n{row.of_seeds}", "not bold")
-            yield Option(text, id=f"{_LANE}{number}")
-        if len(rows) > 1 or self._study is not None:
-            said = self._one_seed if self._study is None else _MANY_SEEDS
-            hidden = _KEPT if self._is_kept else _HIDDEN
-            if self._hidden and len(said) + len(hidden) <= self._room:
-                said += hidden
-            yield Option(to_ascii(said, self._look.glyphs), disabled=True)
-
-    def _symbol(self, name: str) -> str:
-        return name if name == ALGORITHM else to_ascii(PARAMETERS[name].symbol, self._look.glyphs)
-
-    def _entry(self, name: str, columns: int) -> Text:
-        values = self._recipe.hyperparameters
-        now = algorithm_row(self._recipe.algorithm).name if name == ALGORITHM else in_force(name, values)[0]
-        glyphs = self._look.glyphs
-        text = Text(f"  {self._symbol(name):<{columns}} ")
-        return text.append(to_ascii(f"{INSTEAD_OF} {now}", glyphs))
-
-    @property
-    def _room(self) -> int:
-        """The cells of a row: the box takes nine tenths of the screen, ninety at the most.
-
-        Its border and padding take four of them, the bar to scroll with one.
-        """
-        return min(90, self.app.size.width * 9 // 10) - 5

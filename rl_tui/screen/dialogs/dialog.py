@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import ClassVar, Final, TypeVar
@@ -17,18 +16,15 @@ from textual.containers import Vertical
 from textual.content import Content
 from textual.events import Click
 from textual.screen import ModalScreen
-from textual.widgets import Input, Static
+from textual.widgets import Static
 
-from rl_tui.live.commands import GoTo
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import key_at
-from rl_tui.screen.kit.snapshot_facts import episodes_begun
 from rl_tui.screen.panels.model.model import ModelPanel
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 
 # The base of all dialogs
 
@@ -108,128 +104,6 @@ class QuitQuestion(Confirm):
 
     def __init__(self, glyphs: Glyphs) -> None:
         super().__init__("Quit?", "enter quits, and so does ctrl+c once more; esc goes on", "quit", glyphs)
-
-
-# A line to type
-
-
-Reader = Callable[[str], float | str]
-"""Turns the typed text into the value; raises ValueError whose text says what was expected."""
-
-
-_LONGEST = 1_000  # characters: a pasted book is cut off
-
-
-class Prompt(Dialog[float | str]):
-    """One line to type a value into. Answers the value that ``read`` makes of it; escape answers None.
-
-    ``does`` is what enter does with it, in a word.
-    """
-
-    def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
-        super().__init__()
-        self._title = title
-        self.typed = value
-        """What stands in the line."""
-        self.hint = hint
-        self.value = value
-        self.read = read
-        self._does = does
-
-    def compose(self) -> ComposeResult:
-        """Yield the line, the sentence about it, and room for a fault."""
-        with self.box(self._title, f"enter: {self._does}   esc: close"):
-            yield Input(self.value, select_on_focus=True, compact=True, max_length=_LONGEST)
-            yield Static(self.hint, classes="hint", markup=False)
-            yield Static("", classes="error", markup=False)
-
-    def on_input_changed(self, event: Input.Changed) -> None:
-        """Show what is wrong while it is typed."""
-        self.query_one(".error", Static).update(self._fault(event.value))
-
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Answer the value if it is one."""
-        self.typed = event.value
-        if not self._fault(event.value):
-            self.dismiss(self.read(event.value))
-
-    def _fault(self, text: str) -> str:
-        try:
-            self.read(text)
-        except ValueError as fault:
-            return str(fault)
-        return ""
-
-
-# Go to a moment
-
-
-_GO_ON: Final = "esc, then space goes on from there"
-_STEPS: Final = ("", "step", "steps", "pull", "pulls")  # a pull is a step
-_EPISODES: Final = ("e", "ep", "episode", "episodes", "sweep", "sweeps")
-_NUMBER: Final = r"\d{1,18}|\d{1,3}(?:,\d{3}){1,5}"
-_SHARE: Final = re.compile(r"(\d{1,18}(?:\.\d+)?)\s*%", re.ASCII)
-_MOMENT: Final = re.compile(rf"([a-z]*)\s*({_NUMBER})", re.ASCII)
-
-
-def goto_prompt(snapshot: Snapshot) -> Prompt:
-    """Return the prompt; it answers the text typed, out of which :func:`parse_goto` makes the command."""
-
-    def read(text: str) -> str:
-        parse_goto(text, snapshot)
-        return text
-
-    return Prompt("Go to", _expected(snapshot), str(snapshot.timeline.current.here), read, "go")
-
-
-def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
-    """Return where ``text`` points to; raises ValueError saying what was expected."""
-    end = snapshot.timeline.current.end
-    text = text.strip().lower()
-    if text in ("start", "end"):
-        return GoTo(0 if text == "start" else end)
-    share = _SHARE.fullmatch(text)
-    if share:
-        if float(share[1]) > 100.0:
-            raise ValueError("a share goes from 0% to 100%")
-        return GoTo(round(end * float(share[1]) / 100.0))
-    moment = _MOMENT.fullmatch(text)
-    if not moment or moment[1] not in _STEPS + _EPISODES:
-        raise ValueError("that is none of these")
-    number = int(moment[2].replace(",", ""))
-    if moment[1] in _EPISODES:
-        return _episode(number, snapshot)
-    if number > end:
-        raise ValueError(f"the run has come to step {end:,} so far; {_GO_ON}")
-    return GoTo(number)
-
-
-def _episode(number: int, snapshot: Snapshot) -> GoTo:
-    """Return where an episode begins. How many there are is only known in the present, not in the past."""
-    unit = unit_of(snapshot)
-    begun = episodes_begun(snapshot)
-    if number < 1:
-        raise ValueError(f"{unit}s count from 1")
-    if number > begun and not snapshot.timeline.in_past:
-        raise ValueError(f"the run has come to {unit} {begun:,} so far; {_GO_ON}")
-    return GoTo(episode=number)
-
-
-def unit_of(snapshot: Snapshot) -> str:
-    """Return what the steps of this run come in: episodes, or the sweeps of a planner."""
-    return "sweep" if snapshot.agent.row.planner else "episode"
-
-
-def _expected(snapshot: Snapshot) -> str:
-    """Return what may be typed, naming the range."""
-    end = snapshot.timeline.current.end
-    if snapshot.agent.row.planner:
-        first = f"a step from 0 to {end:,}, sweep 12"
-    elif isinstance(snapshot.world.drawing, Arms):
-        first = f"a pull from 0 to {end:,}"
-    else:
-        first = f"a step from 0 to {end:,}, e12 for episode 12"
-    return f"{first}, 50%, start or end"
 
 
 # The model of the scenario

@@ -14,9 +14,10 @@ from textual.widgets import Static
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.files import new_path
+from rl_tui.common.words import counted
 from rl_tui.runs.training.seeded_runs import OnProgress
-from rl_tui.screen.dialogs.choice import Candidate, Choice
-from rl_tui.screen.dialogs.dialog import Dialog, Prompt
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
 
@@ -36,22 +37,40 @@ _LOOKS_AT_PROGRESS: Final = 0.1
 
 
 def export_choice(
-    glyphs: Glyphs, *, bandit: bool, no_returns: str, has_drawing: bool, lane: str = ""
+    glyphs: Glyphs,
+    *,
+    bandit: bool,
+    no_returns: str,
+    has_drawing: bool,
+    lane: str = "",
+    branch: str = "",
+    episodes: int = 0,
 ) -> Choice:
     """Return the choice of what to write; with ``has_drawing`` the drawn policy is among it.
 
     For a ``bandit`` the script shows what is hidden from the agent; the dialog warns of that. ``no_returns``
-    says why there are no returns, empty if there are. ``lane`` is the one that is written (``1 of 2``), empty
-    if there is one run.
+    says why there are no returns, empty if there are. ``lane`` (``1 of 2``) and ``branch`` (``branch 2``) are
+    those that are written, empty where there are no others. So many ``episodes`` have ended.
     """
-    secret = {SCRIPT: (_SECRET,)} if bandit else {}
-    refused = {RETURNS: f"{no_returns}."} if no_returns else {}
+    only = [part for part in (f"run {lane}" if lane else "", branch) if part]
+    run = f"Only {' and '.join(only)}; the others are left out." if only else ""
+    left_out = {
+        RETURNS: f"{counted(episodes, 'episode')}; one that is under way is left out.",
+        Q_ARRAY: "Visits are left out.",
+        SCRIPT: _SECRET if bandit else "",
+    }
+    refused = {RETURNS: no_returns} if no_returns else {}
     candidates = (
-        Candidate(what, name, (sentence, *secret.get(what, ())), refused.get(what, ""))
+        Candidate(
+            what,
+            name,
+            tuple(filter(None, (sentence, left_out.get(what), "" if what == PICTURE else run))),
+            refused.get(what, ""),
+        )
         for what, (name, sentence) in _KINDS.items()
         if what != POLICY or has_drawing
     )
-    return Choice(f"Export · lane {lane}" if lane else "Export", candidates, "", glyphs)
+    return Choice(f"Export · run {lane}" if lane else "Export", candidates, "", glyphs)
 
 
 def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
@@ -63,7 +82,7 @@ def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
         except UserError as fault:
             raise ValueError(str(fault)) from fault
 
-    hint = "where to write it: a new file, here if no folder is named"
+    hint = "The name of a new file, in this folder unless you name another."
     return Prompt(to_ascii(title, glyphs), hint, name, read, "write")
 
 
@@ -103,7 +122,7 @@ class CommandLine(Dialog[str]):
     def action_copy(self) -> None:
         """Copy it through the terminal (OSC 52), which may not allow it."""
         self.app.copy_to_clipboard(self._line)
-        self.notify("copied; if it does not paste, this terminal does not allow it: w writes it to a file")
+        self.notify("Copied. If it does not paste, press w to write a file.")
 
     def action_write(self) -> None:
         """Answer the command, to be written to a file."""

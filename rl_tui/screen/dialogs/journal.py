@@ -1,24 +1,19 @@
-"""The branches of a run and what was changed in each: to go to one, to a change, or to compare with one."""
+"""Where to go in a run: to a moment, to a branch, or to a change in one."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import ClassVar, Final, NamedTuple
 
-from rich.text import Text
-from textual import events
-from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.content import Content
-from textual.widgets import OptionList, Static
-from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
-from rl_tui.live.commands import AddBranch
+from rl_tui.live.commands import AddBranch, GoTo
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import (
     EditWorld,
@@ -34,20 +29,30 @@ from rl_tui.runs.recipe import (
     WorldChange,
     changed_recipe,
 )
-from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.runs.timeline.branches import Timeline
+from rl_tui.screen.dialogs.form import Candidate, Choice, Entry, Form
 from rl_tui.screen.dialogs.lane_changes import branches_beside
 from rl_tui.screen.draw.names import action_name
-from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.bindings import as_sentence
+from rl_tui.screen.kit.snapshot_facts import episodes_begun
 from rl_tui.screen.panels.controls.settings import called
+from rl_tui.screen.panels.timeline import first_reward
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.editing.edit import BETWEEN, PREFIX, written_edits
 from rl_tui.worlds.world import World
 
-HOW_TO_BRANCH = "To make another branch, go back with b or B and change something."
-NO_CHANGE = "Nothing was changed in this branch."
+# The branches
+
+
+STEP_BACK, EPISODE_BACK = "b", "B"  # keys of the playground that sentences name
+HOW_TO_BRANCH: Final = (
+    f"To make another branch, go back with {STEP_BACK} or {EPISODE_BACK} and change something."
+)
+NO_CHANGE: Final = "Nothing was changed in this branch."
 _MOST_EDITS: Final = 2  # of a stroke that are told
+_KEYS: Final = "c: compare   tab: changes"
 
 
 class Moment(NamedTuple):
@@ -57,109 +62,88 @@ class Moment(NamedTuple):
     step: int | None = None
 
 
-class JournalScreen(Dialog[Moment | AddBranch]):
-    """Branches above, and the journal of the one under the cursor below.
+class JournalScreen(Form):
+    """The branches, and what was changed in the one under the cursor.
 
     Answers where to go, or the branch to compare with.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding(
-            "c", "compare", "compare", id="journal.compare", tooltip="Open the branch chosen as another lane."
-        ),
+        Binding("c", "compare", "compare", id="journal.compare", tooltip="Open the branch as another run."),
+        Binding("tab", "changes", "changes", id="journal.changes", tooltip="List the changes, to go to one."),
     ]
 
     def __init__(self, look: Look, snapshot: Snapshot) -> None:
-        super().__init__()
-        self._look = look
-        self._timeline = snapshot.timeline
-        self._unit = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
-        self._lines = [
+        timeline = snapshot.timeline
+        unit = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
+        self.journals = [
             journal_lines(branch.journal, snapshot.recipe, snapshot.world, look.glyphs)
-            for branch in snapshot.timeline.branches
+            for branch in timeline.branches
         ]
+        self._timeline = timeline
         self._beside = branches_beside(snapshot)
-        self._shown = snapshot.timeline.branch
+        candidates = [
+            _branch_row(timeline, number, lines, unit) for number, lines in enumerate(self.journals)
+        ]
+        super().__init__("Branches", candidates, str(timeline.branch), look.glyphs, keys=_KEYS)
 
-    def compose(self) -> ComposeResult:
-        """Yield the two lists, and how to make a branch."""
-        with self.box("Journal", "enter: go   c: compare   tab: list   esc: close"):
-            yield OptionList(*map(self._described, range(len(self._lines))), id="branches")
-            yield Static(classes="hint", id="whose", markup=False)
-            yield OptionList(id="entries")
-            yield Static(HOW_TO_BRANCH, classes="hint", id="how", markup=False)
+    def choose(self, id: str) -> None:  # noqa: A002
+        """Answer the branch."""
+        self.dismiss(Moment(int(id)))
 
-    def on_mount(self) -> None:
-        """Start on the branch in force."""
-        self._branches.highlighted = self._timeline.branch
-        self._branches.focus()
-        self._show_entries()
+    def action_changes(self) -> None:
+        """List the changes of the branch under the cursor, and answer the moment of one."""
+        branch, name = self.branch, self._timeline.branches[self.branch].name
+        if not self.journals[branch]:
+            self.tell_about(NO_CHANGE)
+            return
+        rows = [Candidate(f"{place}", line.text) for place, line in enumerate(self.journals[branch])]
 
-    def on_descendant_focus(self, event: events.DescendantFocus) -> None:
-        """Put the cursor on the first change; it is there only while the changes are in focus."""
-        if event.widget is self._entries:
-            self._entries.highlighted = 0
+        def chosen(place: str | None) -> None:
+            if place is not None:
+                self.dismiss(Moment(branch, self.journals[branch][int(place)].step))
 
-    def on_descendant_blur(self, event: events.DescendantBlur) -> None:
-        """Take the cursor off the changes."""
-        if event.widget is self._entries:
-            self._entries.highlighted = None
-
-    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Show the journal of the branch under the cursor."""
-        if event.option_list is self._branches and event.option_index != self._shown:
-            self._shown = event.option_index
-            self._show_entries()
-
-    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Answer the branch, or the moment of the change in it."""
-        if event.option_list is self._branches:
-            self.dismiss(Moment(event.option_index))
-        else:
-            self.dismiss(Moment(self._shown, self._lines[self._shown][event.option_index].step))
+        self.app.push_screen(Choice(f"Changes in {name}", rows, "", self.glyphs), chosen)
 
     def action_compare(self) -> None:
-        """Answer the branch to stand beside the one in force."""
-        name = self._timeline.branches[self._shown].name
-        if self._shown in self._beside:
-            self.dismiss(AddBranch(self._shown))
-        elif self._shown != self._timeline.branch:
-            self.notify(f"{name} is a lane already: l shows it")
-        elif len(self._lines) > 1:
-            self.notify(f"{name} is the one shown: choose another one")
+        """Answer the branch to compare with the current one."""
+        name = self._timeline.branches[self.branch].name
+        if self.branch in self._beside:
+            self.dismiss(AddBranch(self.branch))
+        elif self.branch != self._timeline.branch:
+            self.tell_about(f"Not here: {name} is a run already.")
+        elif len(self.journals) > 1:
+            self.tell_about(f"Not here: {name} is the current one. Choose another branch.")
         else:
-            self.notify("there is no other branch to compare with")
+            self.tell_about("Not here: there is no other branch to compare with.")
 
     @property
-    def _branches(self) -> OptionList:
-        return self.query_one("#branches", OptionList)
-
-    @property
-    def _entries(self) -> OptionList:
-        return self.query_one("#entries", OptionList)
-
-    def _show_entries(self) -> None:
-        glyphs = self._look.glyphs
-        lines = self._lines[self._shown]
-        name = self._timeline.branches[self._shown].name
-        self.query_one("#whose", Static).update(f"Changes in {name}:" if lines else NO_CHANGE)
-        self._entries.set_options(Option(Content(to_ascii(line.text, glyphs))) for line in lines)
-        self._entries.display = bool(lines)
-
-    def _described(self, number: int) -> Text:
-        """Return the name of a branch, how far it came, where it was forked and how much was changed."""
-        branches, glyphs = self._timeline.branches, self._look.glyphs
-        branch = branches[number]
-        in_force = "  (in force)" if number == self._timeline.branch else ""
-        parts = [f"to {self._unit} {branch.end:,}"]
-        if branch.parent is not None:
-            parts.append(f"from {branches[branch.parent].name} at {self._unit} {branch.fork:,}")
-        parts += _how_much(self._lines[number])
-        text = Text(f"{branch.name}{in_force}", "bold")
-        return text.append(f"\n{to_ascii(', '.join(parts), glyphs)}", "not bold")
+    def branch(self) -> int:
+        """The number of the branch under the cursor."""
+        return int(self.at or 0)
 
 
-def _how_much(lines: list[JournalLine]) -> list[str]:
+def _branch_row(timeline: Timeline, number: int, lines: Sequence[JournalLine], unit: str) -> Candidate:
+    """Return the row of a branch: how far it came, where it was forked, and what was changed."""
+    branch = timeline.branches[number]
+    parts = _how_much(lines)
+    if branch.parent is not None:
+        parts.insert(0, f"from {timeline.branches[branch.parent].name} at {unit} {branch.fork:,}")
+    changes = " · ".join(line.text for line in lines[-_MOST_CHANGES:]) or NO_CHANGE
+    about = (
+        as_sentence(", ".join(parts)),
+        changes,
+        *([HOW_TO_BRANCH] if len(timeline.branches) == 1 else []),
+    )
+    return Candidate(
+        str(number), branch.name, about, value=f"to {unit} {branch.end:,}", words=", ".join(parts)
+    )
+
+
+_MOST_CHANGES: Final = 4  # of a branch that are told below the list
+
+
+def _how_much(lines: Sequence[JournalLine]) -> list[str]:
     """Return how many changes there are, and how many steps by hand: ``2 changes``, ``61 by hand``."""
     changes, by_hand = sum(not line.by_hand for line in lines), sum(line.by_hand for line in lines)
     settings = [counted(changes, "change")] if changes else []
@@ -255,3 +239,106 @@ def _in_force(recipe: Recipe, change: Setting) -> str:
     if isinstance(change, SwitchAlgorithm):
         return algorithm_row(recipe.algorithm).name
     return called(change.name, recipe.hyperparameters.value(change.name))
+
+
+# Go to a moment
+
+
+_GO_ON: Final = "esc, then space goes on from there"
+_STEPS: Final = ("", "step", "steps", "pull", "pulls")  # a pull is a step
+_EPISODES: Final = ("e", "ep", "episode", "episodes", "sweep", "sweeps")
+_NUMBER: Final = r"\d{1,18}|\d{1,3}(?:,\d{3}){1,5}"
+_SHARE: Final = re.compile(r"(\d{1,18}(?:\.\d+)?)\s*%", re.ASCII)
+_MOMENT: Final = re.compile(rf"([a-z]*)\s*({_NUMBER})", re.ASCII)
+
+
+BRANCHES: Final = "branches"
+"""What is answered where a branch is to be chosen."""
+
+
+def goto_form(snapshot: Snapshot, glyphs: Glyphs) -> Form:
+    """Return the question for a moment; it answers a text, of which :func:`parse_goto` makes the command."""
+
+    def read(text: str) -> str:
+        if text != BRANCHES:
+            parse_goto(text, snapshot)
+        return text
+
+    entry = Entry(str(snapshot.timeline.current.here), _expected(snapshot), read)
+    return Form("Go to", _places(snapshot), "", glyphs, entry=entry, does="go")
+
+
+def _places(snapshot: Snapshot) -> Iterator[Candidate]:
+    """Yield the moments that people look for."""
+    branch, unit = snapshot.timeline.current, "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
+    reward = None if snapshot.agent.row.planner else first_reward(snapshot.results.curve)
+    change = branch.journal[-1].step if branch.journal else None
+    yield Candidate("start", "start", value=f"{unit} 0")
+    yield Candidate(
+        "e1" if reward is None else f"e{int(reward) + 1}",
+        "first reward",
+        ("Where returns rise above 0 for the first time.",),
+        "" if reward is not None else "no return has risen from 0 to more so far",
+        "" if reward is None else f"about episode {int(reward) + 1:,}",
+    )
+    yield Candidate(
+        f"step {change or 0}",
+        "last change",
+        ("Where you changed something last.",),
+        "" if change is not None else "nothing was changed in this branch",
+        "" if change is None else f"{unit} {change:,}",
+    )
+    yield Candidate("50%", "50 %", value=f"{unit} {round(branch.end / 2):,}")
+    yield Candidate("end", "end", value=f"{unit} {branch.end:,}")
+    count = len(snapshot.timeline.branches)
+    yield Candidate(BRANCHES, "branches", ("Choose a branch, or a change in one.",), value=f"{count:,}")
+
+
+def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
+    """Return where ``text`` points to; raises ValueError saying what was expected."""
+    end = snapshot.timeline.current.end
+    text = text.strip().lower()
+    if text in ("start", "end"):
+        return GoTo(0 if text == "start" else end)
+    share = _SHARE.fullmatch(text)
+    if share:
+        if float(share[1]) > 100.0:
+            raise ValueError("a share goes from 0% to 100%")
+        return GoTo(round(end * float(share[1]) / 100.0))
+    moment = _MOMENT.fullmatch(text)
+    if not moment or moment[1] not in _STEPS + _EPISODES:
+        raise ValueError("that is none of these")
+    number = int(moment[2].replace(",", ""))
+    if moment[1] in _EPISODES:
+        return _episode(number, snapshot)
+    if number > end:
+        raise ValueError(f"the run has come to step {end:,} so far; {_GO_ON}")
+    return GoTo(number)
+
+
+def _episode(number: int, snapshot: Snapshot) -> GoTo:
+    """Return where an episode begins. How many there are is only known in the present, not in the past."""
+    unit = unit_of(snapshot)
+    begun = episodes_begun(snapshot)
+    if number < 1:
+        raise ValueError(f"{unit}s count from 1")
+    if number > begun and not snapshot.timeline.in_past:
+        raise ValueError(f"the run has come to {unit} {begun:,} so far; {_GO_ON}")
+    return GoTo(episode=number)
+
+
+def unit_of(snapshot: Snapshot) -> str:
+    """Return what the steps of this run come in: episodes, or the sweeps of a planner."""
+    return "sweep" if snapshot.agent.row.planner else "episode"
+
+
+def _expected(snapshot: Snapshot) -> str:
+    """Return what may be typed, naming the range."""
+    end = snapshot.timeline.current.end
+    if snapshot.agent.row.planner:
+        first = f"a step from 0 to {end:,}, sweep 12"
+    elif isinstance(snapshot.world.drawing, Arms):
+        first = f"a pull from 0 to {end:,}"
+    else:
+        first = f"a step from 0 to {end:,}, e12 for episode 12"
+    return f"{first}, 50%, start or end"

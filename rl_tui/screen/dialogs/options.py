@@ -5,22 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
-from rich.text import Text
-from textual.app import ComposeResult
-from textual.widgets import OptionList, Static
-from textual.widgets.option_list import Option
-
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, why_idle
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.dialogs.dialog import Dialog
-from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.dialogs.form import Candidate, Form
+from rl_tui.screen.kit.bindings import as_sentence
 from rl_tui.screen.panels.controls.settings import alpha_moves, called, epsilon_moves, option_text
+from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
 NO_EFFECT: Final = "no effect now"
-_LEAST_SYMBOL = 12
-_VALUE = 15  # columns; a row fits into 51 even where symbols are spelled out
 _STEP_SIZE: Final = ("alpha", "step_size_schedule", "alpha_min", "alpha_decay")
 _EXPLORATION: Final = ("epsilon", "epsilon_schedule", "epsilon_min", "epsilon_decay")
 _MEANINGS: Final[Mapping[str, str]] = {
@@ -35,7 +29,7 @@ _MEANINGS: Final[Mapping[str, str]] = {
     "epsilon_min": "where it ends",
     "epsilon_decay": "per episode",
     "temperature": "how random",
-    "confidence": "bonus of the rare",
+    "confidence": "exploration bonus",
     "baseline": "of rewards",
     "lambda": "trace decay",
     "traces": "on another visit",
@@ -49,72 +43,90 @@ _MEANINGS: Final[Mapping[str, str]] = {
 """What each parameter is, in as few words as the last column has room for: 17 cells."""
 
 
-class Options(Dialog[None]):
-    """A list of what counts for the algorithm and the policy in force.
+class Settings(Form):
+    """The settings with the ``names``, sliders first, schedules folded. Answers the name of the one chosen.
 
-    ``recipe`` returns what is in force; ``change`` is asked to change the parameter of a name.
+    ``recipe`` returns what applies now; ``another_run`` says that the value is for a run beside this one.
     """
 
-    def __init__(self, look: Look, recipe: Callable[[], Recipe], change: Callable[[str], None]) -> None:
-        super().__init__()
-        self._look = look
+    def __init__(
+        self,
+        title: str,
+        names: Callable[[], Sequence[str]],
+        recipe: Callable[[], Recipe],
+        glyphs: Glyphs,
+        *,
+        another_run: bool = False,
+    ) -> None:
         self._recipe = recipe
-        self._change = change
+        self._names = names
+        self._is_open = False
+        self._another_run = another_run
+        super().__init__(title, self._rows(), "", glyphs)
 
-    def compose(self) -> ComposeResult:
-        """Yield the list and the sentence about the entry under the cursor."""
-        with self.box("Options", "enter: change   esc: close"):
-            yield OptionList()
-            yield Static(classes="hint", markup=False)
+    def choose(self, id: str) -> None:  # noqa: A002
+        """Answer the setting, or unfold the schedules."""
+        if id == SCHEDULES:
+            self._is_open = True
+            rows = self._rows()
+            self.set_rows(rows, at=next(each.id for each in rows if PARAMETERS[each.id].schedule))
+        else:
+            self.chosen(id)
 
-    def on_mount(self) -> None:
-        """Let the arrows choose."""
-        self.query_one(OptionList).focus()
-
-    def on_screen_resume(self) -> None:
-        """Show the values in force, be it because one was changed."""
-        self.refresh_values()
+    def chosen(self, name: str) -> None:
+        """Answer the setting ``name``."""
+        self.dismiss(name)
 
     def refresh_values(self) -> None:
-        """Show the values in force; the cursor stays on its parameter."""
-        choices = self.query_one(OptionList)
-        at = choices.highlighted_option.id if choices.highlighted_option else None
-        names = self._names
-        symbols = [len(to_ascii(PARAMETERS[name].symbol, self._look.glyphs)) for name in names]
-        columns = max(_LEAST_SYMBOL, *symbols)
-        choices.set_options(Option(self._row(name, columns), id=name) for name in names)
-        choices.highlighted = names.index(at) if at in names else 0
+        """Show the current values; the cursor stays on its setting."""
+        self.set_rows(self._rows())
 
-    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Describe the parameter under the cursor, and say what values it takes."""
-        parameter = PARAMETERS[str(event.option_id)]
-        starts = "; the run starts again" if parameter.name == "initial_q" else ""
-        idle = self._why_idle(parameter.name)
-        expected = parameter.expected_in_words if parameter.range else ", ".join(parameter.words)
-        text = f"{parameter.help}\n{f'{NO_EFFECT}: {idle}' if idle else expected}{starts}"
-        self.query_one(".hint", Static).update(to_ascii(text, self._look.glyphs))
-
-    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Ask for another value of the parameter."""
-        self._change(str(event.option_id))
-
-    @property
-    def _names(self) -> tuple[str, ...]:
+    def _rows(self) -> list[Candidate]:
         recipe = self._recipe()
-        return parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
+        names = sorted(
+            self._names(), key=lambda name: (PARAMETERS[name].schedule, PARAMETERS[name].slide is None)
+        )
+        folded = [name for name in names if PARAMETERS[name].schedule and not self._is_open]
+        rows = [_row(name, recipe, another_run=self._another_run) for name in names if name not in folded]
+        about = ("How step size and exploration change with the episodes.",)
+        return [*rows, *([Candidate(SCHEDULES, f"schedules ({len(folded)})", about)] if folded else [])]
 
-    def _why_idle(self, name: str) -> str:
-        recipe = self._recipe()
-        is_bandit = recipe.scenario.kind == "bandit"
-        return why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
 
-    def _row(self, name: str, columns: int) -> Text:
-        value, meaning = in_force(name, self._recipe().hyperparameters)
-        glyphs = self._look.glyphs
-        is_idle = bool(self._why_idle(name))
-        text = Text(f"{to_ascii(PARAMETERS[name].symbol, glyphs):<{columns}} ", "dim" if is_idle else "")
-        text.append(f"{to_ascii(value, glyphs):<{_VALUE}} ", "not bold" if is_idle else "bold")
-        return text.append(to_ascii(NO_EFFECT if is_idle else meaning, glyphs))
+class Options(Settings):
+    """All settings that count for the current algorithm and policy; ``change`` is asked to change one."""
+
+    def __init__(self, look: Look, recipe: Callable[[], Recipe], change: Callable[[str], None]) -> None:
+        def names() -> Sequence[str]:
+            now = recipe()
+            return parameters_of(now.algorithm, now.hyperparameters.policy)
+
+        self._change = change
+        super().__init__("All settings", names, recipe, look.glyphs)
+
+    def on_screen_resume(self) -> None:
+        """Show the current values, one of which may have changed."""
+        self.refresh_values()
+
+    def chosen(self, name: str) -> None:
+        """Ask for another value of the setting; the list stays open."""
+        self._change(name)
+
+
+SCHEDULES: Final = "schedules"
+
+
+def _row(name: str, recipe: Recipe, *, another_run: bool) -> Candidate:
+    """Return the row of the setting ``name``: its current value, what it is, what values it takes."""
+    parameter = PARAMETERS[name]
+    is_bandit = recipe.scenario.kind == "bandit"
+    idle = why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
+    value, meaning = in_force(name, recipe.hyperparameters)
+    starts = "; the run starts again" if name == "initial_q" and not another_run else ""
+    expected = parameter.expected_in_words if parameter.range else ", ".join(parameter.words)
+    about = (parameter.help, f"{f'{NO_EFFECT}: {idle}' if idle else expected}{starts}")
+    return Candidate(
+        name, parameter.symbol, tuple(map(as_sentence, about)), "", value, NO_EFFECT if idle else meaning
+    )
 
 
 def in_force(name: str, values: Hyperparameters) -> tuple[str, str]:

@@ -1,6 +1,6 @@
 """The dialog "run until": every condition that can stop a run, in words that fit its agent.
 
-A bandit speaks of pulls and a planner of sweeps. The dialog also shows and clears the breakpoints.
+A bandit speaks of pulls and a planner of sweeps. The dialog also lists the breakpoints.
 """
 
 from __future__ import annotations
@@ -9,19 +9,16 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar
+from typing import ClassVar, Final
 
-from rich.text import Text
-from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.widgets import OptionList, Static
-from textual.widgets.option_list import Option
 
-from rl_tui.live.pace.until import Event, Until
+from rl_tui.live.commands import ToggleBreakpoint
+from rl_tui.live.pace.until import Breakpoints, Event, Until
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.dialogs.dialog import Dialog, Prompt
+from rl_tui.screen.dialogs.form import Candidate, Form, Prompt
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.names import estimate_name
+from rl_tui.screen.draw.names import breakpoint_names, estimate_name
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.snapshot_facts import episode_shown, episodes_begun, is_secret
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -83,7 +80,7 @@ def kind_of(snapshot: Snapshot) -> Kind:
 def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[UntilOption, ...]:
     """Return all that a run can be run until; ``cursor`` is the pair under a cursor, None without one."""
     kind = kind_of(snapshot)
-    rewards = "A planner takes no steps in the world: nothing pays." if kind is Kind.PLANNER else ""
+    rewards = "a planner takes no steps in the world, so there are no rewards" if kind is Kind.PLANNER else ""
     whose = f"A {kind.step} whose reward is not 0."
     found = [
         UntilOption("reward", Event.REWARD, "the next reward", whose, rewards),
@@ -118,10 +115,10 @@ def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
         hint = "Compares with the true means without showing them."
     else:
         name = "the greedy policy is optimal"
-        hint = "No policy has a larger discounted return from the start on, for the γ in force."
+        hint = "The greedy policy is optimal from the start, for the current γ."
         if is_secret(snapshot):
             hint = "Compares with the exact answer without showing it."
-    refused = f"No exact answer: {snapshot.exact_answer.refused}." if snapshot.exact_answer.refused else ""
+    refused = f"no exact values: {snapshot.exact_answer.refused}" if snapshot.exact_answer.refused else ""
     return UntilOption("optimal", Event.OPTIMAL, name, hint, refused)
 
 
@@ -138,7 +135,7 @@ def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[Unti
             found.append(UntilOption(f"value {id}", Event.VALUE, name, hint, pair=pair))
     if found:
         return found
-    refused = "No cell is chosen: tab goes to the table, the arrows to a cell."
+    refused = "no cell is chosen: tab goes to the table, the arrows to a cell"
     return [UntilOption("value cursor", Event.VALUE, "an estimate reaches a value …", "", refused)]
 
 
@@ -195,75 +192,91 @@ def _value(snapshot: Snapshot, pair: int, glyphs: Glyphs) -> str:
 # The dialog
 
 
-NO_BREAKPOINTS = "Breakpoints: none; k sets one where the cursor is."
+SET_BREAKPOINT: Final = "t b"
+NO_BREAKPOINTS: Final = f"No breakpoints. {SET_BREAKPOINT} sets one at the cursor."
+_BREAKPOINTS: Final = "Breakpoints"
+_KEYS: Final = "del: take away"
 
 
-class UntilChoice(Dialog[UntilOption]):
-    """A list of ``options``, a sentence about the one under the cursor, and the ``breakpoints`` in words.
+class UntilChoice(Form):
+    """What a run can be run until, and the breakpoints below. Answers the option that was chosen.
 
-    The cursor starts on the option whose id is ``remembered``, if it is there. ``clear`` is asked to take the
-    breakpoints away. Answers the chosen option.
+    ``place`` is the state, or the pair of a bandit, under a cursor: a switch sets a breakpoint there, None
+    without one. The cursor starts on the option whose id is ``remembered``, if it is there. ``toggle`` sets a
+    breakpoint or takes it away.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("u,q", "cancel", "back", id="close_until", tooltip="Close without running."),
-        Binding("K", "clear", "no breakpoints", id="until.clear", tooltip="Take all breakpoints away."),
+        Binding("u", "cancel", "back", id="close_until", tooltip="Close without running."),
+        Binding(
+            "delete,backspace", "remove", "take away", id="until.remove", tooltip="Take the breakpoint away."
+        ),
     ]
 
     def __init__(
         self,
-        options: tuple[UntilOption, ...],
+        snapshot: Snapshot,
+        cursor: int | None,
+        place: ToggleBreakpoint | None,
         remembered: str,
-        breakpoints: str,
-        clear: Callable[[], None],
+        toggle: Callable[[ToggleBreakpoint], None],
         glyphs: Glyphs,
     ) -> None:
-        super().__init__()
-        self._clear = clear
-        self._options = {each.id: each for each in options}
-        self._remembered = remembered
-        self._breakpoints = breakpoints
-        self._glyphs = glyphs
+        self.options = {each.id: each for each in until_options(snapshot, cursor, glyphs)}
+        self._place = place
+        self._toggle = toggle
+        self._snapshot = snapshot
+        self._breakpoints: dict[str, ToggleBreakpoint] = {}
+        super().__init__("Run until", self._rows(snapshot, glyphs), "", glyphs, keys=_KEYS, start=remembered)
 
-    def compose(self) -> ComposeResult:
-        """Yield the list, the sentence and the breakpoints."""
-        with self.box("Run until", "enter: run   esc: close"):
-            yield OptionList(*(Option(self._row(each), id=each.id) for each in self._options.values()))
-            yield Static(classes="hint", id="about", markup=False)
-            yield Static(self._about_breakpoints(), classes="hint", id="breakpoints", markup=False)
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the breakpoints of the newest snapshot."""
+        if snapshot.playback.breakpoints != self._snapshot.playback.breakpoints:
+            self._snapshot = snapshot
+            self.set_rows(self._rows(snapshot, self.glyphs))
 
-    def on_mount(self) -> None:
-        """Start on the one that was chosen last."""
-        choices = self.query_one(OptionList)
-        ids = list(self._options)
-        choices.highlighted = ids.index(self._remembered) if self._remembered in ids else 0
-        choices.focus()
+    def choose(self, id: str) -> None:  # noqa: A002
+        """Answer the option, or set or take away the breakpoint."""
+        if id in self.options:
+            self.dismiss(self.options[id])
+        elif id in self._breakpoints:
+            self._toggle(self._breakpoints[id])
+        elif self._place is not None:
+            self._toggle(self._place)
 
-    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Describe the option under the cursor, or say why it is not possible here."""
-        option = self._options[str(event.option_id)]
-        text = f"Not here. {option.refused}" if option.refused else option.hint
-        self.query_one("#about", Static).update(to_ascii(text, self._glyphs))
+    def action_remove(self) -> None:
+        """Take the breakpoint under the cursor away."""
+        if self.at in self._breakpoints:
+            self._toggle(self._breakpoints[self.at])
 
-    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Answer the chosen option, unless it is not possible here."""
-        option = self._options[str(event.option_id)]
-        if option.refused:
-            self.app.bell()
-        else:
-            self.dismiss(option)
+    def _rows(self, snapshot: Snapshot, glyphs: Glyphs) -> list[Candidate]:
+        set_now = snapshot.playback.breakpoints
+        self._breakpoints = {
+            **{f"state {state}": ToggleBreakpoint(state=state) for state in sorted(set_now.states)},
+            **{f"pair {pair}": ToggleBreakpoint(pair=pair) for pair in sorted(set_now.pairs)},
+        }
+        rows = [Candidate(each.id, each.name, (each.hint,), each.refused) for each in self.options.values()]
+        events = sum(not each.asks for each in self.options.values())
+        rows.insert(events, self._switch(snapshot, glyphs))
+        if not self._breakpoints:
+            return [*rows, Candidate("", NO_BREAKPOINTS)]
+        names = breakpoint_names(snapshot.world, set_now, glyphs)
+        rows.append(Candidate("", _BREAKPOINTS))
+        for key, name in zip(self._breakpoints, names, strict=True):
+            rows.append(Candidate(key, name, ("The run pauses here each time.",)))
+        return rows
 
-    def action_clear(self) -> None:
-        """Take the breakpoints away; the list stays open."""
-        self._clear()
-        self._breakpoints = ""
-        self.query_one("#breakpoints", Static).update(self._about_breakpoints())
+    def _switch(self, snapshot: Snapshot, glyphs: Glyphs) -> Candidate:
+        """Return the row that sets a breakpoint where the cursor is, or takes it away."""
+        place = self._place
+        if place is None:
+            return Candidate(_SWITCH, "the cell under the cursor is reached", refused="no cell is chosen")
+        one = Breakpoints().toggled(state=place.state, pair=place.pair)
+        (name,) = breakpoint_names(snapshot.world, one, glyphs)
+        event = "is reached" if place.pair is None else "is chosen"
+        is_set = "on" if place in self._breakpoints.values() else "off"
+        about = "A breakpoint: the run pauses here each time. Choose it again to take it away."
+        return Candidate(_SWITCH, f"{name} {event}: breakpoint {is_set}", (about,))
 
-    def _row(self, option: UntilOption) -> Text:
-        return Text(to_ascii(option.name, self._glyphs), "dim" if option.refused else "bold")
 
-    def _about_breakpoints(self) -> str:
-        text = (
-            f"Breakpoints: {self._breakpoints}. K takes them away." if self._breakpoints else NO_BREAKPOINTS
-        )
-        return to_ascii(text, self._glyphs)
+_SWITCH: Final = "switch"

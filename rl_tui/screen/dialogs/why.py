@@ -32,8 +32,9 @@ from rl_tui.screen.theme.look import Look
 
 _EXPONENT_BELOW: Final = 1e-3
 _COLUMNS: Final = (13, 11, 16, 9)  # what to change, chance, mean and median
-_SECRET: Final = "The wait would give away what the arms pay: h, which shows that, lets it be told."
-_KEPT: Final = f"The wait would give away what the arms pay: {ANSWER_KEPT}."
+EXACT: Final = "w h"
+_SECRET: Final = f"Hidden: it would reveal the arms. {EXACT} shows both."
+_KEPT: Final = f"Hidden: it would reveal the arms ({ANSWER_KEPT})."
 _IS_OVER: Final = "An estimate has moved already: the wait is over."
 _STARTS_AGAIN: Final = "the run starts again with it"
 _CHANGES: Final = "enter: change   "
@@ -130,7 +131,7 @@ def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
     in_words = partial(written, glyphs=glyphs)
     wait = wait_in_words(view.answer.wait, in_words)
     if view.has_moved:
-        return [*lines, f"From the start, with the settings in force now, {wait}."]
+        return [*lines, f"With the current settings, from the start: {wait}."]
     settings, time_limit = snapshot.agent.hyperparameters, snapshot.world.space.time_limit
     cause = cause_in_words(view.answer, settings, time_limit, in_words)
     lines.append(_sentence(wait))

@@ -8,7 +8,6 @@ from typing import Final
 
 from rl_tui.live.pace.until import Breakpoints
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.action_order import shown_place
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms, CellKind, Grid
@@ -19,7 +18,6 @@ DEPENDS: Final = "?"
 """In place of a probability, and behind rewards, that depend on how one came to a state."""
 DEPENDS_IN_FULL: Final = "depends on how you came here"
 _LARGEST_DENOMINATOR: Final = 12
-_MOST_LISTED = 6
 COUNTED: Final = ", counted from 0"
 _SIGN: Final = re.compile(r"(?<![\w.])-(?=[\d.])")
 
@@ -107,14 +105,7 @@ def pair_in_words(world: World, pair: int, glyphs: Glyphs) -> str:
     return f"arm {name}" if isinstance(world.drawing, Arms) else name
 
 
-def breakpoints_text(world: World, breakpoints: Breakpoints, glyphs: Glyphs) -> str:
-    """Return all breakpoints in a line, states first: ``state 6; 4,←``; of many the first and a count."""
-    listed = [f"state {state_name(world, state, glyphs)}" for state in sorted(breakpoints.states)]
-    space = world.space
-    pairs = sorted(
-        breakpoints.pairs,
-        key=lambda pair: (space.state_of(pair), shown_place(world, int(space.pair_action[pair]))),
-    )
-    listed += [pair_in_words(world, pair, glyphs) for pair in pairs]
-    more = len(listed) - _MOST_LISTED
-    return "; ".join(listed[:_MOST_LISTED]) + (f" and {more:,} more" if more > 0 else "")
+def breakpoint_names(world: World, breakpoints: Breakpoints, glyphs: Glyphs) -> list[str]:
+    """Return what each of the breakpoints is called, states first: ``state 6``, ``4,←``."""
+    names = [f"state {state_name(world, state, glyphs)}" for state in sorted(breakpoints.states)]
+    return names + [pair_in_words(world, pair, glyphs) for pair in sorted(breakpoints.pairs)]

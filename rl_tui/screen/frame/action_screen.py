@@ -16,8 +16,8 @@ from textual.widgets import Static
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.help_pages import HelpPages
 from rl_tui.screen.frame.key_line import KeyLine
-from rl_tui.screen.frame.moment import tell
-from rl_tui.screen.frame.shape import ROOMY_HEIGHT, ROOMY_WIDTH
+from rl_tui.screen.frame.message_line import tell
+from rl_tui.screen.frame.shape import MESSAGE_HEIGHT, ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.row import PanelRow
@@ -39,6 +39,7 @@ _WIDTHS: Final = [
 _HEIGHTS: Final = [
     (0, "-too-short"),
     (LEAST_HEIGHT, "-short"),
+    (MESSAGE_HEIGHT, "-medium"),
     (ROOMY_HEIGHT, "-tall"),
 ]
 

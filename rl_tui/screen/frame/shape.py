@@ -16,6 +16,8 @@ from rl_tui.worlds.sections.schema import WorldSection
 
 ROOMY_WIDTH: Final = 100
 ROOMY_HEIGHT: Final = 36
+MESSAGE_HEIGHT: Final = 30
+"""Rows from which on a message has a row of its own above the keys."""
 MEDIUM_WIDTH: Final = 76
 MEDIUM_HEIGHT: Final = 22
 
@@ -166,7 +168,7 @@ class ScreenPlan:
         self.room = size_class(self.size)
         self.margin, self.gap = (2, 3) if self.room is ROOMY else (1, 2)
         self.top = 2 if self.room is ROOMY else 1
-        self.foot = self.size.height - (2 if self.room is ROOMY else 1)
+        self.foot = self.size.height - (2 if self.size.height >= MESSAGE_HEIGHT else 1)
         self.usable = self.size.width - 2 * self.margin
         self.lanes = self.shape.lanes and self.room is not SMALL
         self.blank = 1 if self.room is ROOMY else 0
@@ -182,7 +184,7 @@ class ScreenPlan:
 
     def alone(self, panel: str) -> Arrangement:
         """Return the place of ``panel`` on all of the screen; curve and timeline come together."""
-        body = Region(self.margin, 1, self.usable, self.size.height - 2)
+        body = Region(self.margin, 1, self.usable, self.foot - 1)
         if panel in (CURVE, TIMELINE):
             self.put(CURVE, Region(*body[:3], body.height - 1))
             self.put(TIMELINE, Region(body.x, body.bottom - 1, body.width, 1))

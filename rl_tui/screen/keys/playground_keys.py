@@ -352,7 +352,7 @@ _COMPARE: Final[tuple[Action, ...]] = (
         "Put another branch of this run beside this one.",
         not_for_program="what your program did is one branch; c a puts a built-in agent beside it",
     ),
-    Action("lanes.compare", "c c", "runs…", "Choose the run to control, and the one beside it; end one."),
+    Action("lanes.show_runs", "c c", "runs…", "Choose the run to control, and the one beside it; end one."),
     Action(
         "lanes.next_lane",
         "c l",

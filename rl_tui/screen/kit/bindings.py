@@ -1,4 +1,4 @@
-"""The keys of a panel."""
+"""The keys of a panel, and how texts name keys."""
 
 from __future__ import annotations
 
@@ -17,6 +17,9 @@ _NAMES: Final = {
     "←": "left",
     "→": "right",
 }
+_ENDS: Final = (".", "!", "?", "…", ":")
+_COMMANDS: Final = ("rl-tui",)
+_ARTICLE: Final = "a"
 
 
 def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: A002
@@ -33,3 +36,15 @@ def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: 
 def key_of_hint(written: str) -> str | None:
     """Return the key that a hint writes as ``esc`` or ``v``; None where that is no one key."""
     return _NAMES.get(written, written if len(written) == 1 else None)
+
+
+def as_sentence(text: str) -> str:
+    """Return ``text`` with a capital letter and a full stop.
+
+    What begins with a key, a symbol or a command stays as it is, as does a path at the end.
+    """
+    first, _, _ = text.partition(" ")
+    if (first == _ARTICLE or key_of_hint(first) is None) and not first.startswith(_COMMANDS):
+        text = f"{text[:1].upper()}{text[1:]}"
+    last = text.rpartition(" ")[2]
+    return text if text.endswith(_ENDS) or "/" in last or "\\" in last else f"{text}."

@@ -169,7 +169,7 @@ def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[st
     branch, results = snapshot.timeline.current, state.known.results
     gold = Style(color=palette.goal.color, bold=True)
     changed = {kind: _cells(branch, kind, track) for kind in _CHANGES}
-    first = _first_reward(results.curve) if state.unit == "ep" else None
+    first = first_reward(results.curve) if state.unit == "ep" else None
     events = (
         (glyphs.manual_mark, palette.text, changed[TakeAction]),
         (glyphs.policy_mark, palette.dim, _policies(state, track)),
@@ -190,7 +190,7 @@ def _cells(branch: Branch, kind: type | UnionType, track: Track) -> set[int]:
     return set(track.cells_of(np.array(steps)).tolist())  # a person may have taken thousands of steps
 
 
-def _first_reward(curve: Curve) -> float | None:
+def first_reward(curve: Curve) -> float | None:
     """Return after which episode the first return above 0 came, None before that and where it means little.
 
     That is where returns fall below 0, and where every episode has a reward.

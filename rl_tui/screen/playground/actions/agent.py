@@ -105,7 +105,7 @@ class AgentActions(Subject):
 
     def ask_seed(self) -> None:
         """Ask for the seed, and start again."""
-        self.ask(ask_seed(self.recipe.seed), lambda seed: self._restart_with(int(seed)))
+        self.ask(ask_seed(self.recipe.seed, self.glyphs), lambda seed: self._restart_with(int(seed)))
 
     def next_seed(self) -> None:
         """Start again with the next seed."""

@@ -56,6 +56,8 @@ class ExportActions(Subject):
             no_returns=_without_returns(snapshot),
             has_drawing=bool(snapshot.answers.drawn.choices),
             lane=_lane(snapshot),
+            branch=snapshot.timeline.current.name if len(snapshot.timeline.branches) > 1 else "",
+            episodes=snapshot.counters.episodes,
         )
         self.ask(choice, partial(self._export, snapshot))
 

@@ -20,7 +20,7 @@ STAYS: Final = "esc leaves the lesson; its progress is kept"
 _STEPS: Final = frozenset(
     {
         *("run.run_or_pause", "run.step", "run.episode", "run.evaluate", "run.improve", "run.watch"),
-        *("until.choose", "manual.toggle", "lanes.compare", "lanes.another_algorithm"),
+        *("until.choose", "manual.toggle", "lanes.another_algorithm"),
         *("lanes.another_setting", "lanes.another_seed", "lanes.another_branch"),
     }
 )

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.common.errors import UserError
-from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, DropLane, MarkLane
+from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, DropLane
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import SwitchAlgorithm
-from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import in_force
-from rl_tui.screen.dialogs.choice import algorithm_choice, ask_value, choice_beside_program, policy_choice
-from rl_tui.screen.dialogs.compare_lanes import MOST_LANES, Answer, Compare
-from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.dialogs.choice import algorithm_choice, ask_value, policy_choice
+from rl_tui.screen.dialogs.compare_lanes import MOST_LANES, Answer, Runs, branch_choice, setting_choice
+from rl_tui.screen.dialogs.form import Form
 from rl_tui.screen.dialogs.lane_changes import ALGORITHM, branches_beside, lane_changes
 from rl_tui.screen.kit.snapshot_facts import current_study, hides_greedy, keeps_back
 
@@ -24,25 +24,18 @@ ONE_RUN: Final = "there is only one run; c a adds another"
 class LaneActions(Subject):
     """Opening, showing and ending lanes."""
 
-    def compare(self) -> None:
-        """Choose what is different in another lane, or which lane to show or to end."""
+    def show_runs(self) -> None:
+        """Show the table of the runs: control one, put one beside it, or end one."""
         snapshot = self.snapshot
         if snapshot is None:
             return
-        if snapshot.program is not None and not snapshot.run_group.lanes:
-            self._ask_for_ours(snapshot)
-            return
-        hidden = hides_greedy(snapshot)
-        lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
-        dialog = Compare(
+        dialog = Runs(
             self.screen.look,
-            lanes,
+            snapshot.run_group.lanes,
             snapshot.run_group.shown,
-            in_force(snapshot),
-            hidden=hidden,
+            hidden=hides_greedy(snapshot),
             beside=snapshot.run_group.beside,
             study=current_study(snapshot),
-            branches=branches_beside(snapshot),
             is_program=snapshot.program is not None,
             is_kept=keeps_back(snapshot, "answer"),
         )
@@ -65,7 +58,7 @@ class LaneActions(Subject):
     def value(self, deed: str) -> str:
         """Return how many runs there are."""
         lanes = () if self.snapshot is None else self.snapshot.run_group.lanes
-        return f"{len(lanes)} open" if deed == "compare" and lanes else ""
+        return f"{len(lanes)} open" if deed == "show_runs" and lanes else ""
 
     def another_algorithm(self) -> None:
         """Choose the algorithm of another run beside this one."""
@@ -73,14 +66,17 @@ class LaneActions(Subject):
 
     def another_setting(self) -> None:
         """Choose which setting is different in another run beside this one."""
-        self.compare()
+        if self.snapshot is not None:
+            self.ask(setting_choice(in_force(self.snapshot), self.glyphs), self._ask_difference)
 
     def another_seed(self) -> None:
         """Say that runs side by side share their seed: `why_not` always refuses this."""
 
     def another_branch(self) -> None:
-        """Choose which branch of this run is to stand beside this one."""
-        self.compare()
+        """Choose which branch of this run is to be beside this one."""
+        if self.snapshot is not None:
+            choice = branch_choice(branches_beside(self.snapshot), self.glyphs)
+            self.ask(choice, lambda branch: self.link.send(AddBranch(int(branch))))
 
     def end(self) -> None:
         """End the run that is controlled."""
@@ -106,10 +102,8 @@ class LaneActions(Subject):
             self._show_lane(answer.lane)
         elif isinstance(answer, DropLane):
             self._drop_lane(answer.lane)
-        elif isinstance(answer, AddBranch | MarkLane):
-            self.link.send(answer)
         else:
-            self._ask_difference(answer)
+            self.link.send(answer)
 
     def _show_lane(self, lane: int) -> None:
         snapshot = self.snapshot
@@ -135,7 +129,8 @@ class LaneActions(Subject):
             self._ask_for_ours(self.snapshot)
             return
         if name == ALGORITHM:
-            dialog: Dialog[Any] = algorithm_choice(space, recipe, glyphs)
+            title = f"Another algorithm beside {algorithm_row(recipe.algorithm).name}"
+            dialog: Form = algorithm_choice(space, recipe, glyphs, title)
         elif name == "policy":
             dialog = policy_choice(space, recipe, glyphs)
         else:
@@ -148,7 +143,9 @@ class LaneActions(Subject):
         def answered(algorithm: str) -> None:
             self.link.send(AddLane((SwitchAlgorithm(algorithm),)))
 
-        self.ask(choice_beside_program(snapshot.world.space, in_force(snapshot), self.glyphs), answered)
+        space, title = snapshot.world.space, "A built-in agent beside your program"
+        choice = algorithm_choice(space, in_force(snapshot), self.glyphs, title, beside_program=True)
+        self.ask(choice, answered)
 
     def _open_lane(self, name: str, value: float | str) -> None:
         if self.snapshot is None:
@@ -159,16 +156,3 @@ class LaneActions(Subject):
             self.screen.tell(str(fault), severity="warning")
         else:
             self.link.send(AddLane(changes))
-
-
-def _only_lane(snapshot: Snapshot) -> LaneView:
-    """Return a run that stands alone as the lane it would be."""
-    return LaneView(
-        name=snapshot.agent.row.name,
-        algorithm=snapshot.agent.algorithm,
-        hyperparameters=snapshot.agent.hyperparameters,
-        step=snapshot.counters.step,
-        episodes=snapshot.counters.episodes,
-        q=snapshot.agent.q,
-        results=snapshot.results,
-    )

@@ -17,8 +17,8 @@ from rl_tui.lessons.file.view import Given, LessonRecord, Passed
 from rl_tui.live.commands import KeepLesson, Restart, SetSpeed, WatchProgram
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.dialogs.choice import Candidate, Choice
-from rl_tui.screen.dialogs.dialog import Confirm, Prompt
+from rl_tui.screen.dialogs.dialog import Confirm
+from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.lesson.prose import plain
@@ -305,7 +305,7 @@ class LessonActions(Subject):
 
     def _ask_choice(self, ask: Ask) -> None:
         candidates = [Candidate(str(place), plain(choice.text)) for place, choice in enumerate(ask.choices)]
-        choice = Choice("What do you say?", candidates, "", self.glyphs, plain(ask.ask))
+        choice = Choice("Your answer", candidates, "", self.glyphs, plain(ask.ask))
         self.ask(choice, lambda place: self._give(float(place)))
 
     def _give(self, answer: float) -> None:

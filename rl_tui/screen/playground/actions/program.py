@@ -12,7 +12,7 @@ from rl_tui.live.commands import ChooseTable
 from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.dialogs.choice import Candidate, Choice
+from rl_tui.screen.dialogs.form import Candidate, Choice
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.keys.playground_keys import DECIDES
 from rl_tui.screen.kit.row import PanelRow

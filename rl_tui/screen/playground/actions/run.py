@@ -18,7 +18,7 @@ from rl_tui.runs.export.scenario_file import is_on_screen
 from rl_tui.runs.library import recipe_with, reread
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.dialogs.choice import Candidate, Choice
+from rl_tui.screen.dialogs.form import Candidate, Choice
 from rl_tui.worlds.files.scenario import Scenario
 
 # The scenario and its file

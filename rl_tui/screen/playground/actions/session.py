@@ -12,7 +12,7 @@ from rl_tui.live.sessions.document import LONGEST_NAME
 from rl_tui.live.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of, named_path
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.panels.status_line import StatusLine
 
 

@@ -5,8 +5,14 @@ from __future__ import annotations
 from rl_tui.live.commands import AddBranch, ChooseBranch, EpisodeBack, GoTo, StepBack
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.dialogs.dialog import goto_prompt, parse_goto, unit_of
-from rl_tui.screen.dialogs.journal import JournalScreen, Moment
+from rl_tui.screen.dialogs.journal import (
+    BRANCHES,
+    JournalScreen,
+    Moment,
+    goto_form,
+    parse_goto,
+    unit_of,
+)
 from rl_tui.screen.kit.snapshot_facts import episode_shown
 from rl_tui.worlds.drawing import Arms
 
@@ -36,13 +42,15 @@ class TimeActions(Subject):
         """Ask for a step or an episode, and go there."""
 
         def go(text: float | str) -> None:
-            if self.snapshot is not None:
+            if text == BRANCHES:
+                self.show_branches()
+            elif self.snapshot is not None:
                 command = parse_goto(str(text), self.snapshot)
                 self._sought_episode = command.episode
                 self.link.send(command)
 
         if self.snapshot is not None:
-            self.ask(goto_prompt(self.snapshot), go)
+            self.ask(goto_form(self.snapshot, self.glyphs), go)
 
     def show_branches(self) -> None:
         """Show the branches of the run."""

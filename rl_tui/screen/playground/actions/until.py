@@ -13,9 +13,8 @@ from rl_tui.screen.dialogs.until_options import (
     UntilOption,
     ask_number,
     kind_of,
-    until_options,
 )
-from rl_tui.screen.draw.names import breakpoints_text, pair_in_words, state_name
+from rl_tui.screen.draw.names import pair_in_words, state_name
 from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
@@ -51,10 +50,14 @@ class UntilActions(Subject):
         if snapshot.playback.phase in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
             self.screen.tell("The run is at its end. r r: start again.")
             return
-        glyphs = self.glyphs
-        found = until_options(snapshot, self._pair_under_cursor(), glyphs)
-        listed = breakpoints_text(snapshot.world, snapshot.playback.breakpoints, glyphs)
-        choice = UntilChoice(found, self._chosen_last, listed, self.clear_breakpoints, glyphs)
+        choice = UntilChoice(
+            snapshot,
+            self._pair_under_cursor(),
+            self._breakpoint_here(snapshot),
+            self._chosen_last,
+            self.link.send,
+            self.glyphs,
+        )
         self.ask(choice, self._run_until)
 
     def toggle_breakpoint(self) -> None:
@@ -62,17 +65,28 @@ class UntilActions(Subject):
         snapshot = self.snapshot
         if snapshot is None:
             return
-        focused = self.screen.focused
-        if isinstance(focused, QTable):
-            self._toggle_pair(snapshot, focused.shown_cursor)
-        elif isinstance(focused, ArmsView):
-            self._toggle_pair(snapshot, focused.cursor_place)
+        here = self._breakpoint_here(snapshot)
+        if here is not None and here.pair is not None:
+            self._toggle_pair(snapshot, here.pair)
+        elif here is not None:
+            self._toggle_state(snapshot, here.state)
         elif isinstance(snapshot.world.drawing, Arms):
             self.screen.tell("Breakpoints of a bandit are on arms. tab: the arms, arrows: choose one.")
-        elif isinstance(focused, WorldView) and focused.cursor_place is not None:
-            self._toggle_state(snapshot, focused.state_at(focused.cursor_place))
         else:
-            self._toggle_state(snapshot, snapshot.counters.state)
+            self.screen.tell("No state to stop at here.")
+
+    def _breakpoint_here(self, snapshot: Snapshot) -> ToggleBreakpoint | None:
+        """Return what sets a breakpoint where the cursor is, else where the agent is; None: nowhere."""
+        focused = self.screen.focused
+        if isinstance(focused, QTable | ArmsView):
+            pair = focused.shown_cursor if isinstance(focused, QTable) else focused.cursor_place
+            return None if pair is None else ToggleBreakpoint(pair=pair)
+        if isinstance(snapshot.world.drawing, Arms):
+            return None
+        state: int | None = snapshot.counters.state
+        if isinstance(focused, WorldView) and focused.cursor_place is not None:
+            state = focused.state_at(focused.cursor_place)
+        return None if state is None else ToggleBreakpoint(state=state)
 
     def clear_breakpoints(self) -> None:
         """Take all breakpoints away."""
@@ -100,7 +114,6 @@ class UntilActions(Subject):
 
     def _toggle_state(self, snapshot: Snapshot, state: int | None) -> None:
         if state is None:
-            self.screen.tell("No state to stop at here.")
             return
         is_set = state in snapshot.playback.breakpoints.states
         name = f"state {state_name(snapshot.world, state, self.glyphs)}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.panels.draw_panel import WorldNumber
 from rl_tui.screen.playground.modes.numbers import DRIFT, MEAN, SPREAD, SUCCESS
 from rl_tui.screen.playground.modes.rules import Desk, Tool, Toolbox, ask_rules, fault_of, number_of

@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
-from rl_tui.screen.dialogs.choice import Candidate, Choice
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, WorldNumber
 from rl_tui.screen.playground.modes.numbers import CHANCE, LIMIT, PAYS
 from rl_tui.screen.playground.modes.outcomes import (

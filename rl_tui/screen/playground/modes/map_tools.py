@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Final
 
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.panels.draw_panel import ToolCell, WorldNumber
 from rl_tui.screen.playground.modes.brushes import (
     BRUSHES,

@@ -14,8 +14,8 @@ from typing import Any, ClassVar, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.dialogs.choice import Candidate, Choice
-from rl_tui.screen.dialogs.dialog import Dialog, Prompt
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.frame.key_line import Hints
 from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, WorldNumber
 from rl_tui.screen.panels.world.view import WorldView
@@ -68,7 +68,7 @@ def ask_rules(_: object, desk: Desk) -> None:
         desk.tell("arms that pay 1 or 0 have no spread and do not drift")
         return
     candidates = [
-        Candidate(name, f"{name}  {rule_value(draft, name)}", (text,))
+        Candidate(name, name, (text,), value=rule_value(draft, name))
         for name, text in RULES[draft.kind].items()
     ]
     desk.ask(Choice("Rules of the world", candidates, "", desk.glyphs), lambda name: _ask_rule(desk, name))

@@ -11,8 +11,7 @@ from rl_tui.common.findings import one_line
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.export.scenario_file import ScenarioFile, file_of, offered_name, path_named
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.dialogs.choice import Candidate, Choice
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 
 _OVER: Final = "over"
 _ELSEWHERE: Final = "elsewhere"

@@ -1,0 +1,344 @@
+"""The form of dialogs: a line to type into, numbered rows, and three lines about the row under the cursor.
+
+A dialog has the line, the rows, or both. What cannot be chosen stays in the list, dim, with the reason.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Final
+
+from rich.cells import cell_len, set_cell_size
+from rich.text import Text
+from textual import events
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.widgets import Input, OptionList, Static
+from textual.widgets.option_list import Option
+
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.draw.canvas import shortened
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.bindings import as_sentence
+from rl_tui.screen.theme.glyphs import UNICODE, Glyphs
+
+ABOUT_ROWS: Final = 3
+CURRENT: Final = " (current)"
+NOT_HERE: Final = "not here: "
+_MOVE: Final = "↑ ↓ or a number: choose"
+_CLOSE: Final = "esc: close"
+_WIDE: Final = "   "
+_MOST_COLUMNS: Final = 90
+_FRAME: Final = 5  # cells: border, padding, and the bar to scroll with
+MARKS: Final = 4
+"""Cells before a name: number and cursor."""
+_GAP: Final = 2
+_BORDER: Final = 2
+_LEAST_ROWS: Final = 3
+_BLANK_FROM: Final = 24  # rows of the screen: there is a blank row above the three lines
+_LONGEST: Final = 1_000  # characters: a pasted book is cut off
+
+Reader = Callable[[str], float | str]
+"""Turns the typed text into the value; raises ValueError whose text says what was expected."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A row: ``value`` and a few ``words`` follow its name, ``lines`` about it below the list.
+
+    ``refused`` says why it cannot be chosen, empty if it can. One without an ``id`` is a heading.
+    """
+
+    id: str
+    name: str
+    lines: tuple[str, ...] = ()
+    refused: str = ""
+    value: str = ""
+    words: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A line to type into: its text, a sentence about it, and what makes a value of the text."""
+
+    text: str
+    hint: str
+    read: Reader
+
+    def fault(self, text: str) -> str:
+        """Return what is wrong with ``text``, a sentence; empty if nothing is."""
+        try:
+            self.read(text)
+        except ValueError as fault:
+            return as_sentence(str(fault))
+        return ""
+
+
+class Form(Dialog[Any]):
+    """Rows to choose from, and a line to type into. Answers the id of a row, or the typed value.
+
+    Where there is a line, choosing a row is typing its id. ``current`` is the id of the row
+    that applies now, empty where none does; ``question`` stands above all. ``does`` is what enter does, in a
+    word, ``keys`` what other keys do. The cursor begins on the row ``start``, else on the current one.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("q", "cancel", "back", id="close_form", tooltip="Close without a change."),
+        Binding("down", "to_list", "list", id="form.list", tooltip="Go from the line to the list."),
+        Binding("j", "move(1)", "down", id="form.down", tooltip="Go one row down."),
+        Binding("k", "move(-1)", "up", id="form.up", tooltip="Go one row up."),
+        *(Binding(str(digit), f"take({digit})", show=False) for digit in range(1, 10)),
+    ]
+
+    def __init__(
+        self,
+        title: str,
+        candidates: Iterable[Candidate],
+        current: str,
+        glyphs: Glyphs,
+        question: str = "",
+        *,
+        entry: Entry | None = None,
+        does: str = "do",
+        keys: str = "",
+        start: str = "",
+    ) -> None:
+        super().__init__()
+        self._title = title
+        self._question = question
+        self.candidates = tuple(candidates)
+        self.current = current
+        self.glyphs = glyphs
+        self.entry = entry
+        self._does = does
+        self._keys = keys
+        self._start = start or current
+        self.typed = "" if entry is None else entry.text
+        """The text in the line."""
+
+    # What is seen
+
+    def compose(self) -> ComposeResult:
+        """Yield the line, the list, and room for three lines."""
+        with self.box(to_ascii(self._title, self.glyphs), ""):
+            if self._question:
+                yield Static(to_ascii(self._question, self.glyphs), id="question", markup=False)
+            if self.entry is not None:
+                yield Input(self.entry.text, select_on_focus=True, compact=True, max_length=_LONGEST)
+            if self.candidates:
+                yield OptionList()
+            yield Static(classes="hint", id="about", markup=False)
+
+    def on_mount(self) -> None:
+        """Start in the line, else on the row that applies now, else on the first."""
+        if self.candidates:
+            self._show_rows(self._start if self.entry is None else None)
+        if self.entry is None:
+            self._list.focus()
+
+    def on_resize(self) -> None:
+        """Fit list and foot to the screen."""
+        height = self.app.size.height
+        blank = int(height >= _BLANK_FROM and bool(self.candidates))
+        self.query_one("#about").styles.margin = (blank, 0, 0, 0)
+        self.query_one("#box").border_subtitle = to_ascii(self._foot, self.glyphs)
+        if self.candidates:
+            question = len(textwrap.wrap(self._question, self.room)) if self._question else 0
+            taken = _BORDER + ABOUT_ROWS + blank + question + int(self.entry is not None)
+            self._list.styles.max_height = max(_LEAST_ROWS, height * 9 // 10 - taken)
+            self._show_rows(self.at)
+
+    def set_rows(self, candidates: Iterable[Candidate], at: str | None = None) -> None:
+        """Show other rows; the cursor goes to the one with the id ``at``, or stays on its own."""
+        self.candidates = tuple(candidates)
+        if self.query(OptionList):
+            self._show_rows(self.at if at is None else at)
+
+    @property
+    def room(self) -> int:
+        """The cells of a row."""
+        return min(_MOST_COLUMNS, self.app.size.width * 9 // 10) - _FRAME
+
+    def describe(self, candidate: Candidate) -> Text:
+        """Return the row of ``candidate``: number, cursor, name, value and a few words."""
+        if not candidate.id:
+            return Text(to_ascii(shortened(candidate.name, self.room, self.glyphs.ellipsis), self.glyphs))
+        name, room, ellipsis = self._named(candidate), self.room - MARKS, self.glyphs.ellipsis
+        columns = self._columns
+        if columns is None:
+            body = Text(f"\n{' ' * MARKS}".join(textwrap.wrap(name, room) or [""]))
+        else:
+            texts = [self._spelled(candidate.value), self._spelled(candidate.words)]
+            if candidate.refused:
+                texts = [self._spelled(f"{NOT_HERE}{candidate.refused}")]
+            elif len(columns) == 1 or not candidate.value:
+                texts = [text for text in texts if text]
+            cells = [name, *texts]
+            for place, width in enumerate(columns[: len(cells) - 1]):
+                cells[place] = set_cell_size(shortened(cells[place], width, ellipsis), width)
+            body = Text(shortened((" " * _GAP).join(cells), room, ellipsis).rstrip())
+        if candidate.refused:
+            body.stylize("dim")
+        else:
+            body.stylize("bold", 0, cell_len(name))
+        return Text.assemble(self.mark(candidate), body)
+
+    def mark(self, candidate: Candidate) -> tuple[str, str]:
+        """Return the number of ``candidate``, and the cursor if it is there."""
+        cursor = self.glyphs.cursor if candidate.id == self.at else ""
+        return f"{self._numbers.get(candidate.id, ''):<1} {cursor:<1} ", "not bold"
+
+    def about(self, candidate: Candidate) -> str:
+        """Return the lines about ``candidate``, the reason first; of what has no room whole lines go."""
+        refused = (f"Not here: {candidate.refused.rstrip('.')}.",) if candidate.refused else ()
+        lines, rows = list[str](), 0
+        for line in map(self._spelled, (*refused, *candidate.lines)):
+            taken = len(textwrap.wrap(line, self.room + 1))
+            if not lines or rows + taken <= ABOUT_ROWS:
+                lines.append(line)
+                rows += taken
+        return "\n".join(lines)
+
+    # What is done
+
+    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        """Put the mark on the row under the cursor, and tell about it."""
+        for candidate in self.candidates:
+            if candidate.id:
+                self._list.replace_option_prompt(candidate.id, self.describe(candidate))
+        if self._list.has_focus or self.entry is None:
+            self._tell_of_row()
+
+    def on_descendant_focus(self, event: events.DescendantFocus) -> None:
+        """Tell about what has the focus; in the list the cursor is on a row."""
+        if isinstance(event.widget, OptionList):
+            if self._list.highlighted is None:
+                self._list.action_first()
+            self._tell_of_row()
+        else:
+            self._tell_of_text()
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Show what is wrong while it is typed."""
+        if self.entry is not None and event.value != self.typed:
+            self.typed = event.value
+            self._tell_of_text()
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Answer the value if it is one."""
+        self.typed = event.value
+        self._tell_of_text()
+        if self.entry is not None and not self.entry.fault(event.value):
+            self.dismiss(self.entry.read(event.value))
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Do what the row says, unless it cannot be done."""
+        candidate = next(each for each in self.candidates if each.id == event.option_id)
+        if candidate.refused:
+            self.app.bell()
+        else:
+            self.choose(candidate.id)
+
+    def choose(self, id: str) -> None:  # noqa: A002
+        """Answer the row with this ``id``."""
+        self.dismiss(id if self.entry is None else self.entry.read(id))
+
+    def action_to_list(self) -> None:
+        """Go from the line to the list."""
+        if self.candidates:
+            self._list.focus()
+
+    def action_move(self, rows: int) -> None:
+        """Go one row down, or up."""
+        if self.candidates:
+            self._list.action_cursor_down() if rows > 0 else self._list.action_cursor_up()
+
+    def action_take(self, number: int) -> None:
+        """Do what the row with this ``number`` says."""
+        for id, written in self._numbers.items():  # noqa: A001
+            if written == str(number):
+                self._list.highlighted = self._list.get_option_index(id)
+                self._list.action_select()
+
+    # Parts
+
+    @property
+    def _list(self) -> OptionList:
+        return self.query_one(OptionList)
+
+    @property
+    def at(self) -> str | None:
+        """The id of the row under the cursor."""
+        option = self._list.highlighted_option
+        return None if option is None else option.id
+
+    @property
+    def _numbers(self) -> dict[str, str]:
+        ids = [each.id for each in self.candidates if each.id]
+        return {id: str(number) for number, id in enumerate(ids[:9], 1)}  # noqa: A001
+
+    @property
+    def _columns(self) -> tuple[int, ...] | None:
+        """The cells of names and values, those of values only where there are any; None: only names."""
+        rows = [each for each in self.candidates if each.id and (each.value or each.words or each.refused)]
+        if not rows:
+            return None
+        room = self.room - MARKS
+        names = min(room // 2, max(cell_len(self._named(each)) for each in rows))
+        values = max(cell_len(self._spelled(each.value)) for each in rows)
+        return (names, min(room // 3, values)) if values else (names,)
+
+    @property
+    def _foot(self) -> str:
+        enter = f"enter: {self._does}"
+        parts = [part for part in (self._keys, enter, _CLOSE) if part]
+        ways = (_WIDE.join([_MOVE, *parts]) if self.candidates else "", _WIDE.join(parts), "  ".join(parts))
+        fitting = (way for way in ways if way and cell_len(way) < self.room)
+        return next(fitting, ways[-1])
+
+    def _named(self, candidate: Candidate) -> str:
+        return self._spelled(f"{candidate.name}{CURRENT if candidate.id == self.current else ''}")
+
+    def _spelled(self, text: str) -> str:
+        return to_ascii(text, self.glyphs)
+
+    def _show_rows(self, at: str | None) -> None:
+        options: Sequence[Option] = [
+            Option(self.describe(each), id=each.id or None, disabled=not each.id) for each in self.candidates
+        ]
+        self._list.set_options(options)
+        ids = [each.id for each in self.candidates]
+        if at is not None or self.entry is None:
+            first = next(place for place, id in enumerate(ids) if id)  # noqa: A001
+            self._list.highlighted = ids.index(at) if at and at in ids else first
+
+    def _tell_of_text(self) -> None:
+        if self.entry is not None:
+            fault = self.entry.fault(self.typed)
+            self.tell_about(fault or as_sentence(self.entry.hint), is_fault=bool(fault))
+
+    def _tell_of_row(self) -> None:
+        for candidate in self.candidates:
+            if candidate.id == self.at:
+                self.tell_about(self.about(candidate))
+
+    def tell_about(self, text: str, *, is_fault: bool = False) -> None:
+        """Show ``text`` in the three lines."""
+        about = self.query_one("#about", Static)
+        about.set_class(is_fault, "error")
+        about.set_class(not is_fault, "hint")
+        about.update(to_ascii(text, self.glyphs))
+
+
+class Choice(Form):
+    """Only a list. Answers the id of the row chosen; escape answers None."""
+
+
+class Prompt(Form):
+    """Only a line. Answers the value that ``read`` makes of it; escape answers None."""
+
+    def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
+        super().__init__(title, (), "", UNICODE, entry=Entry(value, hint, read), does=does)
+        self.read = read
