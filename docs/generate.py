@@ -45,6 +45,7 @@ PLACES = {
     Place.CATALOGUE: "start screen",
     Place.LESSONS: "lessons",
     Place.PLAYGROUND: "playground",
+    Place.LESSONS | Place.PLAYGROUND: "lessons, playground",
     Place.EVERY: "everywhere",
 }
 _LAKE = "frozenlake-slippery"

@@ -119,7 +119,7 @@ def test_an_environment_that_never_answers_can_be_left(tmp_path: Path, leave: st
             terminal.press(leave)
             terminal.wait_for("esc again goes to the start screen")
             terminal.press(leave)
-            terminal.wait_for("Scenarios")
+            terminal.wait_for("Begin here")
         terminal.press("q")
         check_left_as_it_was(terminal)
     (session,), _ = sessions_in(tmp_path)

@@ -101,7 +101,7 @@ def test_from_the_catalogue_to_a_run_and_back() -> None:
         terminal.press("\x1b[B\x1b[B\r")
         terminal.wait_for("paused")
         terminal.press("\x1b")
-        terminal.wait_for("Scenarios")
+        terminal.wait_for("Begin here")
         terminal.press("q")
 
 

@@ -20,7 +20,7 @@ def picture(tmp_path: Path, name: str, *args: str) -> bytes:
 
 @pytest.mark.screen
 def test_without_a_scenario_it_is_the_catalogue(tmp_path: Path) -> None:
-    assert b"Scenarios" in picture(tmp_path, "a.svg", "--size", "80x24").replace(b"&#160;", b" ")
+    assert b"Begin here" in picture(tmp_path, "a.svg", "--size", "80x24").replace(b"&#160;", b" ")
 
 
 @pytest.mark.screen

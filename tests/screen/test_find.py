@@ -9,14 +9,14 @@ from textual.pilot import Pilot
 from textual.widgets import OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.screen.app.find import NOTHING, FindScreen, Hit, found_by, relevance
+from rl_tui.screen.app.find import NOTHING, Findable, FindScreen, found_by, relevance
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.glossary import GlossaryScreen
 from rl_tui.screen.playground.playground import Playground
 
 
-def entry(name: str, *, keys: str = "", also: str = "", sentence: str = "") -> Hit:
-    return Hit(name, "action", sentence, lambda: None, keys, also)
+def entry(name: str, *, keys: str = "", also: str = "", sentence: str = "") -> Findable:
+    return Findable(name, "action", sentence, lambda: None, keys, also)
 
 
 @pytest.mark.parametrize(

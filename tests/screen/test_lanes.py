@@ -12,7 +12,6 @@ from rl_tui.common.errors import UserError
 from rl_tui.live.commands import AddLane
 from rl_tui.runs.recipe import SetParameter
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.dialogs.form import Choice
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.row import WORLD, beside
 from rl_tui.screen.panels.controls.slider import Slider

@@ -11,7 +11,7 @@ from pathlib import Path
 from threading import Event
 
 import pytest
-from drawn_text import rows_of, words_of
+from drawn_text import words_of
 from seams import notes, press, screen_text, snapshot
 from textual.pilot import Pilot
 
@@ -31,6 +31,8 @@ from rl_tui.screen.catalogue.lessons import LessonList, LessonsScreen
 from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.panels.graph.graph import GraphView
+from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.playground.playground import Playground
 
 WALK = """
@@ -135,9 +137,8 @@ def keep(tmp_path: Path, record: LessonRecord, step: int = 4, order: int = 0) ->
 
 
 def listed(pilot: Pilot[UserError]) -> str:
-    """The words of the list, without its frame."""
-    rows = rows_of(pilot.app.screen.query_one(LessonList))[1:-1]
-    return " ".join(" ".join(row.strip("│ ") for row in rows).split())
+    """The words of the list."""
+    return words_of(pilot.app.screen.query_one(LessonList))
 
 
 def details(pilot: Pilot[UserError]) -> str:
@@ -169,7 +170,7 @@ async def test_it_lists_the_lessons_in_their_order_and_enter_begins_one_with_its
 ) -> None:
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot)
-        assert listed(pilot) == "1 A walk not begun · 12 min 2 A second walk not begun · 12 min"
+        assert listed(pilot) == "1 A walk 0/4 2 A second walk 0/4"
         assert "Three pages, two worlds." in details(pilot)
         assert "walk from page to page" in details(pilot)
         await settled(pilot, "enter")
@@ -183,6 +184,20 @@ async def test_it_lists_the_lessons_in_their_order_and_enter_begins_one_with_its
         assert "NoSuchWorld-v0" in notes(pilot.app)[-1]
         assert (lesson_on_screen(pilot).page, snapshot(pilot).counters.step) == ("start", 2)
         assert (await press(pilot, "s")).counters.step == 3
+
+
+async def test_it_draws_the_world_of_the_open_page_and_names_the_lesson_after(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
+) -> None:
+    keep(tmp_path, begun(walk(lessons)).open("lake"))
+    async with make_lesson_app().run_test(size=(120, 40)) as pilot:
+        await settled(pilot)
+        assert isinstance(pilot.app.screen.query_one("#preview > *"), GridView)
+        assert "then 2 A second walk" in details(pilot)
+        assert "✓✓◔·" in details(pilot)
+        await settled(pilot, "j")
+        assert isinstance(pilot.app.screen.query_one("#preview > *"), GraphView)
+        assert "the next takes about 3 min" in details(pilot)
 
 
 async def test_keys_typed_before_the_lessons_are_read_count_once_they_are(
@@ -215,7 +230,7 @@ async def test_a_lesson_under_way_says_so_and_goes_on_where_it_was_left(
     path = keep(tmp_path, begun(walk(lessons)).open("guess").give(given))
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot)
-        assert "page 2 of 4 · 12 min" in listed(pilot)
+        assert "◔ 1 A walk 1/4" in listed(pilot)
         assert "page 2 of 4: A guess" in details(pilot)
         assert "0 of 1 passed" in details(pilot)
         assert "1 of 1 right" in details(pilot)
@@ -267,7 +282,7 @@ async def test_the_last_page_names_the_next_lesson_and_opens_it(
         assert lesson_on_screen(pilot).page == "guess"
     async with make_lesson_app().run_test(size=size) as pilot:
         await settled(pilot)
-        assert "page 2 of 3" in listed(pilot)
+        assert "◔ 2 A second walk 1/3" in listed(pilot)
 
 
 async def test_a_finished_lesson_is_a_reference_from_its_first_page(
@@ -280,7 +295,7 @@ async def test_a_finished_lesson_is_a_reference_from_its_first_page(
     async with make_lesson_app(ascii=True).run_test(size=(120, 40)) as pilot:
         await settled(pilot)
         assert pilot.app.screen.query_one(LessonList).highlighted == 1  # the first that is not read
-        assert "finished" in listed(pilot)
+        assert "v 1 A walk 4/4" in listed(pilot)
         assert "1 of 3 finished" in screen_text(pilot.app)
         assert screen_text(pilot.app).isascii()
         await settled(pilot, "up")
@@ -299,8 +314,7 @@ async def test_with_a_task_left_a_lesson_is_read_to_its_end_but_not_finished(
     keep(tmp_path, at_end(walk(lessons), is_passed=False))
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot, "up")
-        assert "1 A walk at its end · 0 of 1 task" in listed(pilot)
-        assert "finished" not in listed(pilot)
+        assert "◑ 1 A walk 4/4" in listed(pilot)
         assert "0 of 2 finished" in screen_text(pilot.app)
         assert "at its end · 0 of 1 task" in details(pilot)
 
@@ -314,7 +328,7 @@ async def test_the_cursor_stands_on_the_lesson_in_progress(
     keep(tmp_path, begun(lesson_of(third, lessons / "third.toml")).open("guess"))
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot)
-        assert "✓ finished" in listed(pilot)
+        assert "✓ 1 A walk 4/4" in listed(pilot)
         assert pilot.app.screen.query_one(LessonList).highlighted == 2
 
 
@@ -333,7 +347,7 @@ async def test_r_asks_once_and_begins_again_beside_what_was_done(
         await settled(pilot, "escape", "escape")
         assert len(files_in(tmp_path / "sessions")) == 2
         assert read_session(path).step == 4
-        assert "page 1 of 4" in listed(pilot)
+        assert "page 1 of 4" in details(pilot)
 
 
 async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
@@ -347,7 +361,7 @@ async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
         assert pilot.app.screen.query_one(LessonList).highlighted == 1
         await settled(pilot, "escape")
         assert isinstance(pilot.app.screen, LessonsScreen)
-        assert notes(pilot.app)[-1] == "these are the lessons; esc again goes to the catalogue"
+        assert notes(pilot.app)[-1] == "These are the lessons; esc again goes to the start screen"
         await settled(pilot, "escape")
         assert isinstance(pilot.app.screen, CatalogueScreen)
 
@@ -358,12 +372,12 @@ async def test_a_file_with_faults_stands_at_the_end_with_them_and_none_at_all_is
     (lessons / "a-bad-one.toml").write_text(WALK.replace("minutes = 12", "minutes = 0"), encoding="utf-8")
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot, "end")
-        assert listed(pilot).endswith("a-bad-one.toml faulty")
+        assert listed(pilot).endswith("! a-bad-one.toml 1 error")
         assert "minutes: found 0" in details(pilot)
         for key in ("enter", "r"):
             await settled(pilot, key)
             assert isinstance(pilot.app.screen, LessonsScreen)
-            assert notes(pilot.app)[-1] == "this file has faults; mend them first"
+            assert notes(pilot.app)[-1] == "This file has errors. Fix them first."
     for path in lessons.iterdir():
         path.unlink()
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
@@ -413,7 +427,7 @@ async def test_in_a_kiosk_a_lesson_is_kept_nowhere(make_lesson_app: MakeLessonAp
         await turn_to(pilot, "lake")
         assert (await press(pilot, "s")).recipe.scenario.id == "frozenlake"
         await settled(pilot, "escape", "escape")
-        assert "not begun" in listed(pilot)
+        assert "1 A walk 0/4" in listed(pilot)
         assert not (tmp_path / "sessions").exists()
 
 
@@ -423,8 +437,7 @@ async def test_the_catalogue_says_how_many_are_finished_and_its_sessions_are_les
     keep(tmp_path, at_end(walk(lessons)), order=1)
     async with make_lesson_app(None).run_test(size=(80, 24)) as pilot:
         await settled(pilot)
-        assert "Learn step by step: 1 of 2 ✓" in screen_text(pilot.app)
-        assert "1 finished" in words_of(pilot.app.screen.query_one("#facts"))
+        assert "1 of 2 done" in screen_text(pilot.app)
         await settled(pilot, "shift+tab", "enter")
         assert (lesson_on_screen(pilot).page, snapshot(pilot).counters.step) == ("lake", 4)
 

@@ -26,7 +26,7 @@ from rl_tui.runs.timeline.branches import FIRST, RunRecord
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.catalogue.catalogue import CatalogueScreen
-from rl_tui.screen.catalogue.facts import LEARN
+from rl_tui.screen.catalogue.doors import GO_ON, Doors
 from rl_tui.screen.catalogue.session_text import (
     SessionList,
     SessionRow,
@@ -81,7 +81,7 @@ def details(pilot: Pilot[UserError]) -> str:
 
 def about(pilot: Pilot[UserError]) -> str:
     """What the details say they are about."""
-    return str(pilot.app.screen.query_one("#details").border_title)
+    return words_of(pilot.app.screen.query_one("#heading")).rstrip("─- ")
 
 
 async def finished(pilot: Pilot[UserError], work: str) -> None:
@@ -106,7 +106,7 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
     write(tmp_path, "new.json", order=2, title="an evening")
     (tmp_path / "half.json").write_text('{"format": "rl-tui session", "vers', encoding="utf-8")
     async with on_screen(app_with_sessions()) as pilot:
-        assert pilot.app.screen.query_one("#scenarios").has_focus, "the cursor begins in the scenarios"
+        assert pilot.app.screen.query_one(Doors).current == GO_ON, "the cursor begins on the newest one"
         await tap(pilot, "tab", "tab")
         assert "step 7" in details(pilot)
         assert about(pilot) == "Session: an evening"
@@ -119,30 +119,43 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
             "a faulty file is left alone; remove it yourself",
         ]
         await tap(pilot, "shift+tab")
-        assert about(pilot) == LEARN
+        assert about(pilot) == find("frozenlake").title
 
 
-async def test_tab_goes_from_each_list_to_what_is_said_of_its_entry_and_no_name_steers_the_terminal(
+async def test_tab_goes_from_the_doors_to_each_list_and_no_name_steers_the_terminal(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:
     write(tmp_path, "a\x1b[31m.json", title="an evening")
     (tmp_path / "b\x1b[2J.json").write_text("{", encoding="utf-8")
     async with on_screen(app_with_sessions()) as pilot:
-        await tap(pilot, "down", "down")
         told = []
-        for _ in range(5):
+        for _ in range(4):
             told.append((pilot.app.focused.id, about(pilot)))
             await tap(pilot, "tab")
         lake, evening = find("frozenlake").title, "Session: an evening"
-        in_order = [("scenarios", lake), ("details", lake), ("sessions", evening), ("details", evening)]
+        in_order = [("doors", lake), ("scenarios", lake), ("sessions", evening)]
         assert told == [*in_order, in_order[0]]
-        await tap(pilot, "pagedown")
-        assert pilot.app.screen.query_one("#details").scroll_target_y > 0, "the notes are within reach"
         await tap(pilot, "tab")
         drawn = rows_of(listed(pilot))
         assert any("\\u001b[2J" in line for line in drawn)
         assert r"/a\u001b[31m.json" in letters_of(pilot.app.screen.query_one("#facts"))
         assert not any("\x1b" in line for line in [*drawn, details(pilot)])
+
+
+async def test_the_third_door_names_the_newest_session_and_goes_on_with_it(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    write(tmp_path, "a.json", order=1)
+    write(tmp_path, "b.json", record(9), order=2, title="an evening")
+    async with on_screen(app_with_sessions()) as pilot:
+        assert "an evening" in words_of(pilot.app.screen.query_one(Doors))
+        await tap(pilot, "down", "down")
+        assert about(pilot) == find("student").title
+        assert "◑ A student's evening" in words_of(pilot.app.screen.query_one("#scenarios"))
+        await pilot.press("3")
+        await finished(pilot, "resume the session")
+        await settle(pilot)
+        assert step(pilot) == 9
 
 
 async def test_rows_of_one_title_can_be_told_apart(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
@@ -152,6 +165,7 @@ async def test_rows_of_one_title_can_be_told_apart(app_with_sessions: MakeSessio
         write(tmp_path, f"{number}.json", what, order=number)
     write(tmp_path, "other.json", record(40), order=9, title="an evening")
     async with on_screen(app_with_sessions(), (120, 40)) as pilot:
+        await tap(pilot, "shift+tab")
         rows = [row.strip() for row in rows_of(listed(pilot)) if row.strip(" │┃█")]
     text = "\n".join(rows)
     assert "step 40 · SARSA" in text
@@ -289,7 +303,6 @@ async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Pa
         await settle(pilot)
         assert os.listdir(tmp_path) == []
         assert not listed(pilot).display
-        assert pilot.app.screen.query_one("#scenarios").size.height == 19
         assert pilot.app.screen.query_one("#scenarios", OptionList).has_focus
 
 

@@ -128,7 +128,7 @@ def test_from_the_classroom_recipe_there_is_no_way_out(tmp_path: Path) -> None:
         assert "forwarding failed" in refused(server.login("-W", there))
         assert "forwarding failed" in refused(server.login("-NR", f"0:{there}", "-oExitOnForwardFailure=yes"))
         with LosableTerminal([*CONTROLLING, *KEPT_OPEN, *server.login("-tt"), "sh"]) as terminal:
-            terminal.wait_for("Scenarios")
+            terminal.wait_for("Begin here")
             terminal.press("\x1a")
             terminal.wait_for("no shell")
             terminal.press("qq")

@@ -27,10 +27,10 @@ REDRAW: Final = "\x0c"  # ctrl+l
 ESCAPE: Final = "\x1b[27u"
 DIALOGS: Final = {  # keys, and what then stands on the screen
     "?": "Words  Pages",
-    "ao": "Options",
+    "ao": "All settings",
     "u": "Run until",
-    "mb": "Journal",
-    "cs": "Compare",
+    "mb": "Branches",
+    "cs": "differs in",
     "mx": "Export",
     "wm": "Model",
     "\x10": "a few letters of anything",
@@ -145,7 +145,7 @@ def test_no_colours_where_none_are_wanted_but_one_sees_where_one_is() -> None:
         resize_to(terminal, *SIZES[:2])
         terminal.press("ao")
         terminal.wait_until(lambda: is_underlined(terminal, "constant 0.1"))
-        assert "Options" in terminal.screen
+        assert "All settings" in terminal.screen
         assert not is_underlined(terminal, "discount")
         assert colour_kinds(terminal.written) == set()
         terminal.press(ESCAPE)

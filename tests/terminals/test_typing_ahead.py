@@ -29,7 +29,7 @@ def test_no_key_is_lost_while_a_dialog_or_a_screen_opens() -> None:
         terminal.press("?\x1bb")
         terminal.wait_for(r"step +1\b")
         terminal.press("\x1b\x1b")
-        terminal.wait_for("Scenarios")
+        terminal.wait_for("Begin here")
         terminal.press("\r")
         terminal.wait_for("A student's evening .* paused")
         terminal.press("w]w]w]")

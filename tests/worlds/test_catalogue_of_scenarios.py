@@ -42,6 +42,9 @@ def test_every_shipped_one_teaches_something(name):
     scenario = catalogue.find(name)
     assert scenario.title != name
     assert scenario.summary
+    assert scenario.guess.endswith("?")
+    assert scenario.see.endswith(".")
+    assert scenario.try_this.endswith((".", "?"))
     assert "**Try this**" in scenario.notes
     assert {"algorithm", "alpha", "gamma", "epsilon", "episodes"} <= scenario.defaults.keys()
 

@@ -8,6 +8,7 @@ import pickle
 import numpy as np
 import pytest
 
+from rl_tui.common.errors import ScenarioError
 from rl_tui.common.streams import streams
 from rl_tui.worlds.drawing import Arms, Graph
 from rl_tui.worlds.files.catalogue import find
@@ -127,6 +128,19 @@ def test_the_head_may_be_left_out(tmp_path):
     )
     assert scenario.kind == "bandit"
     assert dict(scenario.defaults) == {}
+
+
+def test_what_the_start_screen_shows_is_checked(tmp_path):
+    path = tmp_path / "mine.toml"
+    head = 'guess = "Which arm?"\nsee = "One wins."\ntry = "Wait."\npreview_steps = 7\n'
+    path.write_text(f"{head}[bandit]\narms = 2\n")
+    scenario = read_scenario(path)
+    shown = scenario.guess, scenario.see, scenario.try_this, scenario.preview_steps
+    assert shown == ("Which arm?", "One wins.", "Wait.", 7)
+    path.write_text('try = 3\ntry_this = "x"\npreview_steps = 0\n[bandit]\narms = 2\n')
+    with pytest.raises(ScenarioError) as refused:
+        read_scenario(path)
+    assert [fault.place for fault in refused.value.faults] == ["try", "try_this", "preview_steps"]
 
 
 def test_defaults_are_passed_on_as_they_stand(tmp_path):

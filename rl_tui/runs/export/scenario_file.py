@@ -17,9 +17,9 @@ from rl_tui.common.text_file import UnreadableError, open_plain, read_text
 from rl_tui.runs.exact_answers import LIVE_STATES
 from rl_tui.worlds.editing.arms_draft import Draft
 from rl_tui.worlds.editing.saving import saved_text, value_text
-from rl_tui.worlds.editing.templates import named
+from rl_tui.worlds.editing.templates import named, template_text
 from rl_tui.worlds.files.catalogue import user_folder
-from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.files.scenario import Scenario, scenario_of
 from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder, shipped_names
 from rl_tui.worlds.mdp.digest import table_digest
 
@@ -74,6 +74,11 @@ class ScenarioFile:
         return replace(self, path=path, text=text)
 
 
+def new_world(kind: str) -> Scenario:
+    """Return a blank world of that kind, one of ``BLANK``, which has no file yet."""
+    return scenario_of(template_text(kind), Path(f"my-world{SUFFIX}"))
+
+
 def file_of(scenario: Scenario) -> ScenarioFile:
     """Return the file of ``scenario``; where it has none, the beginning of one."""
     text = scenario.text or f"title = {value_text(scenario.title)}\n"
@@ -101,7 +106,8 @@ def is_on_screen(scenario: Scenario, recipe: Recipe, mdp: TabularMDP | None) -> 
 def _head(scenario: Scenario) -> tuple[object, ...]:
     """Return all that a file says besides its world."""
     defaults, answer = dict(scenario.defaults), scenario.hides_answer
-    return scenario.title, scenario.summary, scenario.notes, scenario.order, defaults, answer
+    texts = scenario.title, scenario.summary, scenario.guess, scenario.see, scenario.try_this, scenario.notes
+    return *texts, scenario.preview_steps, scenario.order, defaults, answer
 
 
 def offered_name(scenario: Scenario) -> str:

@@ -32,7 +32,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.display import Display
-from rl_tui.screen.app.opening import MakePlayer, Opener, Start, beginning_of, live_player
+from rl_tui.screen.app.opening import DrawingStart, MakePlayer, Opener, Start, beginning_of, live_player
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.frame.message_line import Messages
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from rl_tui.live.record import Record
     from rl_tui.live.sessions.autosave import Autosave, KeptSession
     from rl_tui.live.sessions.session import StoredSession
-    from rl_tui.screen.app.find import Hit
+    from rl_tui.screen.app.find import Findable
     from rl_tui.screen.catalogue.catalogue import CatalogueScreen
     from rl_tui.screen.catalogue.lessons import LessonsScreen
     from rl_tui.screen.playground.actions.next_lesson import LessonWanted
@@ -244,22 +244,27 @@ class RlTuiApp(LinkedApp[UserError]):
     def on_catalogue_screen_opened(self, event: CatalogueScreen.Opened) -> None:
         """Go to the playground."""
         self._start = None  # from here on a fault leads back to the catalogue
-        self.switch_screen(self._opener.playground(self.look, event.recipe, watches=event.watches))
+        if event.draws:
+            self.switch_screen(self._opener.first_screen(self.look, DrawingStart(event.recipe)))
+        else:
+            self.switch_screen(self._opener.playground(self.look, event.recipe, watches=event.watches))
 
-    def on_catalogue_screen_resumed(self, event: CatalogueScreen.Resumed) -> None:
+    def on_saved_sessions_resumed(self, event: CatalogueScreen.Resumed) -> None:
         """Go on with a session."""
         self._start = None
         self.switch_screen(self._opener.resumed(self.look, event.session, event.record))
 
-    def on_catalogue_screen_lessons_wanted(self) -> None:
+    def on_catalogue_screen_lessons_wanted(self, event: CatalogueScreen.LessonsWanted) -> None:
         """Go to the list of lessons."""
         self._start = None
-        self.switch_screen(self._opener.lessons(self.look))
+        self.switch_screen(self._opener.lessons(self.look, event.start_at))
 
     def on_lessons_screen_list_closed(self) -> None:
-        """Go back to the catalogue."""
+        """Go back to the start screen."""
+        from rl_tui.screen.catalogue.catalogue import AT_LESSONS
+
         self._start = None
-        self.switch_screen(self._opener.catalogue(self.look))
+        self.switch_screen(self._opener.catalogue(self.look, AT_LESSONS))
 
     def on_lessons_screen_lesson_chosen(self, event: LessonsScreen.LessonChosen) -> None:
         """Go to the playground of a lesson."""
@@ -371,7 +376,7 @@ class RlTuiApp(LinkedApp[UserError]):
             find = FindScreen(self.look, entries_on(screen), partial(new_values, screen), more)
             self.push_screen(find, self._do_found)
 
-    async def _do_found(self, entry: Hit | None) -> None:
+    async def _do_found(self, entry: Findable | None) -> None:
         done = None if entry is None else entry.do()
         if isawaitable(done):
             await done

@@ -37,7 +37,7 @@ Put: TypeAlias = Callable[[float | str], object]
 NOTHING: Final = "Nothing has a word that begins so. ? shows all keys."
 
 
-class Hit(NamedTuple):
+class Findable(NamedTuple):
     """What can be found: its name, what kind of thing it is, a sentence, and what enter does with it.
 
     ``also`` are other words for it. What is ``refused`` can do nothing now, as its sentence says.
@@ -52,7 +52,7 @@ class Hit(NamedTuple):
     refused: bool = False
 
 
-class FindScreen(Dialog[Hit]):
+class FindScreen(Dialog[Findable]):
     """A line to type, and the entries that it finds, one in a row. Answers the one that is chosen.
 
     ``for_query`` makes entries of what is typed, such as a setting with its new value; ``more`` reads files,
@@ -69,16 +69,16 @@ class FindScreen(Dialog[Hit]):
     def __init__(
         self,
         look: Look,
-        entries: Sequence[Hit],
-        for_query: Callable[[str], list[Hit]],
-        more: Callable[[], list[Hit]],
+        entries: Sequence[Findable],
+        for_query: Callable[[str], list[Findable]],
+        more: Callable[[], list[Findable]],
     ) -> None:
         super().__init__()
         self._look = look
         self._entries = list(entries)
         self._for_query = for_query
         self._more = more
-        self._found = list[Hit]()
+        self._found = list[Findable]()
 
     def compose(self) -> ComposeResult:
         """Yield the line, the rows and the sentence."""
@@ -135,7 +135,7 @@ class FindScreen(Dialog[Hit]):
         else:
             self._tell(NOTHING)
 
-    def _row(self, entry: Hit, width: int) -> Text:
+    def _row(self, entry: Findable, width: int) -> Text:
         """Return the name of ``entry`` at the left, its keys and kind at the right, in ``width`` columns."""
         palette, glyphs = self._look.palette, self._look.glyphs
         keys, kind = self._written(entry.keys), entry.kind
@@ -154,7 +154,7 @@ class FindScreen(Dialog[Hit]):
 # What fits best
 
 
-def found_by(query: str, entries: Sequence[Hit]) -> list[Hit]:
+def found_by(query: str, entries: Sequence[Findable]) -> list[Findable]:
     """Return those of ``entries`` that ``query`` is about, the best first; all actions for an empty one."""
     if not query.strip():
         return [entry for entry in entries if entry.kind == "action"]
@@ -163,7 +163,7 @@ def found_by(query: str, entries: Sequence[Hit]) -> list[Hit]:
     return [entry for _, entry in sorted(found, key=lambda pair: -pair[0])]
 
 
-def relevance(query: str, entry: Hit) -> float:
+def relevance(query: str, entry: Findable) -> float:
     """Return how well ``query`` fits ``entry``, from 0 (not at all) to 1.
 
     It may be the key of the entry. Else each word of it has to begin a word of the entry, or to be somewhere
@@ -174,7 +174,7 @@ def relevance(query: str, entry: Hit) -> float:
     return min((_weight(word, entry) for word in _words(query)), default=0.0)
 
 
-def _weight(word: str, entry: Hit) -> float:
+def _weight(word: str, entry: Findable) -> float:
     name = _words(entry.name)
     if word in name:
         return 1.0
@@ -195,23 +195,24 @@ def _words(text: str) -> list[str]:
 # What there is
 
 
-def entries_on(screen: Screen[Any]) -> list[Hit]:
+def entries_on(screen: Screen[Any]) -> list[Findable]:
     """Return what can be found on ``screen`` without reading files: actions, settings, words."""
     if not isinstance(screen, ActionScreen):
         return []
     actions = [_of_action(screen, action) for action in screen.actions if action.id != "find"]
     settings = [
-        Hit(parameter.name, "setting", _sentence(parameter), ask, also=parameter.symbol)
+        Findable(parameter.name, "setting", _sentence(parameter), ask, also=parameter.symbol)
         for parameter, ask, _ in _settings(screen)
     ]
+    explain = screen.pages.show_words
     words = [
-        Hit(term.word, "word", term.text, partial(screen.pages.show_words, (id_,)), also=" ".join(term.also))
+        Findable(term.word, "word", term.text, partial(explain, (id_,)), also=" ".join(term.also))
         for id_, term in glossary().items()
     ]
     return [*actions, *settings, *words]
 
 
-def new_values(screen: Screen[Any], query: str) -> list[Hit]:
+def new_values(screen: Screen[Any], query: str) -> list[Findable]:
     """Return an entry for each setting that ``query`` names before a number, as in ``epsilon .3``."""
     word, _, number = query.replace("=", " ").strip().rpartition(" ")
     try:
@@ -220,7 +221,7 @@ def new_values(screen: Screen[Any], query: str) -> list[Hit]:
         return []
     asked = word.strip().lower()
     return [
-        Hit(
+        Findable(
             f"Set {parameter.symbol} to {value:g}",
             "setting",
             _sentence(parameter),
@@ -234,10 +235,10 @@ def new_values(screen: Screen[Any], query: str) -> list[Hit]:
     ]
 
 
-def _of_action(screen: ActionScreen, action: Action) -> Hit:
+def _of_action(screen: ActionScreen, action: Action) -> Findable:
     name = action.label[0].upper() + action.label[1:]
     do = partial(screen.run_action, action.textual_action)
-    return Hit(name, "action", action.sentence, do, action.shown, action.aliases, bool(action.refused))
+    return Findable(name, "action", action.sentence, do, action.shown, action.aliases, bool(action.refused))
 
 
 def _settings(screen: Screen[Any]) -> Iterator[tuple[Parameter, Ask, Put]]:
@@ -256,23 +257,26 @@ def _sentence(parameter: Parameter) -> str:
     return f"{parameter.help[0].upper()}{parameter.help[1:]}."
 
 
-def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None) -> list[Hit]:
+def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None) -> list[Findable]:
     """Return the worlds, lessons and sessions; ``open_found`` opens one. To be called in a thread."""
     from rl_tui.lessons.catalogue import read_lessons
     from rl_tui.live.sessions.session import sessions_in
     from rl_tui.worlds.files.catalogue import scenarios
 
     worlds = [
-        Hit(each.title, "world", each.summary, partial(open_found, each), also=each.id)
+        Findable(each.title, "world", each.summary, partial(open_found, each), also=each.id)
         for each in scenarios()
     ]
     lessons = [
-        Hit(each.title, "lesson", each.summary, partial(open_found, each), also=each.id)
+        Findable(each.title, "lesson", each.summary, partial(open_found, each), also=each.id)
         for each in read_lessons().lessons
     ]
     kept = () if sessions is None else sessions_in(sessions)[0]
     return [
         *worlds,
         *lessons,
-        *(Hit(each.title, "session", f"Step {each.step:,}.", partial(open_found, each)) for each in kept),
+        *(
+            Findable(each.title, "session", f"Step {each.step:,}.", partial(open_found, each))
+            for each in kept
+        ),
     ]

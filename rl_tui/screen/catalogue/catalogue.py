@@ -1,78 +1,82 @@
-"""The start screen: scenarios, lessons and recent sessions, with details of the current row."""
+"""The start screen: four doors, the scenarios, recent sessions, and what is known of the current row."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from importlib import import_module
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from threading import Thread
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
-from rich.console import RenderableType
 from textual.binding import BindingType
-from textual.containers import Container, Horizontal, Vertical, VerticalScroll
-from textual.content import Content
+from textual.containers import Horizontal, Vertical
 from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widget import Widget
-from textual.widgets import OptionList, Static
+from textual.widgets import Input, Static
 from textual.worker import WorkerCancelled
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.streams import streams
-from rl_tui.live.sessions.session import SessionError, StoredSession, files_in, remove, sessions_in
+from rl_tui.common.words import counted
+from rl_tui.live.sessions.session import SessionError, StoredSession
 from rl_tui.runs.library import read_catalogue, recipe_for
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.catalogue.facts import (
+from rl_tui.screen.catalogue.details import Details, Entry
+from rl_tui.screen.catalogue.doors import (
+    GO_ON,
     LEARN,
+    OWN_CODE,
     WATCH,
-    Course,
-    Demonstration,
-    ScenarioList,
-    about,
-    about_learning,
-    about_watching,
-    facts,
-    faults_text,
-    keys_while_watching,
+    Doors,
+    go_on_door,
+    learn_door,
+    new_world_choice,
+    own_code_door,
+    own_code_page,
+    scripts_here,
+    watch_door,
 )
-from rl_tui.screen.catalogue.session_text import SessionList, session_facts
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
-from rl_tui.screen.frame.action_screen import ActionScreen
-from rl_tui.screen.frame.notes import Notes
+from rl_tui.screen.catalogue.facts import Prose
+from rl_tui.screen.catalogue.scenario_list import Filter, Hit, Mark, ScenarioList, has_words, marks_of
+from rl_tui.screen.catalogue.session_text import SavedSessions, SessionList
+from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
-from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
-    from rl_tui.live.record import Record
     from rl_tui.live.sessions.progress import LessonEntries
+    from rl_tui.live.snapshot import Snapshot
+    from rl_tui.screen.catalogue.preview import LastRun
     from rl_tui.screen.dialogs.dialog import Dialog
 
+AT_LESSONS: Final = "/learn"
+"""Where the cursor starts for who comes from the lessons: on their door. No scenario has that id."""
+_SEED: Final = 0
+_DETAILS: Final = "details"
+_WIDE, _HIGH = 160, 50  # from where on the sessions are always listed
+_NEEDED_TO_PLAY: Final = ("rl_tui.screen.playground.playground", "rl_tui.agents.learner")
+_WORDS, _LESSONS = "Words", "Lessons"
+_MOST_WORDS: Final = 5
+_FILTER_HINTS: Final = (("↑ ↓", "choose"), ("enter", "open"), ("esc", "all of them"))
 
-_SEED = 0
-_DETAILS = "details"
-_GREETING = "New here? Begin with the first row: enter."
-_NEEDED_TO_PLAY = ("rl_tui.screen.playground.playground", "rl_tui.agents.learner")
 
+class CatalogueScreen(SavedSessions):
+    """Above four doors, left the scenarios or the sessions, right what is known of the one under the cursor.
 
-Entry = Course | Demonstration | Scenario | ScenarioError | StoredSession | SessionError
-
-
-class CatalogueScreen(ActionScreen):
-    """Left the scenarios and the sessions, right what is known of the one under the cursor.
-
-    Sessions and lessons are read in threads after the first paint, and worlds built: that of the row that is
-    watched, and then, once all that is needed to play it is there, the others, those of Gymnasium last.
-    ``sessions`` is the folder of sessions, None where none are kept.
+    Lessons are read in a thread after the first paint, and worlds built: the first, and then, once all that
+    is needed to play it is there, the others, those of Gymnasium last. The same thread makes the runs that
+    the picture shows. ``sessions`` is the folder of sessions, None where none are kept.
     """
 
     CSS_PATH = "catalogue.tcss"
@@ -81,27 +85,17 @@ class CatalogueScreen(ActionScreen):
 
     @dataclass
     class Opened(Message):
-        """The user wants to play, or to watch it learn by itself."""
+        """The user wants to play, to watch it learn by itself, or to draw the world."""
 
         recipe: Recipe
         watches: bool = False
-
-    @dataclass
-    class Resumed(Message):
-        """The user wants to go on with a session; ``record`` is what it says."""
-
-        session: StoredSession
-        record: Record
-
-    @dataclass
-    class SessionsRead(Message):
-        """The files of the sessions are read."""
-
-        entries: list[StoredSession | SessionError]
+        draws: bool = False
 
     @dataclass
     class LessonsWanted(Message):
-        """The user wants the list of lessons."""
+        """The user wants the list of lessons, with the cursor on the lesson ``start_at``."""
+
+        start_at: str = ""
 
     @dataclass
     class LessonsRead(Message):
@@ -123,71 +117,71 @@ class CatalogueScreen(ActionScreen):
         reason: str
 
     def __init__(
-        self, look: Look, start_at: str = "", fault: UserError | None = None, sessions: Path | None = None
+        self,
+        look: Look,
+        start_at: str = "",
+        fault: UserError | None = None,
+        sessions: Path | None = None,
     ) -> None:
-        super().__init__(look)
-        self._sessions = sessions
-        self._sessions_read = asyncio.Event()
+        super().__init__(look, sessions)
         self._catalogue = read_catalogue()
+        self._by_id = {scenario.id: scenario for scenario in self._catalogue.scenarios}
         self._start_at = start_at
         self._fault = fault
+        self._scripts: Sequence[Path] = ()
+        self._wanted: Scenario | None = None  # of which a run is to be made
         self._worlds: dict[str, World | UserError] = {}
-        self._shown: Entry | None = None
+        self._jobs = SimpleQueue[Callable[[], object] | None]()
         self._all_built = asyncio.Event()
         self._lessons: LessonEntries | None = None
         self._lessons_read = asyncio.Event()
         self._in_sessions = False
 
     def content(self) -> Iterable[Widget]:
-        """Yield the list and the details."""
-        title = " rl-tui · an agent learns from rewards, step by step"
-        yield Static(separated(f"{title} · kiosk" if self.in_kiosk else title, self.look.glyphs), id="title")
-        yield Static(f" {_GREETING}", id="greeting")
-        details = VerticalScroll(
-            Static(id="about", markup=False),
-            Container(id="preview"),
-            Static(id="facts", markup=False),
-            Notes(self.look.glyphs, id="notes"),
-            id="details",
-            classes="panel",
-        )
-        details.border_subtitle = "tab, arrows: scroll"
-        scenarios = ScenarioList(self.look, self._catalogue)
-        sessions = SessionList(self.look, 0 if self._sessions is None else len(files_in(self._sessions)))
-        lists = Vertical(scenarios, sessions, id="lists")
-        yield Horizontal(lists, details, id="columns")
+        """Yield the doors, the lists and the details."""
+        title = " rl-tui  An agent learns from rewards. See why."
+        yield Static(f"{title}  kiosk" if self.in_kiosk else title, id="title")
+        doors = [learn_door(None), watch_door(), go_on_door((), datetime.now(UTC), in_kiosk=self.in_kiosk)]
+        if not self.in_kiosk:
+            doors.append(own_code_door(()))
+        yield Doors(self.look, doors)
+        yield Filter(self.look)
+        lists = Vertical(ScenarioList(self.look, self._catalogue), SessionList(self.look), id="lists")
+        yield Horizontal(lists, Details(self.look), id="columns")
 
     def on_mount(self) -> None:
-        """Put the cursor where the user came from, and begin what is slow once the first paint is done."""
-        scenarios = self.query_one(ScenarioList)
+        """Put the cursor where the user came from."""
+        scenarios, doors = self.query_one(ScenarioList), self.query_one(Doors)
         scenarios.start_at(self._start_at)
-        scenarios.focus()
+        doors.current = LEARN if self._start_at == AT_LESSONS else GO_ON if self.has_files else WATCH
+        if self._start_at in self._by_id:
+            scenarios.focus()
+        else:
+            doors.focus()
         if self._fault is not None:
             self.notify(str(self._fault), severity="error", timeout=15, markup=False)
-        self.run_worker(self._begin_when_painted, name="begin", group="begin")  # type: ignore[arg-type]
 
-    async def _begin_when_painted(self) -> None:
-        if isinstance(self.app, LinkedApp):
-            await self.app.painted()
-        self._read_sessions()
-        Thread(target=self._read_and_build, name="read and build", daemon=True).start()
+    def on_resize(self) -> None:
+        """On a large screen, put the text beside the picture and the sessions below the scenarios."""
+        self.query_one(Prose).set_class(self.has_class("-broad"), "-beside")
+        self.set_class(self.size.width >= _WIDE and self.size.height >= _HIGH, "-wide")
+        self.show_current()
 
-    def _read_sessions(self) -> None:
-        if self._sessions is None:
-            self._sessions_read.set()
-            return
-        self._sessions_read.clear()
-        Thread(target=self._list_sessions, args=(self._sessions,), name="read sessions", daemon=True).start()
+    def begin(self) -> None:
+        """Begin to read the sessions and lessons, and to build the worlds."""
+        super().begin()
+        Thread(target=self._work, name="read and build", daemon=True).start()
 
-    # In the threads: only messages leave them
+    def on_unmount(self) -> None:
+        """Let the thread end."""
+        self._jobs.put(None)
 
-    def _list_sessions(self, folder: Path) -> None:
-        sound, broken = sessions_in(folder)
+    # In the thread: only messages leave it, and calls that are made later in the screen's
+
+    def _work(self) -> None:
         with suppress(RuntimeError):  # the program has ended meanwhile
-            self.post_message(self.SessionsRead([*sound, *broken]))
-
-    def _read_and_build(self) -> None:
-        with suppress(RuntimeError):  # the program has ended meanwhile
+            if not self.in_kiosk:
+                self.call_later(self._show_scripts, scripts_here())
             self._read_lessons()
             scenarios = self._catalogue.scenarios
             for scenario in scenarios[:1]:
@@ -195,6 +189,12 @@ class CatalogueScreen(ActionScreen):
             self._import_what_is_needed_to_play()
             for scenario in sorted(scenarios[1:], key=lambda each: each.kind == "gymnasium"):
                 self._build(scenario)
+                with suppress(Empty):
+                    while (job := self._jobs.get_nowait()) is not None:
+                        job()
+                    return
+            while (job := self._jobs.get()) is not None:
+                job()
 
     def _read_lessons(self) -> None:
         from rl_tui.live.sessions.progress import lesson_entries
@@ -217,47 +217,94 @@ class CatalogueScreen(ActionScreen):
         except ImportError as error:
             self.post_message(self.NotImported(str(error)))
 
-    def on_catalogue_screen_sessions_read(self, event: SessionsRead) -> None:
-        """List the sessions."""
-        sessions = self.query_one(SessionList)
-        had_focus = sessions.has_focus
-        sessions.show(event.entries, datetime.now(UTC))
-        if had_focus and not event.entries:
-            self.query_one("#scenarios").focus()
-        self._sessions_read.set()
-        if had_focus:
-            self.show_current()
+    def _make_moments(self, scenario: Scenario, world: World) -> None:
+        from rl_tui.screen.catalogue.preview import moments_of
+
+        if self._wanted is scenario:  # else the cursor has moved on
+            self.call_later(self._take_moments, scenario, moments_of(scenario, world))
+
+    def _repeat_last_run(self, session: StoredSession) -> None:
+        from rl_tui.screen.catalogue.preview import last_run
+
+        self.call_later(self._take_last_run, session, last_run(session))
+
+    def _find_optima(self, sessions: Sequence[StoredSession]) -> None:
+        from rl_tui.screen.catalogue.preview import has_found_optimum
+
+        found = (each for each in sessions if each.document.lesson is None)
+        known = ((each, self._by_id.get(each.document.scenario.id)) for each in found)
+        best = {of.id for each, of in known if of is not None and has_found_optimum(each, of)}
+        marks = {**marks_of(sessions), **dict.fromkeys(best, Mark.OPTIMAL)}
+        self.call_later(self._show_marks, marks)
+
+    # What the thread tells
 
     def on_catalogue_screen_lessons_read(self, event: LessonsRead) -> None:
         """Say how far one has come."""
         self._lessons = event.found
         self._lessons_read.set()
-        self.query_one(ScenarioList).show_finished(event.found.finished, len(event.found.entries))
-        if isinstance(self._current, Course):
-            self.show_current()
+        self.query_one(Doors).show(LEARN, learn_door(event.found))
+        self.show_current()
 
     def on_catalogue_screen_world_built(self, event: WorldBuilt) -> None:
         """Fill in what was missing."""
         self._worlds[event.scenario.id] = event.world
         if len(self._worlds) == len(self._catalogue.scenarios):
             self._all_built.set()
-        entry = self._current
-        if event.scenario is (entry.scenario if isinstance(entry, Demonstration) else entry):
+        if event.scenario is self._current:
             self.show_current()
+
+    def on_details_moments_wanted(self, event: Details.MomentsWanted) -> None:
+        """Have a run made."""
+        self._wanted = event.scenario
+        self._jobs.put(partial(self._make_moments, event.scenario, event.world))
+
+    def on_details_last_run_wanted(self, event: Details.LastRunWanted) -> None:
+        """Have the run of a session taken again."""
+        self._jobs.put(partial(self._repeat_last_run, event.session))
+
+    def _take_moments(self, scenario: Scenario, moments: Sequence[Snapshot]) -> None:
+        self.query_one(Details).take_moments(scenario, moments)
+
+    def _take_last_run(self, session: StoredSession, run: LastRun | None) -> None:
+        self.query_one(Details).take_last_run(session, run)
+
+    def _show_marks(self, marks: Mapping[str, Mark]) -> None:
+        self.query_one(ScenarioList).show_marks(marks)
+
+    def _show_scripts(self, scripts: Sequence[Path]) -> None:
+        self._scripts = scripts
+        self.query_one(Doors).show(OWN_CODE, own_code_door(scripts))
 
     def on_catalogue_screen_not_imported(self, event: NotImported) -> None:
         """Show why the scenario cannot be opened."""
         self.notify(event.reason, title="cannot load", severity="error", timeout=30, markup=False)
 
-    async def sessions_read(self) -> None:
-        """Wait until the files of the sessions are read and listed."""
-        await self._sessions_read.wait()
+    def show_sessions(self, sessions: Sequence[StoredSession]) -> None:
+        """Mark the worlds that were opened, and write the newest session on its door."""
+        self.query_one("#lists").set_class(bool(self.query_one(SessionList).entries), "-kept")
+        doors = self.query_one(Doors)
+        doors.show(GO_ON, go_on_door(sessions, datetime.now(UTC), in_kiosk=self.in_kiosk))
+        if not sessions and doors.current == GO_ON:
+            doors.current = WATCH
+        self.query_one(ScenarioList).show_marks(marks_of(sessions))
+        if sessions:
+            self._jobs.put(partial(self._find_optima, sessions))
 
     async def settled(self) -> None:
-        """Wait until every world is built, lessons and sessions are read and the details are drawn."""
+        """Wait until all is read and built, and the picture shows its last moment."""
         await self._all_built.wait()
         await self._lessons_read.wait()
         await self.sessions_read()
+        await self._details_drawn()
+        self.query_one(Details).ask_for_moments()
+        for _ in range(2):  # what the details ask for is in the queue only after a message was handled
+            done = asyncio.Event()
+            self._jobs.put(partial(self.call_later, done.set))
+            await done.wait()
+        await self._details_drawn()
+
+    async def _details_drawn(self) -> None:
         while under_way := [each for each in self.workers if each.group == _DETAILS and not each.is_finished]:
             with suppress(WorkerCancelled):
                 await self.workers.wait_for_complete(under_way)
@@ -272,18 +319,21 @@ class CatalogueScreen(ActionScreen):
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """The order of the tab key: after each list the details, which are of what is under its cursor."""
-        lists: list[Widget] = [self.query_one(ScenarioList), self.query_one(SessionList)]
-        at = 2 if self._in_sessions else 1
-        order = [*lists[:at], self.query_one(f"#{_DETAILS}"), *lists[at:]]
-        chain = super().focus_chain
-        return [widget for widget in order if widget in chain]
+        """The order of the tab key: what is not shown before it is in focus is there, too."""
+        order: list[Widget] = [self.query_one(Doors), self.query_one(ScenarioList)]
+        sessions, details = self.query_one(SessionList), self.query_one(Details)
+        if sessions.entries:
+            order.append(sessions)
+        if details.max_scroll_y:
+            order.insert(order.index(sessions) + 1 if self._in_sessions else 2, details)
+        return order
 
     def on_descendant_focus(self, event: DescendantFocus) -> None:
-        """Follow the focus from one list to the other; the details belong to the one it was last in."""
+        """Show the list in focus; the details follow it."""
         to_sessions = isinstance(event.widget, SessionList)
-        if isinstance(event.widget, OptionList) and to_sessions is not self._in_sessions:
+        if to_sessions is not self._in_sessions and not isinstance(event.widget, Details):
             self._in_sessions = to_sessions
+            self.query_one("#lists").set_class(to_sessions, "-sessions")
             self.show_current()
 
     def on_option_list_option_highlighted(self) -> None:
@@ -300,134 +350,142 @@ class CatalogueScreen(ActionScreen):
         self.run_worker(self._show, exclusive=True, group=_DETAILS)  # type: ignore[arg-type]
 
     async def _show(self) -> None:
-        entry, details = self._current, self.query_one("#details")
-        if entry is not self._shown:
-            self._shown = entry
-            details.scroll_home(animate=False)
-            self._hide_picture_and_notes()
-        if isinstance(entry, Demonstration):
-            self._show_text(WATCH, keys_while_watching(self.look), about_watching(self.look))
-            await self._draw(entry.scenario)
-            await self._show_notes("")
-            return
-        if isinstance(entry, Scenario):
-            world = self._worlds.get(entry.id)
-            self._show_text(entry.title, facts(entry, world, self.look), about(entry, self.look))
-            await self._draw(entry)
-            # they wait for the world: to say how large it is may take more lines than that it is loading
-            await self._show_notes("" if world is None else entry.notes)
-            return
-        if isinstance(entry, Course):
-            self._show_text(LEARN, about_learning(self._lessons, self.look))
-        elif isinstance(entry, ScenarioError):
-            head = "This file cannot be played until it is mended."
-            self._show_text("Faults", faults_text(head, entry.faults, self.look))
-        elif isinstance(entry, SessionError):
-            head = "This file cannot be resumed. It is left as it is."
-            self._show_text("Faults", faults_text(head, [entry], self.look))
-        elif entry is not None:
-            self._show_text(f"Session: {entry.title}", session_facts(entry, datetime.now(UTC), self.look))
-        drawing = self.query_one("#preview")
-        drawing.display = False
-        await drawing.remove_children()
-        await self._show_notes("")
+        entry = self._current
+        id_ = entry.id if isinstance(entry, Scenario) else ""
+        sessions = [each for each in self.query_one(SessionList).sound if each.document.scenario.id == id_]
+        own = [each for each in sessions if each.document.lesson is None]
+        self.query_one(Details).show(entry, self._worlds.get(id_), self._lessons_in(id_), own)
 
-    def _hide_picture_and_notes(self) -> None:
-        """Hide what belongs to the entry before, in the frame in which the title changes."""
-        for picture in self.query_one("#preview").children:
-            picture.display = False
-        self.query_one(Notes).hide()
+    def _lessons_in(self, scenario: str) -> list[str]:
+        """Return the titles of the lessons in which a page plays in ``scenario``."""
+        lessons = [] if self._lessons is None else [each.lesson for each in self._lessons.entries]
+        return [each.title for each in lessons if any(of.scenario == scenario for of in each.setups.values())]
 
-    async def _show_notes(self, text: str) -> None:
-        for notes in self.query(Notes):  # none where the screen was left meanwhile
-            await notes.show(text)
+    # The filter
 
-    def _show_text(self, title: str, text: RenderableType, above: RenderableType | None = None) -> None:
-        """Show ``text`` below the drawing, and ``above`` it what it is about, if it has a drawing."""
-        self.query_one("#details").border_title = Content(to_ascii(title, self.look.glyphs))
-        self.query_one("#facts", Static).update(text)
-        top = self.query_one("#about", Static)
-        top.display = above is not None
-        top.update(above or "")
+    def action_filter(self) -> None:
+        """Begin to filter the list."""
+        self.query_one(Doors).display = False
+        self.query_one(KeyLine).hints = _FILTER_HINTS
+        self.query_one(Filter).open()
+        self._show_filtered("")
 
-    async def _draw(self, scenario: Scenario) -> None:
-        world, drawing = self._worlds.get(scenario.id), self.query_one("#preview")
-        drawing.display = not isinstance(world, UserError)
-        await drawing.remove_children()
-        if not drawing.is_attached:
-            return  # the app ended meanwhile
-        if isinstance(world, World):
-            from rl_tui.live.snapshot import PlaybackView
-            from rl_tui.live.snapshot_builder import SnapshotBuilder
-            from rl_tui.screen.panels.world_views import make_world_view
+    def action_show_all(self) -> None:
+        """Give all rows back."""
+        self.query_one(Filter).close()
+        self.query_one(KeyLine).hints = ()
+        self.query_one(Doors).display = True
+        self.query_one(ScenarioList).show()
+        self.query_one(ScenarioList).focus()
 
-            view = make_world_view(world, self.look)
-            view.can_focus = False
-            await drawing.mount(view)
-            recipe = recipe_for(scenario, {}, _SEED)
-            is_hidden = scenario.hides_answer
-            view.show(SnapshotBuilder().before(recipe, world, PlaybackView(), is_hidden=is_hidden))
-        elif world is None:
-            await drawing.mount(Static(f"preparing {self.look.glyphs.ellipsis}", classes="hint"))
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Show what is found."""
+        if self.query_one(Filter).display:
+            self._show_filtered(event.value)
+
+    def on_input_submitted(self) -> None:
+        """Open what is under the cursor."""
+        self.action_open()
+
+    def _show_filtered(self, words: str) -> None:
+        hits = self._hits(words) if words.strip() else []
+        worlds = self.query_one(ScenarioList).show(words.strip(), hits)
+        found = [f"{worlds} of {counted(len(self._by_id), 'world')}"]
+        for group, singular in ((_LESSONS, "lesson"), (_WORDS, "word")):
+            if number := sum(hit.group == group for hit in hits):
+                found.append(counted(number, singular))
+        self.query_one(Filter).tell(" · ".join(found))
+
+    def _hits(self, words: str) -> list[Hit]:
+        from rl_tui.screen.glossary.glossary import glossary, search
+
+        entries = [] if self._lessons is None else self._lessons.entries
+        lessons = [each.lesson for each in entries if has_words(each.lesson.title, words)]
+        terms = [glossary()[id_] for id_ in search(words)]
+        named = [each for each in terms if has_words(" ".join(each.names), words)]
+        return [
+            *(Hit(_LESSONS, each.id, each.title) for each in lessons),
+            *(Hit(_WORDS, each.id, each.word) for each in named[:_MOST_WORDS]),
+        ]
 
     # Verbs
 
-    def action_open(self) -> None:
-        """Play the scenario under the cursor, go on with the session, or go to the lessons."""
-        entry = self._current
-        if isinstance(entry, Course):
+    def on_doors_door_opened(self, event: Doors.DoorOpened) -> None:
+        """Go through the door that was clicked."""
+        self.action_door(event.number)
+
+    def action_door(self, number: int) -> None:
+        """Go through a door."""
+        if number == LEARN:
             self.post_message(self.LessonsWanted())
+        elif number == WATCH:
+            self._open(self._catalogue.scenarios[0], watches=True)
+        elif number == OWN_CODE and self.in_kiosk:
+            self.tell("Not here: a kiosk opens no files.")
+        elif number == OWN_CODE:
+            self.app.push_screen(own_code_page(self._scripts, self.look.glyphs), self._say_command)
+        elif sessions := self.query_one(SessionList).sound:
+            self.resume(sessions[0])
+        else:
+            self.tell("Nothing to go on with yet. 2 watches an agent learn.")
+
+    def _say_command(self, command: str | None) -> None:
+        if command is not None:
+            self.tell(f"In a shell: {command}", timeout=15)
+
+    def action_open(self) -> None:
+        """Go through the door, or open what is under the cursor of the list."""
+        doors, entry = self.query_one(Doors), self._current
+        if doors.has_focus:
+            self.action_door(doors.current)
         elif isinstance(entry, StoredSession):
-            self.run_worker(self._resume(entry), name="resume the session", exclusive=True, group="resume")
+            self.resume(entry)
         elif isinstance(entry, SessionError):
             self.notify("this file cannot be resumed", severity="warning")
         elif isinstance(entry, ScenarioError):
-            self.notify("this file has faults; mend them first", severity="warning")
-        elif entry is not None:
-            watches = isinstance(entry, Demonstration)
-            scenario = entry.scenario if isinstance(entry, Demonstration) else entry
-            try:
-                self.post_message(self.Opened(recipe_for(scenario, {}, _SEED), watches))
-            except UserError as fault:
-                self.notify(str(fault), severity="error", markup=False)
+            self.notify("This file has errors. Fix them first.", severity="warning")
+        elif isinstance(entry, Scenario):
+            self._open(entry)
+        elif isinstance(entry, Hit) and entry.group == _WORDS:
+            self.pages.show_words((entry.id,))
+        elif isinstance(entry, Hit):
+            self.post_message(self.LessonsWanted(entry.id))
 
-    async def _resume(self, session: StoredSession) -> None:
+    def _open(self, scenario: Scenario, *, watches: bool = False) -> None:
         try:
-            record = await asyncio.to_thread(session.record)  # may import Gymnasium
+            self.post_message(self.Opened(recipe_for(scenario, {}, _SEED), watches))
         except UserError as fault:
-            self.notify(str(fault), severity="error", timeout=15, markup=False)
-        else:
-            self.post_message(self.Resumed(session, record))
+            self.notify(str(fault), severity="error", markup=False)
+
+    def action_new_world(self) -> None:
+        """Ask for the kind of a new world, and begin to draw it."""
+        if self.in_kiosk:
+            self.tell("Not here: a kiosk writes no files.")
+            return
+
+        def begin(kind: str | None) -> None:
+            from rl_tui.runs.export.scenario_file import new_world
+
+            if kind is not None:
+                self.post_message(self.Opened(recipe_for(new_world(kind), {}, _SEED), draws=True))
+
+        self.app.push_screen(new_world_choice(self.look.glyphs), begin)
 
     def action_delete_session(self) -> None:
         """Delete the session under the cursor, once that is confirmed."""
         entry = self._current
         if self.in_kiosk:
             self.tell("no sessions are kept here: this is a kiosk")
-            return
-        if not isinstance(entry, StoredSession):
-            is_faulty = isinstance(entry, SessionError)
-            faulty = "a faulty file is left alone; remove it yourself"
-            self.notify(faulty if is_faulty else "only sessions can be deleted")
-            return
-        from rl_tui.screen.dialogs.dialog import Confirm
-
-        def delete(answer: bool | None) -> None:
-            if not answer:
-                return
-            try:
-                remove(entry)
-            except UserError as fault:
-                self.notify(str(fault), severity="error", markup=False)
-            self._read_sessions()
-
-        question = f"Delete the session {entry.title}, at step {entry.step:,}? It cannot be brought back."
-        self.app.push_screen(Confirm("Delete", question, "delete", self.look.glyphs), delete)
+        elif isinstance(entry, StoredSession):
+            self.ask_to_delete(entry)
+        elif isinstance(entry, SessionError):
+            self.notify("a faulty file is left alone; remove it yourself")
+        else:
+            self.notify("only sessions can be deleted")
 
     def help_screen(self) -> Dialog[str]:
-        """Return the help, from its first line on or from the keys on."""
+        """Return the pages about panels and the like, with the notes of the scenario under the cursor."""
         from rl_tui.screen.frame.help import HelpScreen
 
         entry = self._current
-        notes = entry.notes if isinstance(entry, Scenario) else ""
-        return HelpScreen(self.look, notes=notes)
+        return HelpScreen(self.look, notes=entry.notes if isinstance(entry, Scenario) else "")

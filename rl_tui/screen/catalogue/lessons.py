@@ -1,4 +1,4 @@
-"""The lessons screen: all lessons in order, with what each teaches and your progress."""
+"""The lessons screen: all lessons in order, with what each teaches, your progress and its world."""
 
 from __future__ import annotations
 
@@ -6,30 +6,37 @@ import asyncio
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from rich.cells import cell_len
-from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.console import Group, RenderableType
 from rich.text import Text
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, VerticalScroll
-from textual.content import Content
+from textual.containers import Container, Horizontal, VerticalScroll
 from textual.events import Key
 from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
+from textual.worker import WorkerCancelled
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
 from rl_tui.lessons.file.view import begun
-from rl_tui.live.sessions.progress import LessonEntries, LessonEntry, LessonStart, lesson_entries, start_of
+from rl_tui.live.sessions.progress import (
+    LessonEntries,
+    LessonEntry,
+    LessonProgress,
+    LessonStart,
+    lesson_entries,
+    start_of,
+)
 from rl_tui.live.sessions.session import StoredSession
-from rl_tui.screen.catalogue.facts import FullWidth, bullets, faults_text, labelled
-from rl_tui.screen.draw.canvas import shortened
+from rl_tui.screen.catalogue.facts import CORE, bullets, labelled, minutes_of_page
+from rl_tui.screen.catalogue.scenario_list import FAULTY, Heading, ListRow, RowList
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.keys.action import Place
@@ -40,66 +47,101 @@ from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 
 if TYPE_CHECKING:
+    from rl_tui.lessons.lesson import Lesson
+    from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.dialogs.dialog import Dialog
 
 # Texts about a lesson
 
 
 DONE: Final = "✓"
+_FINISHED: Final = f"{DONE} finished"
 
 
-def state_of(entry: LessonEntry) -> str:
-    """Return in a few words how far one has come."""
-    progress = entry.progress
-    if progress is None:
-        return "not begun"
+def state_of(entry: LessonEntry, progress: LessonProgress) -> str:
+    """Return in a few words how far one has come in a lesson that is begun."""
     if entry.is_at_end:
         done = progress.finished or progress.tasks_passed == progress.tasks
         passed = f"{progress.tasks_passed} of {counted(progress.tasks, 'task')}"
-        return f"{DONE} finished" if done else f"at its end · {passed}"
+        return _FINISHED if done else f"at its end · {passed}"
     here = f"page {entry.lesson.number_of(progress.page) + 1} of {len(entry.lesson.pages)}"
     return f"{DONE} {here}" if progress.finished else here
 
 
-def lesson_details(entry: LessonEntry, look: Look) -> RenderableType:
-    """Return the details of a lesson."""
-    lesson, text = entry.lesson, look.palette.text
-    rows = {label: Text(separated(line, look.glyphs)) for label, line in _lines(entry).items()}
+def lesson_details(entry: LessonEntry, following: str, look: Look) -> Group:
+    """Return the details of a lesson; ``following`` is the lesson after it, or empty."""
+    lesson, palette = entry.lesson, look.palette
+    lines = {"then": following} if following else {}
+    rows = {label: Text(separated(line, look.glyphs)) for label, line in (_lines(entry) | lines).items()}
     return Group(
-        Text(to_ascii(lesson.summary, look.glyphs), text),
+        Text(to_ascii(lesson.summary, look.glyphs), palette.text),
+        Text("\nYou will be able to", palette.strong),
+        bullets([f"{goal[0].lower()}{goal[1:]}" for goal in lesson.goals], look),
         Text(""),
+        Text(_pages(entry, look), palette.text),
         labelled(rows, look),
-        Text("\nAfterwards you can", look.palette.dim),
-        bullets(lesson.goals, look),
     )
 
 
+def mark_of(entry: LessonEntry, look: Look) -> str:
+    """Return how far one has come, in a sign: begun, read to its end with tasks left, finished."""
+    if entry.progress is None:
+        return ""
+    if entry.is_finished:
+        return to_ascii(DONE, look.glyphs)
+    return look.glyphs.progress[entry.is_at_end]
+
+
+def pages_done(entry: LessonEntry) -> int:
+    """Return how many pages lie behind the open one."""
+    if entry.progress is None:
+        return 0
+    return len(entry.lesson.pages) if entry.is_at_end else entry.lesson.number_of(entry.progress.page)
+
+
+def _pages(entry: LessonEntry, look: Look) -> str:
+    """Return a sign for each page: done, open, to come."""
+    done, glyphs = pages_done(entry), look.glyphs
+    here = glyphs.progress[0] if entry.progress is not None and not entry.is_at_end else ""
+    to_come = glyphs.untried * (len(entry.lesson.pages) - done - len(here))
+    return f"{to_ascii(DONE, glyphs) * done}{here}{to_come}"
+
+
 def progress_line(found: LessonEntries) -> str:
-    """Return in a sentence how far one has come in all lessons together."""
+    """Return how far one has come in all lessons together, and which are the core course."""
+    numbers = [str(number) for number, each in enumerate(found.entries, start=1) if each.lesson.id in CORE]
+    core = f" · core course: {' '.join(numbers)}" if numbers else ""
     begun = [entry.progress for entry in found.entries if entry.progress is not None]
     if not begun:
-        return "Begin with the first: enter. Nothing moves on by itself."
+        return f"Begin with the first: enter.{core}"
     right = sum(progress.predictions_right for progress in begun)
     made = sum(progress.predictions_made for progress in begun)
     finished = f"{found.finished} of {len(found.entries)} finished"
-    return f"{finished} · {right} of {counted(made, 'prediction')} right" if made else finished
+    predictions = f" · {right} of {counted(made, 'prediction')} right" if made else ""
+    return f"{finished}{predictions}{core}"
+
+
+def lesson_faults(error: ScenarioError, look: Look) -> Text:
+    """Return every error of a lesson file, a paragraph each."""
+    text = Text("This lesson cannot be taken until its file is fixed.\n", look.palette.text)
+    for fault in error.faults:
+        text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)
+    return text
 
 
 def _lines(entry: LessonEntry) -> dict[str, str]:
     lesson, progress = entry.lesson, entry.progress
     if progress is None:
         return {
-            "takes": f"about {lesson.minutes} min · {counted(len(lesson.pages), 'page')}",
+            "pages": f"{len(lesson.pages)} · the next takes about {minutes_of_page(lesson)} min",
             "tasks": f"{len(lesson.tasks) or 'none'}",
-            "enter": "begins",
         }
     made, tasks = progress.predictions_made, progress.tasks
-    here = f"{state_of(entry)}: {lesson.page(progress.page).title}"
+    state = state_of(entry, progress)
     return {
-        "stands at": state_of(entry) if entry.is_at_end else here,
+        "stands at": state if entry.is_at_end else f"{state}: {lesson.page(progress.page).title}",
         "tasks": f"{progress.tasks_passed} of {tasks} passed" if tasks else "none",
         "predictions": f"{progress.predictions_right} of {made} right" if made else "none so far",
-        "enter": "opens it as a reference" if entry.is_at_end else "goes on there",
     }
 
 
@@ -111,13 +153,12 @@ _LONGEST_NAME: Final = 255
 Entry = LessonEntry | ScenarioError
 
 
-class LessonList(OptionList):
+class LessonList(RowList):
     """A list of lessons, of which ``current`` is under the cursor."""
 
     def __init__(self, look: Look) -> None:
-        super().__init__(id="lessons", classes="panel")
+        super().__init__(id="lessons")
         self._look = look
-        self.border_title = "Lessons"
         self._entries: Sequence[Entry] = ()
 
     def show(self, entries: Sequence[Entry], start_at: str) -> None:
@@ -131,42 +172,46 @@ class LessonList(OptionList):
 
     @property
     def current(self) -> Entry | None:
-        """The entry under the cursor, None where there is no cursor."""
+        """The entry under the cursor, None without a cursor."""
         return None if self.highlighted is None else self._entries[self.highlighted]
 
+    @property
+    def following(self) -> str:
+        """The number and title of the lesson after the current one, or nothing."""
+        after = -1 if self.highlighted is None else self.highlighted + 1
+        entry = self._entries[after] if 0 < after < len(self._entries) else None
+        return f"{after + 1} {entry.lesson.title}" if isinstance(entry, LessonEntry) else ""
+
     def _rows(self) -> Iterator[Option]:
-        digits = len(str(len(self._entries)))
         for number, entry in enumerate(self._entries, start=1):
             if isinstance(entry, LessonEntry):
-                title = to_ascii(entry.lesson.title, self._look.glyphs)
-                minutes = "" if entry.is_at_end else f" · {entry.lesson.minutes} min"
-                state = separated(f"{state_of(entry)}{minutes}", self._look.glyphs)
-                yield Option(_Row(f"{number:>{digits}}", title, state, self._look))
+                lesson, done = entry.lesson, pages_done(entry)
+                mark, pages = mark_of(entry, self._look), f"{done}/{len(lesson.pages)}"
+                yield Option(ListRow(mark, f"{number} {lesson.title}", pages, self._look))
             else:
                 name = one_line(entry.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)
-                yield Option(_Row(" " * digits, to_ascii(name, self._look.glyphs), "faulty", self._look))
-
-
-class _Row(FullWidth):
-    """Two lines: ``number`` and ``title``, and below the ``state``. Neither is broken."""
-
-    def __init__(self, number: str, title: str, state: str, look: Look) -> None:
-        self._number = number
-        self._title = title
-        self._state = state
-        self._look = look
-
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        width, ellipsis = options.max_width, self._look.glyphs.ellipsis
-        yield Text(shortened(f"{self._number} {self._title}", width, ellipsis), no_wrap=True)
-        indent = " " * (cell_len(self._number) + 1)
-        yield Text(shortened(f"{indent}{self._state}", width, ellipsis), no_wrap=True)
+                errors = counted(len(entry.faults), "error")
+                yield Option(ListRow(FAULTY, name, errors, self._look))
 
 
 # The screen
 
 
+_DRAWING: Final = "drawing"
+_REST: Final = 0.15  # seconds for which the cursor stays on a row before its world is built
 _NONE: Final = "No lessons are here: they stand beside the scenarios that come with rl-tui. Install it again."
+
+
+def _world_of_page(lesson: Lesson, page: str) -> Snapshot:
+    """Return the beginning of the run of ``page``. Raises UserError if it cannot begin."""
+    from rl_tui.lessons.file.setups import recipe_of
+    from rl_tui.live.snapshot import PlaybackView
+    from rl_tui.live.snapshot_builder import SnapshotBuilder
+    from rl_tui.runs.recipe import begin
+
+    recipe = recipe_of(lesson, lesson.setup_of(page))
+    is_hidden = recipe.scenario.hides_answer
+    return SnapshotBuilder().before(recipe, begin(recipe).world, PlaybackView(), is_hidden=is_hidden)
 
 
 class LessonsScreen(ActionScreen):
@@ -197,7 +242,11 @@ class LessonsScreen(ActionScreen):
         found: LessonEntries
 
     def __init__(
-        self, look: Look, start_at: str = "", fault: UserError | None = None, sessions: Path | None = None
+        self,
+        look: Look,
+        start_at: str = "",
+        fault: UserError | None = None,
+        sessions: Path | None = None,
     ) -> None:
         super().__init__(look)
         self._start_at = start_at
@@ -205,16 +254,19 @@ class LessonsScreen(ActionScreen):
         self._fault = fault
         self._sessions = sessions
         self._read = asyncio.Event()
-        moves = {binding.key for binding in Binding.make_bindings(LessonList.BINDINGS)}
+        moves = {
+            binding.key for binding in Binding.make_bindings([*OptionList.BINDINGS, *LessonList.BINDINGS])
+        }
         self._early_keys = EarlyKeys(moves.union(*(action.keys for action in actions_of(Place.LESSONS))))
 
     def content(self) -> Iterable[Widget]:
         """Yield the list and the details."""
-        title = " rl-tui · learn step by step"
-        yield Static(separated(f"{title} · kiosk" if self.in_kiosk else title, self.look.glyphs), id="title")
+        title = " rl-tui  Learn step by step"
+        yield Static(f"{title}  kiosk" if self.in_kiosk else title, id="title")
         yield Static(id="progress", markup=False)
-        details = VerticalScroll(Static(id="about", markup=False), id="details", classes="panel")
-        details.border_subtitle = "tab, arrows: scroll"
+        details = VerticalScroll(
+            Static(id="heading"), Static(id="about", markup=False), Container(id="preview"), id="details"
+        )
         yield Horizontal(LessonList(self.look), details, id="columns")
 
     def on_mount(self) -> None:
@@ -250,8 +302,11 @@ class LessonsScreen(ActionScreen):
             event.stop()
 
     async def settled(self) -> None:
-        """Wait until the lessons are read and listed."""
+        """Wait until the lessons are read and listed, and the world of one is drawn."""
         await self._read.wait()
+        while drawing := [each for each in self.workers if each.group == _DRAWING and not each.is_finished]:
+            with suppress(WorkerCancelled):
+                await self.workers.wait_for_complete(drawing)
 
     def on_option_list_option_highlighted(self) -> None:
         """Show the details of the lesson under the cursor."""
@@ -266,16 +321,34 @@ class LessonsScreen(ActionScreen):
         entry, details = self.query_one(LessonList).current, self.query_one("#details")
         about = self.query_one("#about", Static)
         details.scroll_home(animate=False)
+        title = ""
+        text: RenderableType = Text(_NONE, self.look.palette.text)
         if isinstance(entry, LessonEntry):
-            details.border_title = Content(to_ascii(entry.lesson.title, self.look.glyphs))
-            about.update(lesson_details(entry, self.look))
+            title = entry.lesson.title
+            text = lesson_details(entry, self.query_one(LessonList).following, self.look)
         elif isinstance(entry, ScenarioError):
-            details.border_title = "Faults"
-            head = "This lesson cannot be taken until its file is mended."
-            about.update(faults_text(head, entry.faults, self.look))
-        else:
-            details.border_title = ""
-            about.update(_NONE)
+            title, text = "Errors", lesson_faults(entry, self.look)
+        self.query_one("#heading", Static).update(Heading(title, self.look))
+        about.update(text)
+        draw = partial(self._draw, entry)  # not the coroutine: of several in a row only the last one begins
+        self.run_worker(draw, name="draw", exclusive=True, group=_DRAWING)  # type: ignore[arg-type]
+
+    async def _draw(self, entry: Entry | None) -> None:
+        """Draw the world of the page that is open, or of the first one, once it is built."""
+        drawing = self.query_one("#preview")
+        drawing.remove_children()  # not waited for: a wait that is broken off would leave half of it
+        if not isinstance(entry, LessonEntry):
+            return
+        await asyncio.sleep(0 if self.app.is_headless else _REST)  # nothing is built for rows that are passed
+        page = entry.lesson.pages[0].id if entry.progress is None else entry.progress.page
+        with suppress(UserError):  # opening the lesson reports why the world cannot be built
+            picture = await asyncio.to_thread(_world_of_page, entry.lesson, page)
+            from rl_tui.screen.panels.world_views import make_world_view
+
+            view = make_world_view(picture.world, self.look)
+            view.can_focus = False
+            drawing.mount(view)
+            view.show(picture)
 
     def action_open_lesson(self) -> None:
         """Begin the lesson under the cursor, go on with it, or open it as a reference."""
@@ -313,24 +386,24 @@ class LessonsScreen(ActionScreen):
         self.app.push_screen(Confirm("Begin again", question, "begin again", self.look.glyphs), begin)
 
     def action_leave_lessons(self) -> None:
-        """Go back to the catalogue; who comes out of a lesson is asked for a press of its own."""
+        """Go back to the start screen; after a lesson only at the second press."""
         if self._comes_from_lesson:
             self._comes_from_lesson = False
-            self.tell("these are the lessons; esc again goes to the catalogue")
+            self.tell("These are the lessons; esc again goes to the start screen")
             return
         self.post_message(self.ListClosed())
 
     def _entry(self) -> LessonEntry | None:
-        """Return the lesson under the cursor; where there is none, say so."""
+        """Return the lesson under the cursor, or tell the user why that row is none."""
         entry = self.query_one(LessonList).current
         if isinstance(entry, LessonEntry):
             return entry
         if entry is not None:
-            self.tell("this file has faults; mend them first", severity="warning")
+            self.tell("This file has errors. Fix them first.", severity="warning")
         return None
 
     def help_screen(self) -> Dialog[str]:
-        """Return the help, from its first line on or from the keys on."""
+        """Return the pages about panels and the like."""
         from rl_tui.screen.frame.help import HelpScreen
 
         return HelpScreen(self.look)

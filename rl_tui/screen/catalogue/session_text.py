@@ -1,30 +1,42 @@
-"""Recent sessions as the start screen lists them, newest first, with their details."""
+"""Recent sessions: their list, newest first, their details, and the screen that has them."""
 
 from __future__ import annotations
 
+import asyncio
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from datetime import datetime, timedelta
-from typing import Final
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from threading import Thread
+from typing import TYPE_CHECKING, Final
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.measure import Measurement
 from rich.text import Text
-from textual.widgets import OptionList
+from textual.message import Message
 from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
-from rl_tui.live.sessions.session import SessionError, StoredSession
+from rl_tui.live.sessions.session import SessionError, StoredSession, files_in, remove, sessions_in
 from rl_tui.runs.timeline.run_names import feature_text, features_of
-from rl_tui.screen.catalogue.facts import FullWidth, labelled
+from rl_tui.screen.catalogue.facts import labelled
+from rl_tui.screen.catalogue.scenario_list import RowList
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
+
+if TYPE_CHECKING:
+    from rl_tui.live.record import Record
 
 # What differs between similar sessions
 
@@ -53,17 +65,18 @@ def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
 
 def settings_of(session: StoredSession) -> list[str]:
     """Return in a few words each the numbers in force in ``session`` that a slider sets."""
-    return [
-        feature_text(name, value)
-        for name, value in _features(session).items()
-        if name in PARAMETERS and PARAMETERS[name].slide is not None
-    ]
+    features = _features(session)
+    return [feature_text(name, features[name]) for name in features if _has_slider(name)]
 
 
 def _usual(sessions: Sequence[_Features]) -> _Features:
     names = dict.fromkeys(name for features in sessions for name in features)
     values = {name: [features[name] for features in sessions if name in features] for name in names}
     return {name: max(there, key=there.count) for name, there in values.items()}
+
+
+def _has_slider(name: str) -> bool:
+    return name in PARAMETERS and PARAMETERS[name].slide is not None
 
 
 def _features(session: StoredSession) -> _Features:
@@ -94,9 +107,10 @@ _HOUR: Final = 60 * _MINUTE
 _DAY: Final = 24 * _HOUR
 _MOST_DAYS: Final = 14
 _LONGEST_PATH: Final = 1_000
+_MOST_OWN: Final = 4
 
 
-class SessionRow(FullWidth):
+class SessionRow:
     """Two lines of the list: title and age; then the step, what is ``different``, and the algorithm.
 
     Most others of its title have what is ``different`` otherwise. ``number`` counts those that share title,
@@ -128,9 +142,12 @@ class SessionRow(FullWidth):
         yield Text(f"{title}{gap}{self._age}", no_wrap=True)
         yield Text(shortened(separated(self._line, glyphs), width, glyphs.ellipsis), no_wrap=True)
 
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        return Measurement(1, options.max_width)
+
 
 def session_facts(session: StoredSession, now: datetime, look: Look) -> RenderableType:
-    """Return the details of ``session``: its world, what was done in it, and where it stands."""
+    """Return the details of ``session``: its world, what was done in it, and its step."""
     palette, glyphs, document = look.palette, look.glyphs, session.document
     lane = document.lanes[document.shown]
     branch = lane.branches[lane.branch]
@@ -149,7 +166,7 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
         "settings": " · ".join(settings_of(session)) or "none",
         "stands at": stands,
         "changes": f"{session.changes:,}" if session.changes else "none so far",
-        "saved": f"{long_age(now - session.saved)} · {session.saved.astimezone():%Y-%m-%d %H:%M}",
+        "saved": f"{long_age(now - session.saved)} · {_local(session.saved)}",
         "file": one_line(str(session.path), _LONGEST_PATH),
     }
     rows = {label: Text(separated(line, glyphs), overflow="fold") for label, line in lines.items()}
@@ -162,6 +179,23 @@ def _how_long(session: StoredSession) -> str:
     if session.document.lesson is not None:
         return "A lesson, kept by itself: it stays until you delete it."
     return "Kept by itself. Only the newest 50 of these stay; w in the playground gives it a name."
+
+
+def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Look) -> RenderableType:
+    """Return a heading and a line each for the newest ``sessions`` of one scenario."""
+    lines = [Text("Sessions (tab)", look.palette.strong)]
+    for session in sessions[:_MOST_OWN]:
+        age = short_age(now - session.saved, session.saved)
+        line = f"{age:<6} {algorithm_name(session.algorithm)} · step {session.step:,}"
+        lines.append(Text(separated(line, look.glyphs), look.palette.text, no_wrap=True, overflow="crop"))
+    return Group(*lines)
+
+
+def session_fault(error: SessionError, look: Look) -> Text:
+    """Return what is wrong with a file that gives no session."""
+    text = Text("This file cannot be resumed. It is left as it is.\n", look.palette.text)
+    text.append(to_ascii(f"\n{error}\n", look.glyphs), look.palette.bad)
+    return text
 
 
 def algorithm_name(algorithm: str) -> str:
@@ -187,63 +221,54 @@ def long_age(age: timedelta) -> str:
     return "less than a minute ago"
 
 
+def _local(moment: datetime) -> str:
+    return moment.astimezone().strftime("%Y-%m-%d %H:%M")
+
+
 # The list of sessions
 
 
 _LONGEST_NAME: Final = 255
-_WITHOUT_FOCUS: Final = "shift+tab: here"
-_WITH_FOCUS: Final = "enter: go on   del: delete"
 
 Entry = StoredSession | SessionError
 
 
-class SessionList(OptionList):
-    """A list of sessions, of which ``current`` is under the cursor.
+class SessionList(RowList):
+    """A list of sessions, of which ``current`` is under the cursor."""
 
-    Until the files are read it keeps room for ``files`` of them, so that nothing jumps.
-    """
-
-    def __init__(self, look: Look, files: int) -> None:
-        super().__init__(
-            *(Option(Text("\n"), disabled=True) for _ in range(files)), id="sessions", classes="panel"
-        )
+    def __init__(self, look: Look) -> None:
+        super().__init__(id="sessions", classes="panel")
         self.look = look
-        self.border_title = "Recent sessions"
-        self.border_subtitle = _WITHOUT_FOCUS
-        self.display = files > 0
-        self._entries: Sequence[Entry] = ()
+        self.border_title = "Sessions"
+        self.border_subtitle = "enter: go on   del: delete"
+        self.entries: Sequence[Entry] = ()
+        """The sessions, the newest first, then files that give none."""
 
     def show(self, entries: Sequence[Entry], now: datetime) -> None:
-        """List ``entries``; where there is none, not even the frame is there."""
-        self._entries = entries
+        """List ``entries``."""
+        self.entries = entries
         place = self.highlighted or 0
         self.clear_options()
         self.add_options(self._rows(now))
-        self.display = bool(entries)
-        if self.has_focus and entries:
+        if entries:
             self.highlighted = min(place, len(entries) - 1)
 
     @property
     def current(self) -> Entry | None:
-        """The entry under the cursor, None where there is no cursor."""
-        if self.highlighted is None or self.highlighted >= len(self._entries):
+        """The entry under the cursor, None without a cursor."""
+        if self.highlighted is None or self.highlighted >= len(self.entries):
             return None
-        return self._entries[self.highlighted]
+        return self.entries[self.highlighted]
 
-    def on_blur(self) -> None:
-        """Show in the border how to come here."""
-        self.border_subtitle = _WITHOUT_FOCUS
-
-    def on_focus(self) -> None:
-        """Begin at the newest; tell what can be done."""
-        self.border_subtitle = _WITH_FOCUS
-        if self.highlighted is None and self._entries:
-            self.highlighted = 0
+    @property
+    def sound(self) -> list[StoredSession]:
+        """The sessions, without files that give none."""
+        return [entry for entry in self.entries if isinstance(entry, StoredSession)]
 
     def _rows(self, now: datetime) -> Iterable[Option]:
-        different = iter(differences([entry for entry in self._entries if isinstance(entry, StoredSession)]))
+        different = iter(differences(self.sound))
         alike = Counter[tuple[str, str, int]]()
-        for entry in self._entries:
+        for entry in self.entries:
             if isinstance(entry, StoredSession):
                 key = entry.title, short_age(now - entry.saved, entry.saved), entry.step
                 alike[key] += 1
@@ -251,3 +276,112 @@ class SessionList(OptionList):
             else:
                 name = to_ascii(one_line(entry.path.name, _LONGEST_NAME), self.look.glyphs)
                 yield Option(Text(f"{name}\n  faulty", no_wrap=True))
+
+
+# A screen with sessions
+
+
+class SavedSessions(ActionScreen):
+    """A screen with a list of sessions, which are read in a thread. Subclasses put the list somewhere.
+
+    ``sessions`` is their folder, None where none are kept.
+    """
+
+    @dataclass
+    class Resumed(Message):
+        """The user wants to go on with a session; ``record`` is what it says."""
+
+        session: StoredSession
+        record: Record
+
+    @dataclass
+    class SessionsRead(Message):
+        """The files of the sessions are read."""
+
+        entries: list[StoredSession | SessionError]
+
+    def __init__(self, look: Look, sessions: Path | None) -> None:
+        super().__init__(look)
+        self._sessions = sessions
+        self._sessions_read = asyncio.Event()
+
+    @property
+    def has_files(self) -> bool:
+        """Whether there is a file that may be a session, which is known before any is read."""
+        return self._sessions is not None and bool(files_in(self._sessions))
+
+    def show_current(self) -> None:
+        """Show what is under the cursor."""
+        raise NotImplementedError
+
+    def show_sessions(self, sessions: Sequence[StoredSession]) -> None:
+        """Show what depends on ``sessions``, the newest first, beside their list."""
+        raise NotImplementedError
+
+    def on_mount(self) -> None:
+        """Begin what is slow once the first paint is done."""
+        self.run_worker(self._begin_when_painted, name="begin", group="begin")  # type: ignore[arg-type]
+
+    async def _begin_when_painted(self) -> None:
+        if isinstance(self.app, LinkedApp):
+            await self.app.painted()
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin to read the files."""
+        self._read_sessions()
+
+    async def sessions_read(self) -> None:
+        """Wait until the files are read and listed."""
+        await self._sessions_read.wait()
+
+    def _read_sessions(self) -> None:
+        if self._sessions is None:
+            self._sessions_read.set()
+            return
+        self._sessions_read.clear()
+        Thread(target=self._read, args=(self._sessions,), name="read sessions", daemon=True).start()
+
+    def _read(self, folder: Path) -> None:
+        """In the thread: only messages leave it."""
+        sound, broken = sessions_in(folder)
+        with suppress(RuntimeError):  # the program has ended meanwhile
+            self.post_message(self.SessionsRead([*sound, *broken]))
+
+    def on_saved_sessions_sessions_read(self, event: SessionsRead) -> None:
+        """List the sessions."""
+        sessions = self.query_one(SessionList)
+        sessions.show(event.entries, datetime.now(UTC))
+        if sessions.has_focus and not event.entries:
+            self.query_one("#scenarios").focus()
+        self.show_sessions(sessions.sound)
+        self._sessions_read.set()
+        self.show_current()
+
+    def resume(self, session: StoredSession) -> None:
+        """Go on with ``session``."""
+        self.run_worker(self._resume(session), name="resume the session", exclusive=True, group="resume")
+
+    async def _resume(self, session: StoredSession) -> None:
+        try:
+            record = await asyncio.to_thread(session.record)  # may import Gymnasium
+        except UserError as fault:
+            self.notify(str(fault), severity="error", timeout=15, markup=False)
+        else:
+            self.post_message(self.Resumed(session, record))
+
+    def ask_to_delete(self, session: StoredSession) -> None:
+        """Delete ``session`` once that is confirmed."""
+        from rl_tui.screen.dialogs.dialog import Confirm
+
+        def delete(answer: bool | None) -> None:
+            if not answer:
+                return
+            try:
+                remove(session)
+            except UserError as fault:
+                self.notify(str(fault), severity="error", markup=False)
+            self._read_sessions()
+
+        question = f"Delete the session {session.title}, at step {session.step:,}? It cannot be brought back."
+        self.app.push_screen(Confirm("Delete", question, "delete", self.look.glyphs), delete)

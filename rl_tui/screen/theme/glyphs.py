@@ -54,6 +54,7 @@ class Glyphs:
     policy_mark: str  # timeline: the greedy policy changed, the world, a setting
     world_mark: str
     setting_mark: str
+    progress: str  # a world in the list: opened, run on, its greedy policy is optimal
     manual_mark: str  # steps were taken by hand, the branch begins
     fork_mark: str
     running: str  # status
@@ -149,6 +150,7 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "policy_mark": ("┃", "|"),
     "world_mark": ("◆", "+"),
     "setting_mark": ("▾", "v"),
+    "progress": ("◔◑●", ".o*"),
     "manual_mark": ("╍", ":"),
     "fork_mark": ("┆", "Y"),
     "running": ("▶", ">"),

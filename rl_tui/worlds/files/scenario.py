@@ -50,6 +50,7 @@ WORLD_KINDS: Final[Mapping[str, str]] = {
 """The class of each kind of table, ``module:Class``, imported when a file has such a table."""
 
 LONGEST_TITLE: Final = 80
+MOST_PREVIEW_STEPS: Final = 100_000
 HIDDEN: Final = "hidden"
 ANSWERS: Final = (HIDDEN, "shown")
 _USUAL_ANSWERS: Final = {"bandit": HIDDEN}  # of every other kind it is shown
@@ -60,6 +61,10 @@ class ScenarioHead(FileSection):
 
     title: Annotated[str, text(LONGEST_TITLE)] = ""
     summary: Annotated[str, text(200)] = ""
+    guess: Annotated[str, text(200)] = ""
+    see: Annotated[str, text(200)] = ""
+    try_this: Annotated[str, text(200), Field(alias="try")] = ""
+    preview_steps: Annotated[int | None, whole_number(1, MOST_PREVIEW_STEPS)] = None
     notes: Annotated[str, markdown(20_000)] = ""
     order: Annotated[int, whole_number(0, 1_000_000)] = 1_000_000
     answer: Annotated[str | None, Expect(" or ".join(ANSWERS), lambda value: value in ANSWERS)] = None
@@ -73,7 +78,8 @@ class Scenario:
     ``id`` is the file's stem, ``kind`` the name of its world's table, ``defaults`` the raw table of that name
     (what its values may be is known to the agents). ``order`` says where it stands among its neighbours in
     the catalogue. ``text`` is the file as it was read, empty where there is none. ``hides_answer`` says that
-    the exact answer is hidden until a person asks for it.
+    the exact answer is hidden until a person asks for it. The start screen shows ``guess`` (a question),
+    ``see`` and ``try_this``, and runs ``preview_steps`` steps in its picture, None for the usual number.
     """
 
     id: str
@@ -87,6 +93,10 @@ class Scenario:
     section: WorldSection
     text: str = ""
     hides_answer: bool = False
+    guess: str = ""
+    see: str = ""
+    try_this: str = ""
+    preview_steps: int | None = None
 
     def build(self, generator: Generator) -> World:
         """Return the world. What is random about it (a bandit's arms, a random map) is drawn first from
@@ -152,6 +162,10 @@ def scenario_of(text: str, path: Path, *, ask_environment: bool = True) -> Scena
         section=sections[0],
         text=text,
         hides_answer=(head.answer or _USUAL_ANSWERS.get(kinds[0])) == HIDDEN,
+        guess=head.guess,
+        see=head.see,
+        try_this=head.try_this,
+        preview_steps=head.preview_steps,
     )
 
 
@@ -164,10 +178,9 @@ def _fault(path: Path, finding: Finding) -> Fault:
 
 
 def _read_head(raw: Mapping[str, Any]) -> tuple[ScenarioHead | None, list[Finding]]:
-    known = [*ScenarioHead.model_fields, *WORLD_KINDS]
-    head, findings = parsed(
-        ScenarioHead, {key: value for key, value in raw.items() if key in ScenarioHead.model_fields}
-    )
+    keys = [field.alias or name for name, field in ScenarioHead.model_fields.items()]
+    known = [*keys, *WORLD_KINDS]
+    head, findings = parsed(ScenarioHead, {key: value for key, value in raw.items() if key in keys})
     unknown = (unknown_key((key,), known) for key in raw if key not in known)
     findings += islice(unknown, MOST_FINDINGS)
     return head, findings

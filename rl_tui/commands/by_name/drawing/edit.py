@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import click
 
 from rl_tui.commands.options.display import display_of, display_options
 from rl_tui.commands.options.run import SectionedCommand, allow_module_option, run_options, seed_option
 from rl_tui.common.findings import shown
-
-_BLANK: Final = "my-world.toml"
 
 
 @click.command("edit", cls=SectionedCommand)
@@ -27,17 +25,17 @@ def command(scenario: str | None, overrides: dict[str, object], seed: int, **dis
     """
     from rl_tui.commands.line.screen import require_terminal, run_app
     from rl_tui.common.errors import UserError
+    from rl_tui.runs.export.scenario_file import new_world
     from rl_tui.runs.library import find, recipe_for
     from rl_tui.screen.app.opening import DrawingStart
     from rl_tui.worlds.editing.drafts import refusal
-    from rl_tui.worlds.editing.templates import BLANK, template_text
-    from rl_tui.worlds.files.scenario import scenario_of
+    from rl_tui.worlds.editing.templates import BLANK
     from rl_tui.worlds.files.shipped import SUFFIX
 
     require_terminal()
     if scenario is not None and scenario.endswith(SUFFIX) and not Path(scenario).exists():
         raise UserError(f"{shown(scenario)}: there is no such file; rl-tui new begins one")
-    found = scenario_of(template_text(BLANK[0]), Path(_BLANK)) if scenario is None else find(scenario)
+    found = new_world(BLANK[0]) if scenario is None else find(scenario)
     if reason := refusal(found, seed):
         raise UserError(f"{found.id}: {reason}")
     run_app(display_of(display), DrawingStart(recipe_for(found, overrides, seed)))

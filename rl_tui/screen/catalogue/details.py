@@ -1,0 +1,208 @@
+"""The right side of the start screen: what is known of a row, with a run in its world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Final
+
+from rich.console import RenderableType
+from textual.containers import Container, Vertical, VerticalScroll
+from textual.message import Message
+from textual.timer import Timer
+from textual.widgets import Static
+
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.live.sessions.session import SessionError, StoredSession
+from rl_tui.screen.catalogue.facts import Prose, blocks_of, faults_text, size_line
+from rl_tui.screen.catalogue.scenario_list import Heading, Hit
+from rl_tui.screen.catalogue.session_text import own_sessions_text, session_facts, session_fault
+from rl_tui.screen.terminal.linked_app import LinkedApp
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rl_tui.live.snapshot import Snapshot
+    from rl_tui.screen.catalogue.preview import LastRun
+    from rl_tui.screen.panels.world.view import WorldView
+
+Entry = Scenario | ScenarioError | Hit | StoredSession | SessionError
+"""A row of one of the lists."""
+
+_REST: Final = 0.15  # seconds for which the cursor stays on a row before its run is made
+_PACE: Final = 0.5  # seconds from one moment of it to the next
+
+
+class Details(VerticalScroll):
+    """The details of the entry under the cursor: a scenario has a picture, texts and sessions."""
+
+    @dataclass
+    class MomentsWanted(Message):
+        """The cursor rests on a scenario, and no run of it was made yet."""
+
+        scenario: Scenario
+        world: World
+
+    @dataclass
+    class LastRunWanted(Message):
+        """The cursor is on a scenario of which there is a session whose run was not taken again yet."""
+
+        session: StoredSession
+
+    def __init__(self, look: Look) -> None:
+        picture = Vertical(
+            Container(id="preview"),
+            Static(id="moment", markup=False),
+            Static(id="last-run", markup=False),
+            Static(id="own-sessions", markup=False),
+            id="left",
+        )
+        stage = Container(picture, Prose(look), id="stage")
+        heading, facts = Static(id="heading"), Static(id="facts", markup=False)
+        super().__init__(heading, facts, stage, id="details")
+        self._look = look
+        self.shown: Entry | None = None
+        """The entry of which it tells."""
+        self._newest: StoredSession | None = None  # of the scenario that is shown
+        self._view: WorldView | None = None
+        self._moments: dict[str, Sequence[Snapshot]] = {}
+        self._last_runs: dict[Path, LastRun | None] = {}
+        self._rest: Timer | None = None  # until the cursor rests
+        self._pace: Timer | None = None  # from one moment of the picture to the next
+
+    def show(
+        self,
+        entry: Entry | None,
+        world: World | UserError | None,
+        lessons: Sequence[str],
+        sessions: Sequence[StoredSession],
+    ) -> None:
+        """Show ``entry``; the ``world``, the ``lessons`` there and the ``sessions`` belong to a scenario."""
+        if entry is not self.shown:
+            self.shown = entry
+            self.scroll_home(animate=False)
+            self._stop_picture()
+        self.query_one("#stage").display = isinstance(entry, Scenario)
+        now = datetime.now(UTC)
+        if isinstance(entry, Scenario):
+            self._tell(entry.title, size_line(world, self._look))
+            self.query_one(Prose).show(blocks_of(entry, lessons))
+            own = self.query_one("#own-sessions", Static)
+            own.display = bool(sessions) and self._has_room
+            own.update(own_sessions_text(sessions, now, self._look))
+            self._newest = sessions[0] if sessions else None
+            self._show_last_run()
+            self._draw(entry, world)
+        elif isinstance(entry, Hit):
+            self._tell(entry.title, "")
+        elif isinstance(entry, ScenarioError):
+            self._tell("Errors", faults_text(entry, self._look))
+        elif isinstance(entry, SessionError):
+            self._tell("Errors", session_fault(entry, self._look))
+        elif entry is not None:
+            self._tell(f"Session: {entry.title}", session_facts(entry, now, self._look))
+
+    def _tell(self, title: str, text: RenderableType) -> None:
+        self.query_one("#heading", Static).update(Heading(title, self._look))
+        self.query_one("#facts", Static).update(text)
+
+    # The picture
+
+    def _draw(self, scenario: Scenario, world: World | UserError | None) -> None:
+        if self._view is not None and self._view.world is world:
+            return
+        drawing = self.query_one("#preview")
+        if not drawing.is_attached:
+            return  # the app has ended
+        drawing.remove_children()  # not waited for: a wait that is broken off would leave half of it
+        if isinstance(world, World):
+            from rl_tui.screen.catalogue.preview import beginning_of
+            from rl_tui.screen.panels.world_views import make_world_view
+
+            self._view = view = make_world_view(world, self._look)
+            view.can_focus = False
+            drawing.mount(view)
+            view.show(beginning_of(scenario, world))
+            self._rest = self.set_timer(_REST, self.ask_for_moments)
+        elif world is None:
+            drawing.mount(Static(f"preparing {self._look.glyphs.ellipsis}", classes="hint"))
+
+    def _stop_picture(self) -> None:
+        """Hide the picture of the entry before, in the frame in which the title changes."""
+        for timer in (self._rest, self._pace):
+            if timer is not None:
+                timer.stop()
+        self._rest = self._pace = self._view = None
+        self.query_one("#moment", Static).update("")
+        for picture in self.query_one("#preview").children:
+            picture.display = False
+
+    def take_last_run(self, session: StoredSession, run: LastRun | None) -> None:
+        """Keep what the run of ``session`` earned, None where that is not known, and show it."""
+        self._last_runs[session.path] = run
+        self._show_last_run()
+
+    def _show_last_run(self) -> None:
+        run = None if self._newest is None else self._last_runs.get(self._newest.path)
+        shown = self.query_one("#last-run", Static)
+        shown.display = run is not None and self._has_room
+        if run is not None:
+            from rl_tui.screen.catalogue.preview import last_run_text
+
+            shown.update(last_run_text(run, self.query_one("#left").size.width, self._look))
+
+    def ask_for_moments(self) -> None:
+        """Ask for a run in the world that is shown, unless it was made."""
+        if self._rest is None or self._view is None or not isinstance(self.shown, Scenario):
+            return
+        self._rest.stop()
+        self._rest = None
+        if self._newest is not None and self._newest.path not in self._last_runs:
+            self.post_message(self.LastRunWanted(self._newest))
+        if self.shown.id in self._moments:
+            self._play(self._moments[self.shown.id])
+        else:
+            self.post_message(self.MomentsWanted(self.shown, self._view.world))
+
+    def take_moments(self, scenario: Scenario, moments: Sequence[Snapshot]) -> None:
+        """Keep ``moments`` of a run of ``scenario``, and show them if the cursor is still there."""
+        self._moments[scenario.id] = moments
+        if scenario is self.shown:
+            self._play(moments)
+
+    def _play(self, moments: Sequence[Snapshot]) -> None:
+        """Show ``moments`` one after the other, or where nothing is to move the last of them."""
+        coming = iter(moments if self._moves else moments[-1:])
+
+        def show_next() -> None:
+            moment = next(coming, None)
+            if moment is not None and self._view is not None:
+                self._show_moment(self._view, moment)
+            elif self._pace is not None:
+                self._pace.stop()
+
+        show_next()
+        if self._moves:
+            self._pace = self.set_interval(_PACE, show_next)
+
+    def _show_moment(self, view: WorldView, moment: Snapshot) -> None:
+        from rl_tui.screen.catalogue.preview import moment_line
+
+        view.show(moment)
+        self.query_one("#moment", Static).update(moment_line(moment, self._look))
+
+    @property
+    def _has_room(self) -> bool:
+        """Whether there is room below the picture."""
+        return self.screen.has_class("-tall")
+
+    @property
+    def _moves(self) -> bool:
+        """Whether the picture runs: nowhere where pictures do not move, and not in ASCII."""
+        is_plain = self._look.glyphs.name == "ascii"
+        app = self.app
+        return isinstance(app, LinkedApp) and app.ticks > 0 and not app.has_slow_link and not is_plain

@@ -1,0 +1,258 @@
+"""The doors of the start screen: learn, watch, go on, your own code; and the pages behind them."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from rich.segment import Segment
+from textual.binding import BindingType
+from textual.events import Click
+from textual.geometry import Size
+from textual.message import Message
+from textual.reactive import reactive
+from textual.strip import Strip
+from textual.widget import Widget
+
+from rl_tui.common.findings import is_plain
+from rl_tui.common.words import counted
+from rl_tui.live.sessions.session import StoredSession
+from rl_tui.screen.catalogue.facts import CORE, minutes_of_page
+from rl_tui.screen.catalogue.session_text import algorithm_name, short_age
+from rl_tui.screen.draw.canvas import shortened, wrapped
+from rl_tui.screen.draw.to_ascii import separated
+from rl_tui.screen.frame.shape import MEDIUM_HEIGHT, ROOMY_HEIGHT
+from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.editing.templates import BLANK
+from rl_tui.worlds.files.catalogue import user_folder
+
+if TYPE_CHECKING:
+    from rl_tui.live.sessions.progress import LessonEntries
+    from rl_tui.screen.dialogs.form import Choice
+
+# The doors
+
+
+LEARN: Final = 1
+WATCH: Final = 2
+GO_ON: Final = 3
+OWN_CODE: Final = 4
+_TALL, _MEDIUM, _LOW = 4, 2, 1  # rows
+
+
+@dataclass(frozen=True, slots=True)
+class Door:
+    """What a door says: a ``title``, a ``text`` of two rows, and a ``state``, as far as there is room."""
+
+    title: str
+    text: str
+    state: str
+    short: str = ""
+    """The state without the text above it; empty: the state itself."""
+    brief: str = ""
+    """The title where there is one row only; empty: the title itself."""
+
+
+class Doors(Widget, can_focus=True):
+    """Doors side by side, in one, two or four rows. ``current`` is the number of one, from 1."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        binding("left", "move(-1)", "doors.left", "Go to the door before."),
+        binding("right", "move(1)", "doors.right", "Go to the next door."),
+        binding("home", "move(-9)", "doors.first", "Go to the first door."),
+        binding("end", "move(9)", "doors.last", "Go to the last door."),
+        binding("down,j", "leave", "doors.leave", "Go to the list."),
+    ]
+
+    current: reactive[int] = reactive(WATCH)
+
+    @dataclass
+    class DoorOpened(Message):
+        """The user wants to go through the door of that ``number``."""
+
+        number: int
+
+    def __init__(self, look: Look, doors: Sequence[Door]) -> None:
+        super().__init__(id="doors")
+        self._look = look
+        self._doors = list(doors)
+
+    def show(self, number: int, door: Door) -> None:
+        """Write something else on the door of that number."""
+        self._doors[number - 1] = door
+        self.refresh()
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return how many rows the doors have, by the height of the screen."""
+        if viewport.height >= ROOMY_HEIGHT:
+            return _TALL
+        return _MEDIUM if viewport.height >= MEDIUM_HEIGHT else _LOW
+
+    def render_line(self, y: int) -> Strip:
+        """Draw one row of all doors."""
+        palette, glyphs, width = self._look.palette, self._look.glyphs, self.size.width
+        segments = []
+        for number in range(1, len(self._doors) + 1):
+            is_here = self.has_focus and number == self.current
+            room = self._edge(number) - self._edge(number - 1)
+            text = shortened(self._rows(number, room - 3)[y], room - 3, glyphs.ellipsis)
+            style = palette.text if y else palette.strong
+            edge = (glyphs.mark_left, palette.press) if is_here else (glyphs.axis_vertical, palette.rule)
+            title = palette.strong + palette.press if is_here and not y else style
+            segments += [Segment(edge[0], edge[1]), Segment(f" {text}".ljust(room - 1), title)]
+        return Strip(segments).adjust_cell_length(width, palette.text).apply_style(self.rich_style)
+
+    def action_move(self, by: int) -> None:
+        """Go to a neighbour."""
+        self.current = min(max(1, self.current + by), len(self._doors))
+
+    def action_leave(self) -> None:
+        """Go to the list below."""
+        self.screen.focus_next()
+
+    def on_click(self, event: Click) -> None:
+        """Open the door under the mouse."""
+        at = next((each for each in range(1, len(self._doors) + 1) if event.x < self._edge(each)), None)
+        if at is not None:
+            self.current = at
+            self.post_message(self.DoorOpened(at))
+
+    def _edge(self, number: int) -> int:
+        """Return where the door of that number ends; in one row each has what its title takes."""
+        if self.size.height > _LOW:
+            return self.size.width * number // len(self._doors)
+        titles = [len(self._title(each)) + 3 for each in range(1, number + 1)]
+        return min(sum(titles), self.size.width)
+
+    def _title(self, number: int) -> str:
+        door = self._doors[number - 1]
+        return f"{number} {door.brief or door.title if self.size.height == _LOW else door.title}"
+
+    def _rows(self, number: int, room: int) -> list[str]:
+        door, height, glyphs = self._doors[number - 1], self.size.height, self._look.glyphs
+        title = self._title(number)
+        rows = [title, door.short or door.state]
+        if height == _TALL:
+            lines = wrapped(door.text, max(1, room), self._look.palette.text, self._look)
+            rows = [title, *[*(line[0].text for line in lines), ""][:2], door.state]
+        return [separated(row, glyphs) for row in rows]
+
+
+def learn_door(found: LessonEntries | None) -> Door:
+    """Return what the first door says: how far one has come, and how long the next page takes."""
+    text = "Lessons that ask first. Five are the core."
+    if found is None or not found.entries:
+        return Door("Learn", text, "")
+    here = next((each for each in found.entries if each.lesson.id == found.goes_on_at), None)
+    core = [each for each in found.entries if each.lesson.id in CORE]
+    finished, brief = (
+        f"{found.finished} of {len(found.entries)} done",
+        f"Learn {found.finished}/{len(found.entries)}",
+    )
+    if here is None:
+        return Door("Learn", text, finished, brief=brief)
+    minutes = f"next page {minutes_of_page(here.lesson)} min"
+    state = f"core {sum(each.is_finished for each in core)}/{len(core)} · {minutes}"
+    return Door("Learn", text, state, finished if found.finished else minutes, brief)
+
+
+def watch_door() -> Door:
+    """Return what the second door says."""
+    return Door("Watch it learn", "One lake, slowly enough to see why. No key needed.", "space pauses")
+
+
+def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bool) -> Door:
+    """Return what the third door says: the newest session, and how many more there are."""
+    if not sessions:
+        text = "Nothing is saved here: this is a kiosk." if in_kiosk else "Your runs are saved automatically."
+        return Door("Go on", text, "nothing yet")
+    newest = sessions[0]
+    age = short_age(now - newest.saved, newest.saved)
+    age = age if age == "now" or age[0:4].isdigit() else f"{age} ago"
+    more = f"{len(sessions) - 1} more: tab" if len(sessions) > 1 else f"step {newest.step:,}"
+    text = f"{newest.title} · {algorithm_name(newest.algorithm)}"
+    return Door("Go on", text, f"{age} · {more}", f"{age}: {newest.title}")
+
+
+def own_code_door(scripts: Sequence[Path]) -> Door:
+    """Return what the fourth door says."""
+    found = f"{counted(len(scripts), 'script')} here" if scripts else "enter: how"
+    text = "rl-tui watch my_script.py shows your program here."
+    return Door("Your own code", text, found, brief="Your code")
+
+
+# Your own code
+
+
+_MOST_FILES: Final = 200
+_MOST_SCRIPTS: Final = 12
+_MOST_LINES: Final = 60
+_LONGEST_LINE: Final = 300
+_IMPORTS: Final = re.compile(r"\s*(?:import|from)\s+gymnasium\b")
+
+
+def scripts_here(folder: Path | None = None) -> list[Path]:
+    """Return the scripts in ``folder``, else the current one, that import Gymnasium, by their first lines.
+
+    Nothing is run, and what cannot be read is left out.
+    """
+    try:
+        files = sorted(islice((folder or Path(os.curdir)).glob("*.py"), _MOST_FILES))
+    except OSError:
+        return []
+    return [path for path in files if is_plain(path.name) and _imports_gymnasium(path)][:_MOST_SCRIPTS]
+
+
+def _imports_gymnasium(path: Path) -> bool:
+    if not path.is_file():  # reading a pipe would wait for its writer
+        return False
+    try:
+        with path.open(encoding="utf-8", errors="replace") as stream:
+            lines = (stream.readline(_LONGEST_LINE) for _ in range(_MOST_LINES))
+            return any(_IMPORTS.match(line) for line in lines)
+    except OSError:
+        return False
+
+
+_COMMAND: Final = "rl-tui watch"
+
+
+def own_code_page(scripts: Sequence[Path], glyphs: Glyphs) -> Choice:
+    """Return the page that says how a person's own program or agent comes on the screen."""
+    from rl_tui.screen.dialogs.form import Candidate, Choice
+
+    mine = [(f"{_COMMAND} {path}", "this script is here and imports gymnasium") for path in scripts]
+    commands = [
+        *(mine or [(f"{_COMMAND} my_script.py", "watch your script step by step, unchanged")]),
+        ("rl-tui agent new my_agent.py", "begin an agent without a loop"),
+        ("rl-tui play frozenlake --agent my_agent.py", "watch that agent learn"),
+    ]
+    candidates = [Candidate(command, command, (what,)) for command, what in commands]
+    question = "Type these in a shell. Your code is not sandboxed: it can do what you can."
+    return Choice("Your own code", candidates, "", glyphs, question)
+
+
+# A new world
+
+
+_KINDS: Final = {
+    "grid": ("Map", "cells, walls, rewards: draw it with brushes"),
+    "mdp": ("Graph", "states and actions: say where each action leads"),
+    "bandit": ("Bandit", "one state, several arms"),
+}
+
+
+def new_world_choice(glyphs: Glyphs) -> Choice:
+    """Return the question for the kind of a new world; it says where that will be saved."""
+    from rl_tui.screen.dialogs.form import Candidate, Choice
+
+    candidates = [Candidate(kind, _KINDS[kind][0], (_KINDS[kind][1],)) for kind in BLANK]
+    return Choice("New world", candidates, "", glyphs, f"w saves it in {user_folder()}")

@@ -1,0 +1,183 @@
+"""The picture of a world on the start screen: a short run, made once and shown as a few moments of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from rich.console import RenderableType
+from rich.text import Text
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.common.errors import UserError
+from rl_tui.common.streams import streams
+from rl_tui.live.pace.stop_condition import is_optimal
+from rl_tui.live.sessions.session import StoredSession
+from rl_tui.live.snapshot import AgentView, PlaybackView, Snapshot
+from rl_tui.live.snapshot_builder import SnapshotBuilder
+from rl_tui.runs.figures import optimum_of
+from rl_tui.runs.large_worlds import is_large
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import UNLIMITED, begin
+from rl_tui.runs.results import RunResults
+from rl_tui.runs.run import Run
+from rl_tui.screen.catalogue.facts import PartsLine
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.to_ascii import separated
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.files.catalogue import YOURS, group_of
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.world import World
+
+SEED: Final = 0
+MOMENTS: Final = 24
+STEPS: Final = 3_000
+PLANNING_STEPS: Final = 300
+_MOST_STEPS: Final = 20_000
+_ROWS: Final = 3  # of the area
+_EIGHTHS: Final = " ▁▂▃▄▅▆▇█"
+_SIGNS: Final = " ..::**##"  # the same in ASCII
+
+# The run
+
+
+def beginning_of(scenario: Scenario, world: World) -> Snapshot:
+    """Return a run of ``scenario`` in ``world`` before its first step."""
+    recipe = recipe_for(scenario, {}, SEED)
+    return SnapshotBuilder().before(recipe, world, PlaybackView(), is_hidden=scenario.hides_answer)
+
+
+def moments_of(scenario: Scenario, world: World) -> tuple[Snapshot, ...]:
+    """Return moments of a run of ``scenario`` in ``world`` at equal distances, the beginning first.
+
+    They are the same every time: what counts is steps, never time. Where no run can be shown there is only
+    the beginning: large worlds, and environments of the user's without ``preview_steps``.
+    """
+    before = beginning_of(scenario, world)
+    recipe = before.recipe
+    is_foreign = scenario.kind == "gymnasium" and group_of(scenario) == YOURS
+    if is_large(world) or (is_foreign and scenario.preview_steps is None):
+        return (before,)
+    plans = BY_ID[recipe.algorithm].planner
+    steps = scenario.preview_steps or (PLANNING_STEPS if plans else STEPS)
+    try:
+        run = Run(recipe, begin(recipe, world), evaluate=False, episode_limit=world.budget)
+    except UserError:
+        return (before,)
+    moments = [before]
+    for number in range(1, MOMENTS):
+        run.advance(max(0, steps * number // (MOMENTS - 1) - run.step))
+        moments.append(_moment(run, before))
+    return tuple(moments)
+
+
+def _moment(run: Run, before: Snapshot) -> Snapshot:
+    learner = run.learner
+    agent = AgentView(
+        learner.algorithm,
+        learner.hyperparameters,
+        learner.q.copy(),
+        learner.visits.copy(),
+        values=next(iter(learner.remembered("v")), before.agent.values),
+        policy=next(iter(learner.remembered("policy")), before.agent.policy),
+        sweep=learner.phase,
+    )
+    mean_return, _ = run.history.last_100
+    results = RunResults(return_last_100=mean_return, bandit=run.bandit)
+    return replace(before, agent=agent, counters=learner.counters, results=results)
+
+
+# What was reached before
+
+
+def has_found_optimum(session: StoredSession, scenario: Scenario) -> bool:
+    """Return whether the greedy policy with which ``session`` was left is optimal for its own discount.
+
+    False where that is not known, and where the scenario hides its answer: a mark would reveal it.
+    """
+    document = session.document
+    table, lane = document.table, document.lanes[document.shown]
+    is_edited = any(entry.world for branch in lane.branches for entry in branch.journal)
+    if table is None or is_edited or scenario.hides_answer or document.scenario.text != scenario.text:
+        return False
+    try:
+        mdp = scenario.build(streams(lane.seed).world).mdp
+        gamma = float(lane.settings_in_force["gamma"])
+    except (UserError, KeyError, ValueError):
+        return False
+    if mdp is None or len(table.q) != mdp.pairs:
+        return False
+    optimum = optimum_of(mdp, gamma)
+    return optimum is not None and is_optimal(mdp, np.array(table.q), "random", optimum)
+
+
+@dataclass(frozen=True, slots=True)
+class LastRun:
+    """What a person's last run has earned: mean returns, oldest first, and a line about its end."""
+
+    returns: FloatArray
+    told: str
+
+
+def last_run(session: StoredSession) -> LastRun | None:
+    """Return what the run of ``session`` earned, taken again; None where that is too long or cannot be.
+
+    At most 20,000 steps are taken, so that a row of the list is not waited for.
+    """
+    try:
+        record = session.record()
+        lane = record.lanes[record.shown]
+        branch = lane.branches[lane.branch]
+        if branch.here > _MOST_STEPS:
+            return None
+        run = Run(lane.recipe, evaluate=False)
+        run.follow(branch.journal, branch.here, UNLIMITED)
+    except UserError:
+        return None
+    results = run.results
+    parts = []
+    if results.return_last_100 is not None:
+        parts.append(f"agent {_return(results.return_last_100)}")
+    if results.greedy_return is not None and not lane.recipe.scenario.hides_answer:
+        parts.append(f"greedy {_return(results.greedy_return)}")
+    told = " · ".join(parts) or f"step {run.step:,}"
+    return LastRun(results.curve.return_mean, told)
+
+
+def last_run_text(run: LastRun, width: int, look: Look) -> Text:
+    """Return a heading, the returns as an area of ``width`` columns, and the line about the end."""
+    text = Text(no_wrap=True)
+    text.append("Your last run\n", look.palette.strong)
+    returns = run.returns
+    if len(returns) > 1 and width > 1:
+        at = np.linspace(0, len(returns) - 1, min(width, len(returns))).round().astype(int)
+        low, high = float(returns.min()), float(returns.max())
+        levels = (len(_EIGHTHS) - 1) * _ROWS
+        share = (returns[at] - low) / (high - low) if high > low else np.full(len(at), 1.0)
+        filled = np.maximum(1, (share * levels).round().astype(int))
+        eighths = _EIGHTHS if look.glyphs.braille else _SIGNS
+        for row in reversed(range(_ROWS)):
+            parts = np.clip(filled - row * (len(_EIGHTHS) - 1), 0, len(_EIGHTHS) - 1)
+            text.append("".join(eighths[part] for part in parts) + "\n", look.palette.episodes)
+    text.append(separated(run.told, look.glyphs), look.palette.dim)
+    return text
+
+
+# The line below
+
+
+def moment_line(moment: Snapshot, look: Look) -> RenderableType:
+    """Return step, mean return and episode of the run, as many as fit."""
+    counters, mean_return = moment.counters, moment.results.return_last_100
+    parts = [f"step {counters.step:,}"]
+    if mean_return is not None:
+        parts.append(f"return {_return(mean_return)}")
+    if not moment.agent.row.planner:
+        parts.append(f"episode {counters.episodes:,}")
+    return PartsLine(" · ".join(parts), look)
+
+
+def _return(number: float) -> str:
+    return numbers.fixed(number, 2, leading_zero=False)
