@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import MakeApp
 from lesson_texts import TEXT
-from seams import app_at, on_screen, order, playground, press
+from seams import app_at, on_screen, order, playground, press, tap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -80,3 +80,15 @@ async def test_a_page_has_the_panels_it_names_or_those_of_the_page_before(size: 
         assert in_view(pilot) == {WORLD}
         assert playground(pilot).board.shows(LESSON)
         assert playground(pilot).board.lesson.is_docked, "the page is beside the world at any of these sizes"
+
+
+async def test_a_world_opened_before_anything_is_kept_begins_with_the_world_alone(tmp_path: Path) -> None:
+    for kept in (False, True):
+        app = app_at(None, sessions=tmp_path)
+        async with on_screen(app) as pilot:
+            await tap(pilot, "down", "enter")
+            await settle(pilot)
+            assert in_view(pilot) == (ALL if kept else {WORLD})
+            await press(pilot, "s", "m", "s")
+            await tap(pilot, *"mine", "enter")
+            await settle(pilot)

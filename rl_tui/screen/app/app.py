@@ -247,7 +247,10 @@ class RlTuiApp(LinkedApp[UserError]):
         if event.draws:
             self.switch_screen(self._opener.first_screen(self.look, DrawingStart(event.recipe)))
         else:
-            self.switch_screen(self._opener.playground(self.look, event.recipe, watches=event.watches))
+            is_new = self._opener.has_kept_nothing
+            playground = self._opener.playground(self.look, event.recipe, watches=event.watches)
+            playground.panels.is_gradual |= is_new
+            self.switch_screen(playground)
 
     def on_saved_sessions_resumed(self, event: CatalogueScreen.Resumed) -> None:
         """Go on with a session."""

@@ -120,6 +120,13 @@ class Opener:
             lessons.place |= Place.KIOSK
         return lessons
 
+    @property
+    def has_kept_nothing(self) -> bool:
+        """Whether sessions would be kept here, and none is: a person begins."""
+        from rl_tui.live.sessions.session import files_in
+
+        return self.sessions is not None and not files_in(self.sessions)
+
     def playground(self, look: Look, recipe: Recipe, *, watches: bool = False) -> Playground:
         """Return the playground of a run that is about to begin; where it ``watches``, by itself."""
         from rl_tui.live.pace.pacing import START_SPEED
