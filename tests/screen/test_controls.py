@@ -101,7 +101,7 @@ def test_what_schedules_have_come_to_is_told() -> None:
 
 
 def test_a_click_on_a_setting_does_what_its_key_does() -> None:
-    known = {action.id for action in ACTIONS}
+    known = {action.command or action.id for action in ACTIONS}
     for algorithm, policy in EVERY:
         clicked = {each.action for each in settings_of(told(algorithm, policy)) if each.action}
         assert clicked <= known
@@ -146,7 +146,7 @@ def test_every_algorithm_with_every_rule_fits(size: tuple[int, int], glyphs: Gly
         left_out = set(settings) - set(shown)
         assert not left_out or max(each.rank for each in shown) <= min(each.rank for each in left_out)
         if width >= 80 or height > 1:
-            assert {"agent.choose_algorithm", "agent.show_options"} <= {each.action for each in shown}
+            assert {"agent.choose_algorithm", "menus.open('a')"} <= {each.action for each in shown}
         if height >= 9:
             assert not left_out
 
@@ -179,8 +179,8 @@ async def test_the_settings_stand_below_a_blank_row_where_all_of_them_fit() -> N
     controls.begin_with(recipe("frozenlake"))
     async with Alone().run_test(size=(48, 9)) as pilot:
         for height, rows in (
-            (9, ["", "sliders", "sliders", "sliders", "", "a a Q-learning · a p ε-greedy · a t ties random"]),
-            (4, ["sliders", "sliders", "sliders", "a a Q-learning · a p ε-greedy · + − 10/s"]),
+            (9, ["", "sliders", "sliders", "sliders", "", "Q-learning · ε-greedy · ties random · Q₀ 0"]),
+            (4, ["sliders", "sliders", "sliders", "Q-learning · ε-greedy · 10/s · a change"]),
         ):
             controls.wanted = LAKE.agent.hyperparameters
             controls.show(LAKE)

@@ -90,10 +90,6 @@ class Controls(Container, BoardPanel):
         """Return whether the hyper-parameter ``name`` has a slider here."""
         return any(parameter.name == name for parameter in self._parameters)
 
-    def give_away(self, keys: frozenset[str]) -> None:
-        """Say nothing of ``keys``, as people see them, as long as they are about something else."""
-        self.query_one(AgentSettings).give_away(keys)
-
     def on_resize(self) -> None:
         """Fit the heading, and the blank row below it, to the new size."""
         self._write_border()

@@ -1,9 +1,9 @@
-"""The settings of the agent besides the sliders: algorithm, policy, seed, speed …, each with its key."""
+"""The settings of the agent besides the sliders: algorithm, policy, seed, speed …; a click changes one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 from rich.cells import cell_len
@@ -51,20 +51,19 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
     lanes = snapshot.run_group.lanes
     if lanes:
-        yield Setting("c l", "run", f"{snapshot.run_group.shown + 1}/{len(lanes)}", "lanes.next_lane", 2)
-    yield Setting("a a", "", snapshot.agent.row.name, "agent.choose_algorithm", 0)
+        yield Setting("", "run", f"{snapshot.run_group.shown + 1}/{len(lanes)}", "lanes.next_lane", 2)
+    yield Setting("", "", snapshot.agent.row.name, "agent.choose_algorithm", 0)
     if "policy" in parameters:
-        yield Setting("a p", "", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)
+        yield Setting("", "", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)
     if "ties" in parameters:
-        yield Setting("a t", "ties", values.ties, "agent.next_ties", 4)
+        yield Setting("", "ties", values.ties, "agent.next_ties", 4)
     if "initial_q" in parameters:
-        yield Setting("r i", "Q₀", f"{values.initial_q:g}", "agent.ask_initial_q", 5)
-    yield Setting("r s", "seed", str(snapshot.recipe.seed), "agent.ask_seed", 6)
+        yield Setting("", "Q₀", f"{values.initial_q:g}", "agent.ask_initial_q", 5)
+    yield Setting("", "seed", str(snapshot.recipe.seed), "agent.ask_seed", 6)
     if snapshot.playback.phase in (Phase.SPENT, Phase.DONE):
         yield Setting("r r", "", "start again", "run.reset", 2)
     else:
-        yield Setting("+ −", "", speed_text(snapshot.playback.speed), "run.faster", 2)
-    yield Setting("a o", "settings", "", "agent.show_options", 3)
+        yield Setting("", "", speed_text(snapshot.playback.speed), "run.faster", 2)
     for name in parameters:
         parameter = PARAMETERS[name]
         idle = why_idle(name, snapshot.agent.algorithm, values, is_bandit=is_bandit)
@@ -72,6 +71,7 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
             value = option_text(values.value(name))
             yield Setting("", parameter.symbol, value, "agent.show_options", 7)
     yield from _decaying(values, parameters, snapshot.counters.episodes)
+    yield Setting("a", "change", "", "menus.open('a')", 3)
 
 
 def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int) -> Iterator[Setting]:
@@ -165,7 +165,6 @@ class AgentSettings(Widget):
         super().__init__(id=id, classes=classes)
         self.look = look
         self._settings: tuple[Setting, ...] = ()
-        self._taken: frozenset[str] = frozenset()
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw the settings in force."""
@@ -173,11 +172,6 @@ class AgentSettings(Widget):
         if settings != self._settings:
             self._settings = settings
             self.refresh()
-
-    def give_away(self, keys: frozenset[str]) -> None:
-        """Leave out ``keys``, which are about something else for a while; a click changes settings still."""
-        self._taken = keys
-        self.refresh()
 
     def render_line(self, y: int) -> Strip:
         """Draw one line."""
@@ -205,11 +199,7 @@ class AgentSettings(Widget):
                 return
 
     def _line(self, y: int) -> list[SettingCell]:
-        settings = [
-            replace(each, key="") if each.key.partition(" ")[0] in self._taken else each
-            for each in self._settings
-        ]
         width, height = self.size
-        lines = laid_out(settings, width, height, self.look.glyphs)
-        first = int(sum(map(len, lines)) == len(settings) and len(lines) < height)  # below a blank row
+        lines = laid_out(self._settings, width, height, self.look.glyphs)
+        first = int(sum(map(len, lines)) == len(self._settings) and len(lines) < height)  # below a blank row
         return lines[y - first] if first <= y < first + len(lines) else []

@@ -299,7 +299,6 @@ class WorldEditing(KeyMode):
         self.board.bring_into_view(WORLD)
         self.link.send(OpenEditor(is_open=True))
         self.board.reshape(is_drawn=True)
-        self.board.controls.give_away(frozenset(each.shown for each in self.toolbox.tools))
         self.enter()
         view = self.board.world
         if view is not None:
@@ -318,7 +317,6 @@ class WorldEditing(KeyMode):
         self.toolbox = None
         self._pending.forget()
         self.board.reshape(is_drawn=False)
-        self.board.controls.give_away(frozenset())
         self.link.send(OpenEditor(is_open=False))
         view = self.board.world
         if view is not None:
