@@ -19,7 +19,7 @@ from rl_tui.runs.library import recipe_for
 from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm
 from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.dialogs.compare_lanes import Runs
+from rl_tui.screen.dialogs.compare_lanes import RunTable
 from rl_tui.screen.dialogs.form import Choice, Prompt
 from rl_tui.screen.dialogs.lane_changes import lane_changes, what_may_differ
 from rl_tui.screen.playground.actions.lanes import ONE_RUN
@@ -143,7 +143,7 @@ async def test_the_table_of_the_runs_controls_one_puts_one_beside_it_or_ends_one
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
         sent = await beside(pilot, 3, monkeypatch)
         await pilot.press("c", "c")
-        assert isinstance(pilot.app.screen, Runs)
+        assert isinstance(pilot.app.screen, RunTable)
         listed = rows(pilot)
         assert listed[0].split() == ["run", "algorithm", "step", "last", "100", "greedy"]
         assert listed[1].split() == ["1", "α", "0.1", "Q-learning", "150,000", ".500", ".730"]

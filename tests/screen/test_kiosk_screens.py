@@ -21,7 +21,7 @@ from rl_tui.screen.keys.registry import ACTIONS, actions_of
 from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find
 
-FOR_THE_OWNER = {"session.save", "export.choose", "delete_session", "suspend"}
+FOR_THE_OWNER = {"door_4", "new_world", "session.save", "export.choose", "delete_session", "suspend"}
 
 
 def kiosk(scenario: str | None = None, place: Place | None = None) -> RlTuiApp:

@@ -9,7 +9,7 @@ from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.common.errors import UserError
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.dialogs.form import Candidate, Choice, Entry, Form, Prompt
+from rl_tui.screen.dialogs.form import Candidate, Choice, Form, Prompt, TypedLine
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import as_sentence
 from rl_tui.screen.panels.controls.settings import option_text
@@ -123,7 +123,9 @@ def ask_seed(seed: int, glyphs: Glyphs) -> Form:
         ),
     )
     hint = "The same seed gives the same run. The run starts again."
-    return Form("Seed", candidates, "", glyphs, entry=Entry(str(seed), hint, _read_seed), does="start again")
+    return Form(
+        "Seed", candidates, "", glyphs, entry=TypedLine(str(seed), hint, _read_seed), does="start again"
+    )
 
 
 def _expected(parameter: Parameter) -> str:

@@ -19,7 +19,7 @@ from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.dialogs.form import MARKS, Candidate, Choice, Form
 from rl_tui.screen.dialogs.lane_changes import what_may_differ
-from rl_tui.screen.dialogs.options import Settings
+from rl_tui.screen.dialogs.options import SettingChoice
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
@@ -180,10 +180,12 @@ MOST_LANES: Final = 4
 EXACT: Final = "w h"  # the keys that show what is hidden
 
 
-def setting_choice(recipe: Recipe, glyphs: Glyphs) -> Settings:
+def setting_choice(recipe: Recipe, glyphs: Glyphs) -> SettingChoice:
     """Return the choice of the setting that another run has otherwise."""
     names = what_may_differ(recipe)[1:]
-    return Settings("Another run that differs in", lambda: names, lambda: recipe, glyphs, another_run=True)
+    return SettingChoice(
+        "Another run that differs in", lambda: names, lambda: recipe, glyphs, another_run=True
+    )
 
 
 def branch_choice(branches: Mapping[int, str], glyphs: Glyphs) -> Choice:
@@ -209,7 +211,7 @@ Answer = ChooseLane | MarkLane | DropLane
 """The run to control, to show next to it, or to end."""
 
 
-class Runs(Form):
+class RunTable(Form):
     """The ``lanes``, two or more, of which you control ``shown``.
 
     ``beside`` is the one that stands beside it, None without one. Nothing exact is shown of a bandit that is

@@ -60,7 +60,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class TypedLine:
     """A line to type into: its text, a sentence about it, and what makes a value of the text."""
 
     text: str
@@ -100,7 +100,7 @@ class Form(Dialog[Any]):
         glyphs: Glyphs,
         question: str = "",
         *,
-        entry: Entry | None = None,
+        entry: TypedLine | None = None,
         does: str = "do",
         keys: str = "",
         start: str = "",
@@ -340,5 +340,5 @@ class Prompt(Form):
     """Only a line. Answers the value that ``read`` makes of it; escape answers None."""
 
     def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
-        super().__init__(title, (), "", UNICODE, entry=Entry(value, hint, read), does=does)
+        super().__init__(title, (), "", UNICODE, entry=TypedLine(value, hint, read), does=does)
         self.read = read

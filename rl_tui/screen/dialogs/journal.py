@@ -30,7 +30,7 @@ from rl_tui.runs.recipe import (
     changed_recipe,
 )
 from rl_tui.runs.timeline.branches import Timeline
-from rl_tui.screen.dialogs.form import Candidate, Choice, Entry, Form
+from rl_tui.screen.dialogs.form import Candidate, Choice, Form, TypedLine
 from rl_tui.screen.dialogs.lane_changes import branches_beside
 from rl_tui.screen.draw.names import action_name
 from rl_tui.screen.kit.bindings import as_sentence
@@ -264,7 +264,7 @@ def goto_form(snapshot: Snapshot, glyphs: Glyphs) -> Form:
             parse_goto(text, snapshot)
         return text
 
-    entry = Entry(str(snapshot.timeline.current.here), _expected(snapshot), read)
+    entry = TypedLine(str(snapshot.timeline.current.here), _expected(snapshot), read)
     return Form("Go to", _places(snapshot), "", glyphs, entry=entry, does="go")
 
 

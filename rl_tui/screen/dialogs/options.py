@@ -43,7 +43,7 @@ _MEANINGS: Final[Mapping[str, str]] = {
 """What each parameter is, in as few words as the last column has room for: 17 cells."""
 
 
-class Settings(Form):
+class SettingChoice(Form):
     """The settings with the ``names``, sliders first, schedules folded. Answers the name of the one chosen.
 
     ``recipe`` returns what applies now; ``another_run`` says that the value is for a run beside this one.
@@ -92,7 +92,7 @@ class Settings(Form):
         return [*rows, *([Candidate(SCHEDULES, f"schedules ({len(folded)})", about)] if folded else [])]
 
 
-class Options(Settings):
+class Options(SettingChoice):
     """All settings that count for the current algorithm and policy; ``change`` is asked to change one."""
 
     def __init__(self, look: Look, recipe: Callable[[], Recipe], change: Callable[[str], None]) -> None:

@@ -13,7 +13,7 @@ from rl_tui.runs.recipe import SwitchAlgorithm
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import in_force
 from rl_tui.screen.dialogs.choice import algorithm_choice, ask_value, policy_choice
-from rl_tui.screen.dialogs.compare_lanes import MOST_LANES, Answer, Runs, branch_choice, setting_choice
+from rl_tui.screen.dialogs.compare_lanes import MOST_LANES, Answer, RunTable, branch_choice, setting_choice
 from rl_tui.screen.dialogs.form import Form
 from rl_tui.screen.dialogs.lane_changes import ALGORITHM, branches_beside, lane_changes
 from rl_tui.screen.kit.snapshot_facts import current_study, hides_greedy, keeps_back
@@ -29,7 +29,7 @@ class LaneActions(Subject):
         snapshot = self.snapshot
         if snapshot is None:
             return
-        dialog = Runs(
+        dialog = RunTable(
             self.screen.look,
             snapshot.run_group.lanes,
             snapshot.run_group.shown,
