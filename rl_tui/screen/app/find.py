@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
+from typing import Any, ClassVar, Final, NamedTuple
 
 from rich.cells import cell_len
 from rich.text import Text
@@ -18,12 +18,11 @@ from textual.screen import Screen
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Parameter
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.frame.action_screen import ActionScreen, Ask, Put
 from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.theme.look import Look
@@ -32,8 +31,6 @@ _WORD: Final = re.compile(r"^\W+|\W+$")
 _PLAIN: Final = str.maketrans({"×": "x", "−": "-", "–": "-"})
 _LONGEST: Final = 60  # characters of a search
 _SENTENCE: Final = 220  # characters of what is said of the row under the cursor
-Ask: TypeAlias = Callable[[], object]
-Put: TypeAlias = Callable[[float | str], object]
 NOTHING: Final = "Nothing has a word that begins so. ? shows all keys."
 
 
@@ -243,14 +240,9 @@ def _of_action(screen: ActionScreen, action: Action) -> Findable:
 
 def _settings(screen: Screen[Any]) -> Iterator[tuple[Parameter, Ask, Put]]:
     """Yield each setting that counts for the agent on ``screen``, what asks for it, and what sets it."""
-    from rl_tui.screen.playground.playground import Playground
-
-    if not isinstance(screen, Playground) or screen.program.program is not None:
-        return
-    values = screen.recipe.hyperparameters
-    for name in parameters_of(screen.recipe.algorithm, values.policy):
-        agent = screen.agent
-        yield PARAMETERS[name], partial(agent.ask_parameter, name), partial(agent.set_parameter, name)
+    if isinstance(screen, ActionScreen):
+        for name, (ask, put) in screen.settings.items():
+            yield PARAMETERS[name], ask, put
 
 
 def _sentence(parameter: Parameter) -> str:

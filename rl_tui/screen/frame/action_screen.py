@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from textual.actions import parse
 from textual.app import ComposeResult
 from textual.events import Key
+from textual.geometry import Offset
 from textual.notifications import SeverityLevel
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.frame.help_pages import HelpPages
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.message_line import tell
 from rl_tui.screen.frame.shape import MESSAGE_HEIGHT, ROOMY_HEIGHT, ROOMY_WIDTH
@@ -26,6 +27,7 @@ from rl_tui.screen.theme.look import Look
 
 if TYPE_CHECKING:
     from rl_tui.screen.dialogs.dialog import Dialog
+    from rl_tui.screen.frame.glossary import HelpPages
 
 LEAST_WIDTH: Final = 60
 LEAST_HEIGHT: Final = 18
@@ -42,6 +44,10 @@ _HEIGHTS: Final = [
     (MESSAGE_HEIGHT, "-medium"),
     (ROOMY_HEIGHT, "-tall"),
 ]
+
+
+Ask: TypeAlias = Callable[[], object]
+Put: TypeAlias = Callable[[float | str], object]
 
 
 class TooSmall(Static):
@@ -73,7 +79,7 @@ class ActionScreen(Screen[None]):
         super().__init__()
         self.look = look
         self.panel_rows = panels
-        self.pages = HelpPages(self)
+        self.mouse_at_key = Offset(0, 0)  # at the last key that asked nothing: since then it may have moved
 
     @property
     def known_actions(self) -> tuple[Action, ...]:
@@ -84,6 +90,11 @@ class ActionScreen(Screen[None]):
     def actions(self) -> tuple[Action, ...]:
         """What a person can do here now: what palette and help list."""
         return self.known_actions
+
+    @property
+    def settings(self) -> Mapping[str, tuple[Ask, Put]]:
+        """The settings of the agent, by name: what asks for a value, and what sets one."""
+        return {}
 
     @property
     def in_kiosk(self) -> bool:
@@ -114,11 +125,18 @@ class ActionScreen(Screen[None]):
     def on_key(self, event: Key) -> None:
         """Note where the mouse is: what asks is not what moved a cursor."""
         if event.key != "question_mark":
-            self.pages.note_key()
+            self.mouse_at_key = self.app.mouse_position
 
     def action_quit(self) -> None:
         """Quit."""
         self.app.exit()
+
+    @cached_property
+    def pages(self) -> HelpPages:
+        """The pages of ``?``; they bring widgets that the first paint has no need of."""
+        from rl_tui.screen.frame.glossary import HelpPages
+
+        return HelpPages(self)
 
     def action_help(self) -> None:
         """Show the keys of this place, or explain what the mouse points at."""

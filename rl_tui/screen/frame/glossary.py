@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from rich.cells import cell_len
 from rich.text import Text
@@ -19,7 +19,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
-from rl_tui.screen.frame.key_sheet import PAGES, tabs
+from rl_tui.screen.frame.key_sheet import FIND, KEYS, PAGES, WORDS, KeySheet, tabs
 from rl_tui.screen.frame.number_here import NumberHere, number_here
 from rl_tui.screen.glossary.glossary import (
     BOOK,
@@ -32,11 +32,14 @@ from rl_tui.screen.glossary.glossary import (
     terms_called,
 )
 from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.kit.row import PanelRow
+from rl_tui.screen.kit.row import PanelRow, beside
 from rl_tui.screen.kit.snapshot_facts import figure_setting
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
+
+if TYPE_CHECKING:
+    from rl_tui.screen.frame.action_screen import ActionScreen
 
 # The screen
 
@@ -250,3 +253,70 @@ def _panels_of(widget: Widget, rows: Mapping[str, PanelRow]) -> Iterator[PanelRo
     for node in widget.ancestors_with_self:
         if node.id is not None and node.id in rows:
             yield rows[node.id]
+
+
+# The pages of ?
+
+
+class HelpPages:
+    """Shows the pages about ``screen``, one after the other as ``?`` is pressed."""
+
+    def __init__(self, screen: ActionScreen) -> None:
+        self._screen = screen
+
+    @property
+    def _is_pointing(self) -> bool:
+        return bool(self._screen.app.mouse_position != self._screen.mouse_at_key)
+
+    def open(self) -> None:
+        """Show the keys; where the mouse was moved onto a word or a number, explain that."""
+        words, number = self._words_here() if self._is_pointing else ((), None)
+        if words:
+            self.show_words(words, number)
+        else:
+            self._show_keys()
+
+    def _show_keys(self) -> None:
+        screen, focused = self._screen, self._screen.focused
+        titles = {row.id: row.title for row in screen.panel_rows}
+        nodes = () if focused is None else focused.ancestors_with_self
+        name = next((titles[node.id] for node in nodes if node.id in titles), "")
+        screen.app.push_screen(KeySheet(screen.look, screen.actions, focused, name), self._turn)
+
+    def show_words(self, here: Sequence[str], number: NumberHere | None = None) -> None:
+        """Show the terms with the ids ``here``, or all; the pages are a key away.
+
+        ``number`` is what is under the cursor, for ``NUMBER`` among the ids.
+        """
+        screen = self._screen
+        setting = setting_here(screen, screen.look.glyphs)
+        screen.app.push_screen(GlossaryScreen(screen.look, here, number, setting), self._turn)
+
+    def _turn(self, page: str | None) -> None:
+        """Go on to another ``page``; None: the one in view was closed."""
+        if page == KEYS:
+            self._show_keys()
+        elif page == WORDS:
+            self.show_words(*self._words_here())
+        elif page == PAGES:
+            self._screen.app.push_screen(self._screen.help_screen(), self._turn)
+        elif page == FIND:
+            self._screen.call_later(self._screen.app.run_action, "find")
+
+    def _words_here(self) -> tuple[Sequence[str], NumberHere | None]:
+        """Return the ids of the terms about what the mouse or the focus is on, and the number there.
+
+        The number under the mouse counts only where that points at something, or nothing has the focus.
+        """
+        screen, look = self._screen, self._screen.look
+        rows = {name: row for row in screen.panel_rows for name in (row.id, beside(row.id))}
+        pointed = number_under_mouse(screen, look) if self._is_pointing or screen.focused is None else None
+        number = pointed or number_here(screen.focused, look)
+        words = words_here(
+            screen,
+            rows,
+            look.glyphs,
+            has_number=number is not None,
+            is_number_first=pointed is not None,
+        )
+        return words, number

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
-from typing import ClassVar, Final, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Final, NamedTuple
 
 from rich.segment import Segment
 from rich.style import Style
@@ -20,10 +20,12 @@ from textual.widgets import Static
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_sheet import FIND, KEYS, WORDS, tabs
-from rl_tui.screen.frame.notes import notes_markdown
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
+
+if TYPE_CHECKING:
+    from textual.widgets import Markdown
 
 # Terms and their meanings
 
@@ -205,3 +207,13 @@ class HelpScreen(Dialog[str]):
             for title, sentences in (*((row.title, row.help) for row in self._panels), *_TOPICS):
                 yield Explanation(f"  {title}", sentences)
             yield Explanation("")
+
+
+def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:
+    """Return the widget that draws ``markdown`` in the characters of ``glyphs``; the app shows addresses."""
+    from textual.widgets import Markdown  # its parser is slow to load and must not delay the first paint
+
+    widget = Markdown(to_ascii(markdown, glyphs), open_links=True)
+    if glyphs.name == "ascii":
+        widget.BULLETS = ["* "]
+    return widget

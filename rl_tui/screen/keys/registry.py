@@ -60,9 +60,9 @@ _LIST_ACTIONS: Final[tuple[Action, ...]] = (
         )
         for number, label, help_ in (
             (1, "learn", "Open the list of lessons."),
-            (2, "watch it learn", "Watch an agent learn to cross a lake."),
+            (2, "watch", "Watch an agent learn to cross a lake."),
             (3, "go on", "Go on with the newest session."),
-            (4, "your own code", "Show how to watch your script."),
+            (4, "your code", "Show how to watch your script."),
         )
     ),
     Action(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import ClassVar, Final, Self
 
 from textual import on
@@ -13,6 +14,7 @@ from textual.events import DescendantBlur, DescendantFocus, Key
 from textual.message import Message
 from textual.widget import Widget
 
+from rl_tui.agents.catalogue import parameters_of
 from rl_tui.common.errors import UserError
 from rl_tui.lessons.file.view import LessonRecord
 from rl_tui.live.commands import Command
@@ -26,7 +28,7 @@ from rl_tui.screen.board.frames import Frames, Settling
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import PlayerLink, Wanted
 from rl_tui.screen.dialogs.dialog import Dialog
-from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.frame.action_screen import ActionScreen, Ask, Put
 from rl_tui.screen.frame.help import HelpScreen
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.legend_switch import LegendSwitch
@@ -160,7 +162,7 @@ class Playground(ActionScreen):
         self._by_command = {each.command or each.id: each for each in self.known_actions}
         self._told_keys = set[str]()  # ids of actions whose old key was pressed
         self._moment: object = None
-        self.leaving = Leaving(*of, self.session, self.lesson, self.modes, self._leave)
+        self.leaving = Leaving(*of, self.session, self.modes, lambda: self.lesson.is_over, self._leave)
         self._watches = watches
         self.frames = Frames(self, fps)
         self._settling = Settling(
@@ -202,6 +204,15 @@ class Playground(ActionScreen):
             or self.kept_back.why_not_yet(action)
             or (subject.why_not(deed) if isinstance(subject, Subject) else "")
         )
+
+    @property
+    def settings(self) -> Mapping[str, tuple[Ask, Put]]:
+        """The settings that count for the agent; none of a program, which sets them itself."""
+        if self.program.program is not None:
+            return {}
+        names = parameters_of(self.recipe.algorithm, self.recipe.hyperparameters.policy)
+        ask, put = self.agent.ask_parameter, self.agent.set_parameter
+        return {name: (partial(ask, name), partial(put, name)) for name in names}
 
     @property
     def recipe(self) -> Recipe:

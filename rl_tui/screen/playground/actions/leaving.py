@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.playground.actions.lesson import LessonActions
 from rl_tui.screen.playground.actions.session import SessionActions
 from rl_tui.screen.playground.modes.mode import Modes
 
@@ -16,11 +15,14 @@ LEAVING_KEYS: Final = ("escape", "q")
 
 @dataclass(eq=False)
 class Leaving(Subject):
-    """Asks for the same key once more where something was done; ``leave`` goes to the start screen."""
+    """Asks for the same key once more where something was done; ``leave`` goes to the start screen.
+
+    ``is_over`` tells whether a lesson is at its end: then nothing is asked.
+    """
 
     session: SessionActions
-    lesson: LessonActions
     modes: Modes
+    is_over: Callable[[], bool]
     leave: Callable[[], None]
     _asked: tuple[str, int] | None = None  # the key that asked, and the last deed then
 
@@ -45,7 +47,7 @@ class Leaving(Subject):
             self.board.zoom(None)
         elif self.board.opened is not None:
             self.board.close()
-        elif self.modes.current is not None and not self.lesson.is_over:
+        elif self.modes.current is not None and not self.is_over():
             self.modes.current.toggle()
         else:
             return False
@@ -55,7 +57,7 @@ class Leaving(Subject):
         """Ask for ``key`` once more where something was done since it was pressed; return whether it did."""
         wanted = self.link.wanted
         asked = key, wanted.last_deed
-        if self.lesson.is_over or not wanted.was_used(self.snapshot) or self._asked == asked:
+        if self.is_over() or not wanted.was_used(self.snapshot) or self._asked == asked:
             return False
         self._asked = asked
         self.screen.tell(f"{question}; {self.session.after_leaving}.")
