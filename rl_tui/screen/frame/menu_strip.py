@@ -21,7 +21,6 @@ from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.look import Look
 
 _WIDE: Final = 110  # columns from which three rows of a menu stand side by side, else two
-_LABEL: Final = 18  # columns, the longest label and a blank
 _BEFORE_LABEL: Final = 5  # columns: the cursor, the letter and the blanks around them
 _MOVES: Final = {"down": 1, "j": 1, "tab": 1, "up": -1, "k": -1, "shift+tab": -1}
 _LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
@@ -97,7 +96,8 @@ class MenuRows(Widget):
         row, palette, glyphs = self.rows[place], self.look.palette, self.look.glyphs
         is_here = place == self.at
         width = self.size.width // self._columns - _BEFORE_LABEL
-        text = f"{to_ascii(row.label, glyphs):<{_LABEL}}{to_ascii(row.value, glyphs)}"
+        labels = max(cell_len(to_ascii(each.label, glyphs)) for each in self.rows) + 2
+        text = f"{to_ascii(row.label, glyphs):<{labels}}{to_ascii(row.value, glyphs)}"
         style = palette.dim if row.refused else palette.strong if is_here else palette.text
         return [
             Segment(f" {glyphs.cursor if is_here else ' '} ", palette.press),

@@ -63,7 +63,7 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     if snapshot.playback.phase in (Phase.SPENT, Phase.DONE):
         yield Setting("r r", "", "start again", "run.reset", 2)
     else:
-        yield Setting("", "", speed_text(snapshot.playback.speed), "run.faster", 2)
+        yield Setting("", "", speed_text(snapshot.playback.speed), "run.faster", 3)
     for name in parameters:
         parameter = PARAMETERS[name]
         idle = why_idle(name, snapshot.agent.algorithm, values, is_bandit=is_bandit)
@@ -71,7 +71,7 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
             value = option_text(values.value(name))
             yield Setting("", parameter.symbol, value, "agent.show_options", 7)
     yield from _decaying(values, parameters, snapshot.counters.episodes)
-    yield Setting("a", "change", "", "menus.open('a')", 3)
+    yield Setting("a", "change", "", "menus.open('a')", 2)
 
 
 def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int) -> Iterator[Setting]:
