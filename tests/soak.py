@@ -161,7 +161,7 @@ class Program:
     def quit(self) -> int:
         """Type what ends it, and return its exit status."""
         if not self.ended:
-            self.press("q")
+            self.press("qq")
         return self._process.wait(START)
 
     def look(self) -> str:

@@ -120,7 +120,7 @@ def test_an_environment_that_never_answers_can_be_left(tmp_path: Path, leave: st
             terminal.wait_for("esc again goes to the start screen")
             terminal.press(leave)
             terminal.wait_for("Begin here")
-        terminal.press("q")
+        terminal.press("qq")
         check_left_as_it_was(terminal)
     (session,), _ = sessions_in(tmp_path)
     assert session.step == 2
@@ -135,7 +135,7 @@ def test_an_environment_that_fails_is_told_and_gone_back_from(tmp_path: Path) ->
         terminal.wait_for("stopped: at step 5 Odd-v0 failed in a step: RuntimeError: out of breath")
         terminal.press("b")
         terminal.wait_for(r"step\s+3\b")
-        terminal.press("q")
+        terminal.press("qq")
         check_left_as_it_was(terminal)
 
 
@@ -145,7 +145,7 @@ def test_nothing_that_an_environment_prints_reaches_the_terminal_not_even_at_the
         terminal.wait_for("paused")
         terminal.press(" " + "+" * 9)
         terminal.wait_for(r"step\s+[\d,]{3,}")
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0
         assert terminal.modes_left_changed == set()
         assert b"PWNED" not in terminal.written.partition(TAKEN)[2]

@@ -70,7 +70,7 @@ def test_it_takes_steps_at_once_and_goes_on_as_machine_code(terminal: PseudoTerm
     terminal.press(FASTER)
     terminal.wait_for(TEN_MILLIONS)
     assert "compiling" not in terminal.screen
-    terminal.press("q")
+    terminal.press("qq")
     assert terminal.wait_for_end() == 0
 
 
@@ -80,7 +80,7 @@ def test_a_compiler_that_is_killed_is_done_without(terminal: PseudoTerminal) -> 
     os.kill(compilers_of(terminal.process.pid)[0], signal.SIGKILL)
     terminal.press(FULL_SPEED)
     terminal.wait_for(TEN_MILLIONS, MOST_SECONDS)
-    terminal.press("q")
+    terminal.press("qq")
     assert terminal.wait_for_end() == 0
 
 

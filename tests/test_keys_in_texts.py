@@ -31,6 +31,7 @@ OTHERS: Final = {
     "questions.md": "C",  # a tool
     "README.md": "z",  # a tool
     "scenario-files.md": "#GHSV",  # characters of maps
+    "screen.md": "o",  # the mark of a world in ASCII
     "sweeps.md": "n",  # a setting
     "terminals.md": "GO",  # characters in ASCII
 }

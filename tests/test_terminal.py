@@ -66,7 +66,7 @@ def test_the_shell_is_told_what_is_kept_and_how_to_go_on(tmp_path: Path) -> None
         terminal.wait_for("paused")
         terminal.press("s")
         terminal.wait_for(r"step\s+1\b")
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0
         said = visible(terminal.written.rpartition(b"\x1b[?1049l")[2])
     (session,), _ = sessions_in(Path(folder))
@@ -82,7 +82,7 @@ def test_where_nothing_is_kept_nothing_is_said(tmp_path: Path) -> None:
             if "RL_TUI_KIOSK" in environment:
                 terminal.press("s")
                 terminal.wait_for(r"step\s+1\b")
-            terminal.press("q")
+            terminal.press("qq")
             assert terminal.wait_for_end() == 0
             assert "kept" not in visible(terminal.written.rpartition(b"\x1b[?1049l")[2])
 
@@ -102,7 +102,7 @@ def test_from_the_catalogue_to_a_run_and_back() -> None:
         terminal.wait_for("paused")
         terminal.press("\x1b")
         terminal.wait_for("Begin here")
-        terminal.press("q")
+        terminal.press("qq")
 
 
 def test_a_fault_is_told_after_the_terminal_is_restored(tmp_path: Path) -> None:

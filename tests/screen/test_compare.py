@@ -23,7 +23,6 @@ from rl_tui.screen.dialogs.compare_lanes import RunTable
 from rl_tui.screen.dialogs.form import Choice, Prompt
 from rl_tui.screen.dialogs.lane_changes import lane_changes, what_may_differ
 from rl_tui.screen.playground.actions.lanes import ONE_RUN
-from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find
 
 LAKE, ARMS = lake_world().space, bandit_world().space
@@ -118,7 +117,7 @@ async def test_the_branches_of_the_run_can_be_runs_once_the_world_is_there(
         assert sent == [AddBranch(5)]
         playground(pilot).link.snapshot = None
         await pilot.press("c", "b")
-        assert isinstance(pilot.app.screen, Playground), "nothing is asked without a world"
+        assert not isinstance(pilot.app.screen, Choice), "nothing is asked without a world"
 
 
 async def test_of_another_setting_the_sliders_come_first_and_schedules_are_folded(

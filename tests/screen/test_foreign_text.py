@@ -98,7 +98,7 @@ async def test_the_catalogue_shows_them_and_the_name_of_a_session_as_they_are(
 
 async def notes_in_help(pilot: Pilot[UserError]) -> str:
     """Open the help, and go to its end once it is there; return what is on screen."""
-    await press(pilot, "question_mark", "end")  # they are added once somebody scrolls
+    await press(pilot, "question_mark", "3", "end")  # they are added once somebody scrolls
     while not pilot.app.screen.query("MarkdownParagraph"):
         await pilot.pause()
     return await press(pilot, "end")

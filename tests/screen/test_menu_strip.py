@@ -9,8 +9,7 @@ from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import Play
-from rl_tui.screen.dialogs.choice import Choice
-from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.form import Choice, Form
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_sheet import KeySheet
 from rl_tui.screen.frame.menu_strip import MenuStrip
@@ -59,7 +58,7 @@ async def test_a_letter_acts_at_once_and_so_does_enter_on_the_row_under_the_curs
         await press(pilot, "r", "j", "k", "right", "left", "end", "home", "down", "enter")
         assert snapshot(pilot).recipe.seed == 3
         await press(pilot, "r", "s")
-        assert isinstance(pilot.app.screen, Prompt)
+        assert isinstance(pilot.app.screen, Form)
         await press(pilot, "escape", "a", "enter")
         assert isinstance(pilot.app.screen, Choice)
 

@@ -181,7 +181,7 @@ async def test_its_keys_and_its_output_are_at_hand_and_our_keys_are_not(script: 
         await press(pilot, "a", "w")
         assert board.shows(TABLE)
         await press(pilot, "question_mark", "3")
-        assert "T chooses another of its tables" in " ".join(screen_text(pilot.app).split())
+        assert "a b chooses another of its tables" in " ".join(screen_text(pilot.app).split())
 
 
 async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -> None:

@@ -104,7 +104,7 @@ def test_a_pull_is_within_the_budget() -> None:
     snapshot = bandit(500)
     with pytest.raises(ValueError, match="type a whole number from 501 to 1,000"):
         read(found(snapshot)["step"], snapshot, "1001")
-    assert ask_number(found(snapshot)["step"], snapshot, GLYPHS).value == "1000"
+    assert ask_number(found(snapshot)["step"], snapshot, GLYPHS).typed == "1000"
 
 
 def test_a_value_is_any_finite_number_but_the_one_it_is() -> None:

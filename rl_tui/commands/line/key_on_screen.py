@@ -19,14 +19,14 @@ def key_on_screen(word: str) -> str:
     found = min(ACTIONS, key=lambda action: (_distance(action, word), _is_special(action)))
     if _distance(found, word) == _UNRELATED or (shipped_folder() / f"{word}.toml").is_file():
         return ""
-    label = "" if found.label.lower().rstrip("…") == word.lower() else f" ({found.label})"
+    label = "" if found.label.lower().rstrip("…") == word.lower().rstrip("…") else f" ({found.label})"
     return f"on screen it is the key {found.shown}{label}: {_command(found)}"
 
 
 def _distance(action: Action, word: str) -> int:
     """Return 0 for the label of ``action``, 1 for another name, 2 for the first word of its help."""
     word, label, verb = (
-        word.lower(),
+        word.lower().rstrip("…"),
         action.label.lower().rstrip("…"),
         action.help.split()[0].strip(",;").lower(),
     )

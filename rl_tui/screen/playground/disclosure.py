@@ -51,7 +51,7 @@ class Disclosure(Subject):
 
     def note(self, command: str) -> None:
         """Bring the settings into view before ``command`` goes to them."""
-        if self.is_gradual and command.startswith(_CHANGES_AGENT):
+        if command.startswith(_CHANGES_AGENT):
             self._so_far |= {CONTROLS}
             self.board.reshape(shown=self.in_view)
 

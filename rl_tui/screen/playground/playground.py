@@ -232,8 +232,10 @@ class Playground(ActionScreen):
         if refused:
             self.refuse(refused)
         else:
-            self.kept_back.show_world_for(command)
-            self.panels.note(command)
+            if self.wanted.lesson is not None:
+                self.kept_back.show_world_for(command)
+            if self.panels.is_gradual:
+                self.panels.note(command)
             super().action_do(command)
 
     async def action_old_key(self, id_: str) -> None:
@@ -412,7 +414,8 @@ class Playground(ActionScreen):
             self.session.show_name()
             self.status.show(snapshot)
             self.modes.show(snapshot)
-            self.panels.follow(snapshot)
+            if self.panels.is_gradual or self.wanted.lesson is not None:
+                self.panels.follow(snapshot)
             self.board.show(snapshot)
             before, self._moment = self._moment, self._moment_of(snapshot)
             if self._moment != before:
@@ -442,11 +445,11 @@ class Playground(ActionScreen):
         if self.early_keys.take(event):
             event.stop()
         if event.key not in LEAVING_KEYS:
-            self.leaving.forget()
+            self.leaving.asked = None
 
     def on_mouse_down(self) -> None:
         """Let a click come between them too."""
-        self.leaving.forget()
+        self.leaving.asked = None
 
     def help_screen(self) -> HelpScreen:
         """Return the pages of the help, with the notes of the scenario, which tell answers."""

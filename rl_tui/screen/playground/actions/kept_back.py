@@ -97,7 +97,7 @@ class KeptBack(Subject):
         """Let the world have the place again where what is done is to be seen there."""
         target = command.partition(".")[0]
         goes_on = target in _READING_GOES_ON or command in _ALSO_READING
-        if self.record is not None and not goes_on and not self.board.lesson.is_docked:
+        if not goes_on and not self.board.lesson.is_docked:
             self.board.lesson.reads = False
 
     def close_what_is_kept(self, record: LessonRecord) -> None:

@@ -24,7 +24,8 @@ class Leaving(Subject):
     modes: Modes
     is_over: Callable[[], bool]
     leave: Callable[[], None]
-    _asked: tuple[str, int] | None = None  # the key that asked, and the last deed then
+    asked: tuple[str, int] | None = None
+    """The key that asked, and the last deed then; None: something else came between."""
 
     def back(self) -> None:
         """Close what is open, or go back to the start screen."""
@@ -36,10 +37,6 @@ class Leaving(Subject):
         """Close what is open, or quit."""
         if not self._closes() and not self._asks("q", "q again quits"):
             self.screen.app.exit()
-
-    def forget(self) -> None:
-        """Ask anew at the next key: something else came between."""
-        self._asked = None
 
     def _closes(self) -> bool:
         """Close the zoom, a panel or a mode, if one is open; return whether one was."""
@@ -57,8 +54,8 @@ class Leaving(Subject):
         """Ask for ``key`` once more where something was done since it was pressed; return whether it did."""
         wanted = self.link.wanted
         asked = key, wanted.last_deed
-        if self.is_over() or not wanted.was_used(self.snapshot) or self._asked == asked:
+        if self.is_over() or not wanted.was_used(self.snapshot) or self.asked == asked:
             return False
-        self._asked = asked
+        self.asked = asked
         self.screen.tell(f"{question}; {self.session.after_leaving}.")
         return True
