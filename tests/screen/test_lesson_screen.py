@@ -194,7 +194,7 @@ async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kep
     size: tuple[int, int],
 ) -> None:
     tells = "tp", "ty", "tg", "tm", "wm", "wh", "wp", "wc", "mx", "d"
-    steps = "s", "e", "ae", "ai", "mw", "u", "y", "ca", "cs", "cn", "cb", "cc"
+    steps = "s", "e", "ae", "ai", "mw", "u", "y", "ca", "cs", "cn", "cb"
     async with lesson(size) as pilot:
         for keys in tells:
             assert await refusal(pilot, *keys) == "kept back until page 2 is done", keys

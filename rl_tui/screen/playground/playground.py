@@ -199,9 +199,10 @@ class Playground(ActionScreen):
         """Return why ``action`` can do nothing now, as a clause; empty where it can."""
         target, deed, _ = parse(action.command or action.id)
         subject = getattr(self, target, None)
+        may_wait = action.of_lesson or self.wanted.lesson is not None
         return (
             self.program.why_not_to_it(action)
-            or self.kept_back.why_not_yet(action)
+            or (self.kept_back.why_not_yet(action) if may_wait else "")
             or (subject.why_not(deed) if isinstance(subject, Subject) else "")
         )
 
