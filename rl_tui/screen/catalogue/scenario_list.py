@@ -158,14 +158,16 @@ class ScenarioList(RowList):
     def show(self, words: str = "", hits: Sequence[Hit] = ()) -> int:
         """List the scenarios in which all of ``words`` are, then ``hits``; return how many scenarios.
 
-        The cursor stays on its row, if that is still there.
+        The cursor goes to the first title that has them, else stays on its row, if that is still there.
         """
         here = self.highlighted_option
         rows = list(self._rows(words, hits))
         self._entries = [entry for _, entry in rows]
         self.clear_options()
         self.add_options(option for option, _ in rows)
-        self.start_at("" if here is None or here.id is None else here.id)
+        worlds = [each for each in self._entries if words and isinstance(each, Scenario)]
+        titled = (each.id for each in worlds if has_words(each.title, words))
+        self.start_at(next(titled, "" if here is None or here.id is None else here.id))
         return sum(isinstance(entry, Scenario) for entry in self._entries)
 
     def show_marks(self, marks: Mapping[str, Mark]) -> None:

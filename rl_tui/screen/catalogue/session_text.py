@@ -178,7 +178,7 @@ def _how_long(session: StoredSession) -> str:
         return "Saved under a name: it stays until you delete it."
     if session.document.lesson is not None:
         return "A lesson, kept by itself: it stays until you delete it."
-    return "Kept by itself. Only the newest 50 of these stay; w in the playground gives it a name."
+    return "Saved automatically; the newest 50 are kept. m s names it and keeps it."
 
 
 def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Look) -> RenderableType:

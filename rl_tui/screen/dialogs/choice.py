@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.compatibility import check_compatible
@@ -20,22 +21,29 @@ from rl_tui.worlds.mdp.space import FiniteSpace
 # Algorithm, policy, words
 
 
+_TAKEN: Final = "this run has it"
+
+
 def algorithm_choice(
     space: FiniteSpace,
     recipe: Recipe,
     glyphs: Glyphs,
-    title: str = "Algorithm",
+    title: str = "",
     *,
-    beside_program: bool = False,
+    taken: str = "",
 ) -> Choice:
     """Return the choice among all algorithms; those that cannot work in ``space`` are dim.
 
-    With ``beside_program`` they are for a run beside your program, and none is current.
+    With a ``title`` it is for a run beside this one, which has the algorithm ``taken``; none is current.
     """
-    candidates = (
-        _candidate(each, _refused(space, each.id, recipe.hyperparameters)) for each in BY_ID.values()
-    )
-    return Choice(title, candidates, "" if beside_program else recipe.algorithm, glyphs)
+    candidates = [
+        _candidate(each, _TAKEN if each.id == taken else _refused(space, each.id, recipe.hyperparameters))
+        for each in BY_ID.values()
+    ]
+    if not title:
+        return Choice("Algorithm", candidates, recipe.algorithm, glyphs)
+    start = next((each.id for each in candidates if not each.refused), "")
+    return Choice(title, candidates, "", glyphs, start=start)
 
 
 def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:

@@ -58,6 +58,8 @@ class Disclosure(Subject):
     def turn(self) -> None:
         """Show all panels from now on, or again only those that mean something."""
         self.board.legends.turn_panels()
+        is_all = self.board.legends.shows_all_panels
+        self.screen.tell("All panels." if is_all else "Only panels that mean something so far. m p: all.")
         self.board.reshape(shown=self.in_view)
 
     def why_not(self, deed: str) -> str:

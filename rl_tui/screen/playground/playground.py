@@ -244,10 +244,10 @@ class Playground(ActionScreen):
         action = next((each for each in self.known_actions if each.id == id_), None)
         if action is None:
             return  # of a file, in a kiosk
-        if action.old_only_tells or id_ not in self._told_keys:
+        if not self.why_not(action) and (action.old_only_tells or id_ not in self._told_keys):
             self._told_keys.add(id_)
             self.tell(f"The key is now {action.shown}: {action.label}.")
-        if not action.old_only_tells:
+        if not action.old_only_tells or self.why_not(action):
             await self.run_action(action.textual_action)
 
     def action_mode_key(self, key: str) -> None:

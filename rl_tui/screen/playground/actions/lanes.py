@@ -81,7 +81,9 @@ class LaneActions(Subject):
     def end(self) -> None:
         """End the run that is controlled."""
         if self.snapshot is not None:
-            self._drop_lane(self.snapshot.run_group.shown)
+            group = self.snapshot.run_group
+            self.screen.tell(f"Run {group.shown + 1} is ended: {group.lanes[group.shown].name}.")
+            self._drop_lane(group.shown)
 
     def next_lane(self) -> None:
         """Control the next run."""
@@ -130,7 +132,7 @@ class LaneActions(Subject):
             return
         if name == ALGORITHM:
             title = f"Another algorithm beside {algorithm_row(recipe.algorithm).name}"
-            dialog: Form = algorithm_choice(space, recipe, glyphs, title)
+            dialog: Form = algorithm_choice(space, recipe, glyphs, title, taken=recipe.algorithm)
         elif name == "policy":
             dialog = policy_choice(space, recipe, glyphs)
         else:
@@ -144,7 +146,7 @@ class LaneActions(Subject):
             self.link.send(AddLane((SwitchAlgorithm(algorithm),)))
 
         space, title = snapshot.world.space, "A built-in agent beside your program"
-        choice = algorithm_choice(space, in_force(snapshot), self.glyphs, title, beside_program=True)
+        choice = algorithm_choice(space, in_force(snapshot), self.glyphs, title)
         self.ask(choice, answered)
 
     def _open_lane(self, name: str, value: float | str) -> None:

@@ -145,7 +145,11 @@ class ViewActions(Subject):
 
     def turn_legends(self) -> None:
         """Hide captions and legends, or show them again."""
-        self.board.legends.turn()
+        legends = self.board.legends
+        legends.turn()
+        self.screen.tell(
+            f"Captions and legends are {'shown' if legends.is_on else 'hidden. m l: show them'}."
+        )
         self.board.apply_switches()
         if self.snapshot is not None:
             self.board.show(self.snapshot)
