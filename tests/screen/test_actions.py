@@ -138,6 +138,10 @@ async def test_without_a_focus_arrows_go_through_time_and_into_the_world(make_ap
         before = playground(pilot).board.table.cursor_pair
         await press(pilot, "tab", "j")
         assert playground(pilot).board.table.cursor_pair != before
+        here = snapshot(pilot).counters.step
+        for panel in ("tp", "d", "tm"):
+            await press(pilot, *panel, "right", "left", "right", "home", "end", "escape")
+            assert snapshot(pilot).counters.step == here, "a panel has the focus"
 
 
 async def test_one_stray_key_neither_quits_nor_leaves(make_app: MakeApp) -> None:

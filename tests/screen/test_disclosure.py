@@ -12,6 +12,7 @@ from seams import app_at, on_screen, order, playground, press, tap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
+from rl_tui.lessons.catalogue import find_lesson
 from rl_tui.lessons.file.setups import recipe_of
 from rl_tui.lessons.file.view import begun
 from rl_tui.lessons.lesson import lesson_of
@@ -19,6 +20,7 @@ from rl_tui.live.commands import KeepLesson
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.legend_switch import LegendSwitch
 from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, LESSON, TABLE, TIMELINE, WORLD
+from rl_tui.screen.playground.disclosure import first_panels
 
 ALL = {WORLD, TABLE, CURVE, TIMELINE, LAST_STEP, CONTROLS}
 
@@ -80,6 +82,13 @@ async def test_a_page_has_the_panels_it_names_or_those_of_the_page_before(size: 
         assert in_view(pilot) == {WORLD}
         assert playground(pilot).board.shows(LESSON)
         assert playground(pilot).board.lesson.is_docked, "the page is beside the world at any of these sizes"
+
+
+def test_what_is_seen_before_the_first_snapshot_is_no_more_than_after_it() -> None:
+    assert first_panels(None, is_gradual=True, shows_all=False) == {WORLD}
+    assert first_panels(None, is_gradual=False, shows_all=False) is None
+    assert first_panels(None, is_gradual=True, shows_all=True) is None
+    assert first_panels(begun(find_lesson("loop")), is_gradual=False, shows_all=False) == {WORLD}
 
 
 async def test_a_world_opened_before_anything_is_kept_begins_with_the_world_alone(tmp_path: Path) -> None:

@@ -83,6 +83,17 @@ async def test_all_actions_are_listed_first_and_anything_is_found(make_app: Make
         assert str(pilot.app.screen.query_one("FindScreen Static", Static).render()) == NOTHING
 
 
+async def test_what_files_add_does_not_move_the_cursor(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student")) as pilot:
+        await press(pilot, "slash", *"step", "down", "down")
+        screen = pilot.app.screen
+        assert isinstance(screen, FindScreen)
+        rows = screen.query_one(OptionList)
+        here = str(rows.options[rows.highlighted or 0].prompt)
+        screen._list("step", keeps_cursor=True)
+        assert str(rows.options[rows.highlighted or 0].prompt) == here
+
+
 async def test_a_setting_and_a_number_set_it(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
         await press(pilot, "ctrl+p", *"epsilon", "space", "full_stop", "3", "enter")

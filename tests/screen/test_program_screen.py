@@ -227,6 +227,9 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         await choose(pilot, "sarsa")
         assert playground(pilot).board.is_paired
         assert DIFFERS not in screen_text(pilot.app)  # it is not compared with ours
+        await press(pilot, "c", "e")
+        assert "Not now: your program is in control" in screen_text(pilot.app)
+        await press(pilot, "escape")
 
 
 async def test_the_step_back_is_told_as_it_was_and_an_agent_of_ours_stands_beside_it(script: Path) -> None:

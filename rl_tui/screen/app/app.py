@@ -248,9 +248,9 @@ class RlTuiApp(LinkedApp[UserError]):
             self.switch_screen(self._opener.first_screen(self.look, DrawingStart(event.recipe)))
         else:
             is_new = self._opener.has_kept_nothing
-            playground = self._opener.playground(self.look, event.recipe, watches=event.watches)
-            playground.panels.is_gradual |= is_new
-            self.switch_screen(playground)
+            self.switch_screen(
+                self._opener.playground(self.look, event.recipe, watches=event.watches, is_gradual=is_new)
+            )
 
     def on_saved_sessions_resumed(self, event: CatalogueScreen.Resumed) -> None:
         """Go on with a session."""

@@ -76,6 +76,8 @@ class FindScreen(Dialog[Findable]):
         self._for_query = for_query
         self._more = more
         self._found = list[Findable]()
+        self.is_searching = True
+        """Whether files are still read: a typed enter is for what they add as well."""
 
     def compose(self) -> ComposeResult:
         """Yield the line, the rows and the sentence."""
@@ -86,15 +88,15 @@ class FindScreen(Dialog[Findable]):
 
     def on_mount(self) -> None:
         """List all actions; what stands in files follows."""
-        super().on_mount()
         self.query_one(OptionList).can_focus = False
         self.query_one(Input).focus()
         self.run_worker(self._read_more(), name="read what can be found")
 
     async def _read_more(self) -> None:
         self._entries += await asyncio.to_thread(self._more)
+        self.is_searching = False
         if self.query_one(Input).value:
-            self._list(self.query_one(Input).value)
+            self._list(self.query_one(Input).value, keeps_cursor=True)
 
     def on_resize(self) -> None:
         """Lay the rows out for the room there is."""
@@ -116,19 +118,22 @@ class FindScreen(Dialog[Findable]):
     @on(OptionList.OptionHighlighted)
     def explain(self, event: OptionList.OptionHighlighted) -> None:
         """Show the sentence about the row under the cursor."""
-        self._tell(self._found[event.option_index].sentence)
+        if event.option_list.highlighted == event.option_index < len(self._found):  # not of a list before
+            self._tell(self._found[event.option_index].sentence)
 
     def action_move(self, command: str) -> None:
         """Move the cursor."""
         getattr(self.query_one(OptionList), f"action_{command}")()
 
-    def _list(self, query: str) -> None:
+    def _list(self, query: str, *, keeps_cursor: bool = False) -> None:
         found = self.query_one(OptionList)
+        before = None if found.highlighted is None else self._found[found.highlighted].name
         self._found = found_by(query, [*self._for_query(query), *self._entries])
         found.clear_options()
         found.add_options(Option(self._row(entry, found.size.width - 2)) for entry in self._found)
+        names = [entry.name for entry in self._found]
         if self._found:
-            found.highlighted = 0
+            found.highlighted = names.index(before) if keeps_cursor and before in names else 0
         else:
             self._tell(NOTHING)
 

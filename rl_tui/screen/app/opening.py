@@ -127,13 +127,21 @@ class Opener:
 
         return self.sessions is not None and not files_in(self.sessions)
 
-    def playground(self, look: Look, recipe: Recipe, *, watches: bool = False) -> Playground:
-        """Return the playground of a run that is about to begin; where it ``watches``, by itself."""
+    def playground(
+        self, look: Look, recipe: Recipe, *, watches: bool = False, is_gradual: bool = False
+    ) -> Playground:
+        """Return the playground of a run that is about to begin; where it ``watches``, by itself.
+
+        If it ``is_gradual``, or watches, panels come as they come to mean something.
+        """
         from rl_tui.live.pace.pacing import START_SPEED
         from rl_tui.live.sessions.autosave import Autosave, untouched
 
         autosave = None if self.sessions is None else Autosave(untouched(recipe), self.sessions)
-        return self._playground(look, recipe, autosave, None, START_SPEED, watches=watches)
+        gradual = watches or is_gradual
+        return self._playground(
+            look, recipe, autosave, None, START_SPEED, watches=watches, is_gradual=gradual
+        )
 
     def next_playground(self, look: Look, recipe: Recipe) -> Playground:
         """Return the playground of a run that takes the place of the newest one.
@@ -231,10 +239,12 @@ class Opener:
         resumed: StoredSession | None = None,
         *,
         watches: bool = False,
+        is_gradual: bool = False,
         playable: MakePlayable | None = None,
     ) -> Playground:
         from rl_tui.screen.frame.legend_switch import LegendSwitch
         from rl_tui.screen.frame.shape import expected_shape
+        from rl_tui.screen.playground.disclosure import first_panels
         from rl_tui.screen.playground.playground import Playground
 
         if self.autosave is not None and self.autosave is not autosave and self.autosave.has_something:
@@ -251,6 +261,7 @@ class Opener:
             lanes=record is not None and len(record.lanes) > 1,
             is_program=playable is not None,
             has_lesson=lesson is not None,
+            shown=first_panels(lesson, is_gradual=is_gradual, shows_all=self.legends.shows_all_panels),
         )
         screen = Playground.with_keys_of(self.panels)
         playground = screen(
@@ -266,6 +277,7 @@ class Opener:
             self.legends,
             shape,
             watches=watches,
+            is_gradual=is_gradual,
         )
         self._wanted = playground.wanted
         if self.kiosk:

@@ -113,7 +113,7 @@ class ModelScreen(Dialog[None]):
     """⟨S, A, P, R, γ⟩, with the outcomes of the pair under the table's cursor, live while it is open."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("m,q", "cancel", "back", id="close_model", tooltip="Close the model."),
+        Binding("q", "cancel", "back", id="close_model", tooltip="Close the model."),
         Binding("h", "hide", "answer", id="model.hide", tooltip="Hide or show the exact answer."),
     ]
 

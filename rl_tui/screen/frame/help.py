@@ -99,7 +99,7 @@ _HIDING: Final = "m l hides what panels say of their symbols, and shows it again
 _TOPICS: Final = (
     (
         "Runs",
-        "c opens a run beside this one: the same scenario and seed, one thing different; up to four. All "
+        "c a opens a run beside this one: the same scenario and seed, one thing different; up to four. All "
         "advance together, and their curves share one chart. They take equal steps, not equal episodes. Of "
         "two, worlds and tables stand side by side where there is room. Every other panel shows the run that "
         "you control, which ▸ marks: c l goes to the next, and a change counts there only. The view Q−Q₂ of "

@@ -35,9 +35,7 @@ _TOGETHER: Final = {
     "agent.focus_slider_1": ("1 2 3 4", "sliders"),
 }
 """Keys that share an entry with the ones after them, which then have none."""
-_ELSEWHERE: Final = frozenset(
-    {*MENUS, "B", "minus,underscore", "2", "3", "4", "ctrl+p", "ctrl+l", "ctrl+z", "ctrl+c"}
-)
+_ELSEWHERE: Final = frozenset({*MENUS, "B", "minus,underscore", "2", "3", "4", "ctrl+l", "ctrl+z", "ctrl+c"})
 """Keys that another entry or a menu names, and those for emergencies, which the words explain."""
 _MOVING: Final = {
     **dict.fromkeys(("up", "down", "left", "right"), "move"),
@@ -118,6 +116,12 @@ class KeySheet(Dialog[str]):
         self._panel = panel
         self._name = name
 
+    @property
+    def _usual(self) -> list[Action]:
+        """The actions whose key no tool of drawing has taken."""
+        taken = {each.key for each in self._actions if each.group is Group.DRAWING}
+        return [each for each in self._actions if (each.menu or each.key) not in taken]
+
     def compose(self) -> ComposeResult:
         """Yield the page."""
         with self.box("", "?: words   /: find   esc: close", "whole") as box:
@@ -127,7 +131,6 @@ class KeySheet(Dialog[str]):
 
     def on_mount(self) -> None:
         """Let the arrows scroll."""
-        super().on_mount()
         self.query_one(VerticalScroll).focus()
 
     def _page(self, width: int) -> list[Text]:
@@ -151,7 +154,7 @@ class KeySheet(Dialog[str]):
             entries = [_entry(each) for each in self._actions if not each.menu and each.group == group]
             yield group, entries
         rest = (Group.RUN, Group.PROGRAM)
-        singles = [each for each in self._actions if not each.menu and each.group in rest]
+        singles = [each for each in self._usual if not each.menu and each.group in rest]
         yield "Everywhere", [_entry(each) for each in singles if each.key not in _ELSEWHERE]
 
     def _columns(self, entries: Sequence[_Entry], count: int, width: int) -> Iterator[Text]:
@@ -189,7 +192,7 @@ class KeySheet(Dialog[str]):
             yield line
 
     def _menus(self) -> list[tuple[str, list[_Entry]]]:
-        listed = [(key, [_entry(each) for each in self._actions if each.menu == key]) for key in MENUS]
+        listed = [(key, [_entry(each) for each in self._usual if each.menu == key]) for key in MENUS]
         return [(key, entries) for key, entries in listed if entries]
 
     def _item(self, entry: _Entry, width: int, keys: int) -> Text:

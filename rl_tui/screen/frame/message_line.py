@@ -62,7 +62,8 @@ class Messages:
         return [note.message for note, _ in self._told]
 
     def note(self, notification: Notification) -> None:
-        """Show ``notification``."""
+        """Show ``notification``, in place of one that says the same."""
+        self._told = [told for told in self._told if told[0].message != notification.message]
         with suppress(ScreenStackError):
             self._told.append((notification, self._app.screen_stack[:2][-1]))
         if not _is_fault(notification):

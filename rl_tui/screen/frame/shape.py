@@ -51,7 +51,14 @@ class Shape:
         return PROGRAM if self.is_program else CONTROLS
 
 
-def expected_shape(section: WorldSection, *, lanes: bool, is_program: bool, has_lesson: bool) -> Shape:
+def expected_shape(
+    section: WorldSection,
+    *,
+    lanes: bool,
+    is_program: bool,
+    has_lesson: bool,
+    shown: frozenset[str] | None,
+) -> Shape:
     """Return what is known of the shape before the world of ``section`` is built."""
     return Shape(
         drawing=section.sketch(),
@@ -59,6 +66,7 @@ def expected_shape(section: WorldSection, *, lanes: bool, is_program: bool, has_
         is_program=is_program,
         has_lesson=has_lesson,
         reads=has_lesson,
+        shown=shown,
     )
 
 

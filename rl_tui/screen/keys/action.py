@@ -54,7 +54,7 @@ class Action:
         program does not wait for a flood of other keys. ``not_for_program`` is why it cannot be done to a
         watched program, and what to do instead, with ``{file}`` for the program's file. What is
         ``of_program`` is for such a program only, what is ``of_lesson`` for a lesson. ``refused`` is why it
-        can do nothing in this world.
+        can do nothing in this world. What is ``unfocused`` counts while no panel has the focus.
     """
 
     id: str
@@ -79,6 +79,7 @@ class Action:
     of_program: bool = False
     of_lesson: bool = False
     refused: str = ""
+    unfocused: bool = False
 
     @property
     def menu(self) -> str:
@@ -116,7 +117,8 @@ class Action:
         """The action for Textual, which knows screen and app, but not the objects of a screen."""
         command = self.command or self.id
         target, dot, _ = command.partition(".")
-        return f"do({command!r})" if dot and target != "app" else command
+        verb = "do_unfocused" if self.unfocused else "do"
+        return f"{verb}({command!r})" if dot and target != "app" else command
 
     @property
     def key_hint(self) -> tuple[str, str]:

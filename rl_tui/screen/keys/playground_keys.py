@@ -87,7 +87,7 @@ _RUN: Final[tuple[Action, ...]] = (
         while_running="pause",
         aliases="go play start stop train",
     ),
-    Action("run.step", "s,right", "step", "Take one step, then pause.", symbol="s", rank=1),
+    Action("run.step", "s", "step", "Take one step, then pause.", rank=1),
     Action(
         "run.episode",
         "e",
@@ -97,10 +97,9 @@ _RUN: Final[tuple[Action, ...]] = (
     ),
     Action(
         "time.step_back",
-        "b,left",
+        "b",
         "back",
         "Go one step back; a change there begins a branch.",
-        symbol="b",
         rank=3,
         aliases="undo step",
     ),
@@ -110,8 +109,15 @@ _RUN: Final[tuple[Action, ...]] = (
         "episode back",
         "Go back to the start of the episode, then to the one before.",
     ),
-    Action("time.to_start", "home", "start", "Go to step 0."),
-    Action("time.to_end", "end", "end", "Go to the end of the run so far."),
+    *(
+        Action(id_, key, label, help_, command=command, symbol=symbol, unfocused=True)
+        for id_, key, label, help_, command, symbol in (
+            ("time.on", "right", "step on", "Take a step, or go one on in the past.", "run.step", "→"),
+            ("time.back", "left", "step back", "Go one step back.", "time.step_back", "←"),
+            ("time.to_start", "home", "start", "Go to step 0.", "", ""),
+            ("time.to_end", "end", "end", "Go to the end of the run so far.", "", ""),
+        )
+    ),
     Action(
         "run.faster",
         "plus,equals_sign",
@@ -136,6 +142,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "cursor",
         "Put the cursor into the world: arrows then move it, esc leaves it.",
         symbol="↑ ↓",
+        unfocused=True,
     ),
     *(
         Action(

@@ -6,12 +6,25 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.lessons.file.view import LessonRecord
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, TABLE, TIMELINE, WORLD
 
 _CHANGES_AGENT: Final = ("agent", "menus.open('a')")
 """What the commands begin with after which the settings are in view."""
+
+
+_FIRST: Final = frozenset({WORLD})
+
+
+def first_panels(lesson: LessonRecord | None, *, is_gradual: bool, shows_all: bool) -> frozenset[str] | None:
+    """Return the ids of the panels with which a run, or the open page of ``lesson``, begins; None: all."""
+    if shows_all:
+        return None
+    if lesson is not None:
+        return lesson.lesson.panels_of(lesson.page)
+    return _FIRST if is_gradual else None
 
 
 class Disclosure(Subject):
@@ -21,17 +34,14 @@ class Disclosure(Subject):
     """
 
     is_gradual = False
-    _so_far: frozenset[str] = frozenset({WORLD})
+    _so_far: frozenset[str] = _FIRST
 
     @property
     def in_view(self) -> frozenset[str] | None:
         """The ids of the panels in view, None: all."""
-        if self.board.legends.shows_all_panels:
-            return None
-        lesson = self.link.wanted.lesson
-        if lesson is not None:
-            return lesson.lesson.panels_of(lesson.page)
-        return self._so_far if self.is_gradual else None
+        shows_all = self.board.legends.shows_all_panels
+        named = first_panels(self.link.wanted.lesson, is_gradual=self.is_gradual, shows_all=shows_all)
+        return self._so_far if named is _FIRST else named
 
     def follow(self, snapshot: Snapshot) -> None:
         """Bring into view what means something in ``snapshot``."""

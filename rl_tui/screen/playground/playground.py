@@ -126,6 +126,7 @@ class Playground(ActionScreen):
         shape: Shape,
         *,
         watches: bool,
+        is_gradual: bool,
     ) -> None:
         super().__init__(look, panels)
         self.legends = legends
@@ -156,7 +157,7 @@ class Playground(ActionScreen):
         self.program = ProgramActions(*of)
         self.menus = MenuActions(*of)
         self.panels = Disclosure(*of)
-        self.panels.is_gradual = watches
+        self.panels.is_gradual = is_gradual
         self.kept_back = KeptBack(*of)
         self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
         self._by_command = {each.command or each.id: each for each in self.known_actions}
@@ -222,6 +223,8 @@ class Playground(ActionScreen):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Leave arrows, digits and the like to the panels unless a mode takes them."""
+        if action == "do_unfocused":
+            return self.focused is None
         if action == "mode_key":
             return self.modes.takes(str(parameters[0])) and not (LEAVE in parameters and self.lesson.is_over)
         return super().check_action(action, parameters)
@@ -239,15 +242,19 @@ class Playground(ActionScreen):
                 self.panels.note(command)
             super().action_do(command)
 
+    def action_do_unfocused(self, command: str) -> None:
+        """Do what a moving key says: no panel has the focus."""
+        self.action_do(command)
+
     async def action_old_key(self, id_: str) -> None:
         """Name the key that the action ``id_`` has now, once, and do it; or only name it."""
-        action = next((each for each in self.known_actions if each.id == id_), None)
+        action = next((each for each in self.actions if each.id == id_), None)
         if action is None:
-            return  # of a file, in a kiosk
-        if not self.why_not(action) and (action.old_only_tells or id_ not in self._told_keys):
+            return  # of a lesson or a program, or of a file in a kiosk
+        if not action.refused and (action.old_only_tells or id_ not in self._told_keys):
             self._told_keys.add(id_)
-            self.tell(f"The key is now {action.shown}: {action.label}.")
-        if not action.old_only_tells or self.why_not(action):
+            self.tell(f"The key is now {action.shown}: {action.label.rstrip('…')}.")
+        if action.refused or not action.old_only_tells:
             await self.run_action(action.textual_action)
 
     def action_mode_key(self, key: str) -> None:

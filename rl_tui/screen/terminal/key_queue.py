@@ -168,9 +168,9 @@ class KeyQueue:
                         await is_done.wait()
 
     async def _find_entries(self) -> None:
-        """Wait until the palette has found what was typed: enter is for the best of it."""
+        """Wait until a list has found what was typed: enter is for the best of it."""
         screen = self._app.screen
-        if isinstance(screen, CommandPalette):
+        if isinstance(screen, CommandPalette) or getattr(screen, "is_searching", False):
             looking = [worker.wait() for worker in self._app.workers if worker.node is screen]
             await asyncio.gather(*looking, return_exceptions=True)
             await self._pass_through(self._in_focus())

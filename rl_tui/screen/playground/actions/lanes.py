@@ -45,8 +45,12 @@ class LaneActions(Subject):
         """Return why a run cannot be added, shown or ended now; empty where it can."""
         snapshot = self.snapshot
         lanes = () if snapshot is None else snapshot.run_group.lanes
+        if not lanes and not deed.startswith("another"):
+            return ONE_RUN
+        if deed == "end" and snapshot is not None and snapshot.program is not None:
+            return "your program is in control; in the list of c c, del ends the run beside it"
         if not deed.startswith("another"):
-            return "" if lanes else ONE_RUN
+            return ""
         if len(lanes) == MOST_LANES:
             return "four runs are open already; c e ends one"
         if deed == "another_seed":

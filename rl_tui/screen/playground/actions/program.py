@@ -43,7 +43,7 @@ class ProgramActions(Subject):
         program, snapshot = self.program, self.snapshot
         if program is None or snapshot is None:
             return NO_PROGRAM if action.of_program else ""
-        if action.id in _MOVES and snapshot.playback.phase in _ENDED:
+        if (action.command or action.id) in _MOVES and snapshot.playback.phase in _ENDED:
             message = snapshot.playback.message if snapshot.playback.phase is Phase.STOPPED else ENDED
             return f"{message}; r r starts it again"
         return action.not_for_program.format(file=file_name(program))

@@ -160,7 +160,7 @@ class RunActions(Subject):
             case Phase.DONE:
                 self.screen.tell(f"{message}. Another γ goes on; r r starts again.")
             case Phase.STOPPED:
-                self.screen.tell(f"{message}. r r: start again.", severity="error")
+                self.screen.tell(f"{message}. r r: start again.", severity="warning")
             case _:
                 return False
         return True

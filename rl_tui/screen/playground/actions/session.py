@@ -101,7 +101,7 @@ class SessionActions(Subject):
         def save(name: float | str) -> None:
             self.screen.run_worker(self._save(autosave, str(name)), name="save the session")
 
-        hint = "the session goes on keeping itself under this name; the catalogue lists it"
+        hint = "This session is now saved under that name; the start screen lists it."
         self.ask(Prompt("Save the session as", hint, autosave.title, read, "save"), save)
 
     async def _save(self, autosave: Autosave, name: str) -> None:
