@@ -118,7 +118,7 @@ class FindScreen(Dialog[Findable]):
     @on(OptionList.OptionHighlighted)
     def explain(self, event: OptionList.OptionHighlighted) -> None:
         """Show the sentence about the row under the cursor."""
-        if event.option_list.highlighted == event.option_index < len(self._found):  # not of a list before
+        if event.option_list.highlighted == event.option_index < len(self._found):  # else outdated
             self._tell(self._found[event.option_index].sentence)
 
     def action_move(self, command: str) -> None:

@@ -140,7 +140,7 @@ def _branch_row(timeline: Timeline, number: int, lines: Sequence[JournalLine], u
     )
 
 
-_MOST_CHANGES: Final = 4  # of a branch that are told below the list
+_MOST_CHANGES: Final = 4  # of a branch, listed below
 
 
 def _how_much(lines: Sequence[JournalLine]) -> list[str]:

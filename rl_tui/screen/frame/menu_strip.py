@@ -20,7 +20,7 @@ from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.look import Look
 
-_WIDE: Final = 110  # columns from which three rows of a menu stand side by side, else two
+_WIDE: Final = 110  # columns from which a line has three rows of a menu, else two
 _BEFORE_LABEL: Final = 5  # columns: the cursor, the letter and the blanks around them
 _MOVES: Final = {"down": 1, "j": 1, "tab": 1, "up": -1, "k": -1, "shift+tab": -1}
 _LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
