@@ -12,7 +12,7 @@ import pytest
 from conftest import MakeApp
 from drawn_text import rows_of, words_of
 from numpy.random import Generator
-from seams import notes, on_screen, screen_text, tap
+from seams import app_at, notes, on_screen, screen_text, tap
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
@@ -30,11 +30,12 @@ from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+from rl_tui.screen.catalogue.details import Details
 from rl_tui.screen.catalogue.doors import LEARN, WATCH, Doors, scripts_here
 from rl_tui.screen.catalogue.facts import CORE, defaults, lesson_of, minutes_of_page, sizes
 from rl_tui.screen.catalogue.lessons import LessonList, LessonsScreen
 from rl_tui.screen.catalogue.preview import MOMENTS, STEPS, has_found_optimum, last_run, moments_of
-from rl_tui.screen.catalogue.scenario_list import Mark, marks_of
+from rl_tui.screen.catalogue.scenario_list import FilterInput, Mark, marks_of
 from rl_tui.screen.frame.glossary import GlossaryScreen
 from rl_tui.screen.frame.help import Explained, HelpScreen
 from rl_tui.screen.playground.playground import Playground
@@ -175,6 +176,25 @@ async def test_a_filter_keeps_the_rows_with_its_words_and_escape_gives_all_back(
         assert pilot.app.screen.recipe.scenario.id == "windy-king"
 
 
+async def test_a_filter_keeps_the_tab_key_and_a_second_slash_and_tells_of_nothing_where_nothing_is_found(
+    make_app: MakeApp,
+) -> None:
+    async with on_screen(make_app(), (120, 40)) as pilot:
+        await tap(pilot, "slash", *"8x8", "tab", "shift+tab")
+        assert isinstance(pilot.app.focused, FilterInput)
+        scenarios(pilot).focus()
+        await tap(pilot, "slash")
+        assert isinstance(pilot.app.focused, FilterInput)
+        assert f"2 of {len(shipped())} worlds" in words_of(pilot.app.screen.query_one("#filter-found"))
+        assert heading(pilot) == find("frozenlake-8x8").title
+        await tap(pilot, *"zzz")
+        assert (heading(pilot), facts(pilot).strip()) == ("", "")
+        await tap(pilot, "tab", "escape")
+        assert scenarios(pilot).has_focus
+        assert len([each for each in scenarios(pilot).options if not each.disabled]) == len(shipped())
+        assert heading(pilot) == find("frozenlake").title
+
+
 async def test_a_filter_finds_lessons_and_words_too(make_app: MakeApp) -> None:
     async with on_screen(make_app()) as pilot:
         await tap(pilot, "slash", *"bellman")
@@ -236,19 +256,60 @@ async def test_where_pictures_move_it_goes_from_moment_to_moment(
     assert len(seen) > 3
 
 
-def test_marks_tell_how_far_one_has_come(tmp_path: Path) -> None:
-    def kept(name: str, scenario: str, steps: int, *, episodes: int) -> StoredSession:
-        run = Run(recipe_for(find(scenario)))
-        run.advance(steps, episodes)
-        branch = FIRST.__class__(FIRST.name, (), end=run.step, here=run.step)
-        record = Record((RunRecord(run.recipe, (branch,)),), table=table_of(run))
-        path = tmp_path / f"{name}.json"
-        path.write_bytes(encoded(record))
-        return read_session(path)
+async def test_a_row_that_is_left_and_taken_again_before_its_run_is_made_plays_it_once(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    may_run, wanted = threading.Event(), list[str]()
+    hear = CatalogueScreen.on_details_moments_wanted
 
-    opened = kept("a", "cliff", 3, episodes=9)
-    run_on = kept("b", "student", 10**6, episodes=2)
-    best = kept("c", "frozenlake", 10**6, episodes=1_000)
+    def run_later(scenario: Scenario, world: World) -> tuple[Snapshot, ...]:
+        may_run.wait()
+        return moments_of(scenario, world)
+
+    def note(screen: CatalogueScreen, event: Details.MomentsWanted) -> None:
+        wanted.append(event.scenario.id)
+        hear(screen, event)
+
+    monkeypatch.setattr("rl_tui.screen.catalogue.preview.moments_of", run_later)
+    monkeypatch.setattr(CatalogueScreen, "on_details_moments_wanted", note)
+    monkeypatch.setattr("rl_tui.screen.catalogue.details._PACE", 0.05)
+    monkeypatch.setattr("rl_tui.screen.catalogue.details._REST", 0.001)
+    may_run.set()
+    app = make_app()
+    app.ticks = 15.0
+    async with asyncio.timeout(60), on_screen(app, (120, 40)) as pilot:
+        may_run.clear()
+        listed = scenarios(pilot)
+        for rests in (2, 3, 4):
+            listed.highlighted = listed.get_option_index("cliff" if rests % 2 == 0 else "windy")
+            while len(wanted) < rests:
+                await pilot.pause()
+        assert wanted[1:] == ["cliff", "windy", "cliff"]
+        may_run.set()
+        await settle(pilot)
+        assert "step" in words_of(app.screen.query_one("#moment"))
+        listed.highlighted = listed.get_option_index("bandit")
+        bandit = find("bandit")
+        last = moments_of(bandit, bandit.build(streams(0).world))[-1].counters.step
+        while f"step {last:,}" not in words_of(app.screen.query_one("#moment")):
+            await pilot.pause()
+        assert heading(pilot) == bandit.title
+
+
+def kept(folder: Path, name: str, scenario: str, steps: int, *, episodes: int) -> StoredSession:
+    run = Run(recipe_for(find(scenario)))
+    run.advance(steps, episodes)
+    branch = FIRST.__class__(FIRST.name, (), end=run.step, here=run.step)
+    record = Record((RunRecord(run.recipe, (branch,)),), table=table_of(run))
+    path = folder / f"{name}.json"
+    path.write_bytes(encoded(record))
+    return read_session(path)
+
+
+def test_marks_tell_how_far_one_has_come(tmp_path: Path) -> None:
+    opened = kept(tmp_path, "a", "cliff", 3, episodes=9)
+    run_on = kept(tmp_path, "b", "student", 10**6, episodes=2)
+    best = kept(tmp_path, "c", "frozenlake", 10**6, episodes=1_000)
     assert marks_of([opened, run_on, best]) == {
         "cliff": Mark.OPENED,
         "student": Mark.RUN_ON,
@@ -264,6 +325,66 @@ def test_marks_tell_how_far_one_has_come(tmp_path: Path) -> None:
     assert shorter
     assert shorter.told.startswith("agent")
     assert "greedy" not in shorter.told
+
+
+def test_sessions_of_one_world_share_its_exact_answer_and_what_cannot_be_imported_has_no_mark(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    built, build = list[str](), Scenario.build
+
+    def note(self: Scenario, generator: Generator) -> World:
+        built.append(self.id)
+        return build(self, generator)
+
+    def not_there(*_: object, **__: object) -> None:
+        raise ImportError("no module of that name")
+
+    world, session = find("frozenlake"), kept(tmp_path, "a", "frozenlake", 10**6, episodes=1_000)
+    with monkeypatch.context() as patch:
+        patch.setattr(Scenario, "build", not_there)
+        patch.setattr("rl_tui.screen.catalogue.preview.Run", not_there)
+        assert not has_found_optimum(session, world)
+        assert last_run(session) is None
+    monkeypatch.setattr(Scenario, "build", note)
+    assert has_found_optimum(session, world)
+    assert has_found_optimum(session, world)
+    assert built == ["frozenlake"]
+
+
+async def test_a_picture_goes_before_marks_of_optimal_policies(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, scenario in (("a", "frozenlake"), ("b", "cliff"), ("c", "windy")):
+        kept(tmp_path, name, scenario, 3, episodes=9)
+    done, may_find = list[str](), threading.Event()
+
+    def find_later(session: StoredSession, scenario: Scenario) -> bool:
+        done.append("optimum")
+        may_find.wait()
+        return scenario.id == "windy"
+
+    def note(scenario: Scenario, world: World) -> tuple[Snapshot, ...]:
+        done.append(scenario.id)
+        return moments_of(scenario, world)
+
+    monkeypatch.setattr("rl_tui.screen.catalogue.preview.has_found_optimum", find_later)
+    monkeypatch.setattr("rl_tui.screen.catalogue.preview.moments_of", note)
+    app = app_at(sessions=tmp_path)
+    async with asyncio.timeout(60), app.run_test(size=(80, 24)) as pilot:
+        while not done or done[-1] != "optimum":
+            await pilot.pause()
+        before = len(done)
+        scenarios(pilot).highlighted = scenarios(pilot).get_option_index("bandit")
+        while heading(pilot) != find("bandit").title:
+            await pilot.pause()
+        app.screen.query_one(Details).ask_for_moments()
+        await pilot.pause()
+        may_find.set()
+        await settle(pilot)
+        assert done[before:] == ["bandit", "optimum", "optimum"]
+        assert f"{app.look.glyphs.progress[Mark.OPTIMAL - 1]} {find('windy').title}" in words_of(
+            scenarios(pilot)
+        )
 
 
 @pytest.mark.exhaustive("builds every scenario")

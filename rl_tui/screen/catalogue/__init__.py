@@ -1,1 +1,1 @@
-"""The catalogue of scenarios and saved sessions."""
+"""The start screen, with scenarios and saved sessions, and the list of lessons."""

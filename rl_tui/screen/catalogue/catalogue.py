@@ -7,10 +7,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from enum import IntEnum
 from functools import partial
 from importlib import import_module
+from itertools import count
 from pathlib import Path
-from queue import Empty, SimpleQueue
+from queue import PriorityQueue
 from threading import Thread
 from typing import TYPE_CHECKING, ClassVar, Final
 
@@ -69,6 +71,7 @@ _NEEDED_TO_PLAY: Final = ("rl_tui.screen.playground.playground", "rl_tui.agents.
 _WORDS, _LESSONS = "Words", "Lessons"
 _MOST_WORDS: Final = 5
 _FILTER_HINTS: Final = (("↑ ↓", "choose"), ("enter", "open"), ("esc", "all of them"))
+_Turn = IntEnum("_Turn", ["END", "PICTURE", "WORLD", "OPTIMUM", "REST"])  # most urgent first
 
 
 class CatalogueScreen(SavedSessions):
@@ -131,7 +134,8 @@ class CatalogueScreen(SavedSessions):
         self._scripts: Sequence[Path] = ()
         self._wanted: Scenario | None = None  # of which a run is to be made
         self._worlds: dict[str, World | UserError] = {}
-        self._jobs = SimpleQueue[Callable[[], object] | None]()
+        self._jobs = PriorityQueue[tuple[_Turn, int, Callable[[], object] | None]]()
+        self._numbers = count()  # keeps jobs of one kind in order
         self._all_built = asyncio.Event()
         self._lessons: LessonEntries | None = None
         self._lessons_read = asyncio.Event()
@@ -174,7 +178,10 @@ class CatalogueScreen(SavedSessions):
 
     def on_unmount(self) -> None:
         """Let the thread end."""
-        self._jobs.put(None)
+        self._put(_Turn.END, None)
+
+    def _put(self, turn: _Turn, job: Callable[[], object] | None) -> None:
+        self._jobs.put((turn, next(self._numbers), job))
 
     # In the thread: only messages leave it, and calls that are made later in the screen's
 
@@ -188,12 +195,8 @@ class CatalogueScreen(SavedSessions):
                 self._build(scenario)
             self._import_what_is_needed_to_play()
             for scenario in sorted(scenarios[1:], key=lambda each: each.kind == "gymnasium"):
-                self._build(scenario)
-                with suppress(Empty):
-                    while (job := self._jobs.get_nowait()) is not None:
-                        job()
-                    return
-            while (job := self._jobs.get()) is not None:
+                self._put(_Turn.WORLD, partial(self._build, scenario))
+            while (job := self._jobs.get()[-1]) is not None:
                 job()
 
     def _read_lessons(self) -> None:
@@ -228,14 +231,17 @@ class CatalogueScreen(SavedSessions):
 
         self.call_later(self._take_last_run, session, last_run(session))
 
-    def _find_optima(self, sessions: Sequence[StoredSession]) -> None:
+    def _find_optima(self, marks: Mapping[str, Mark], sessions: Sequence[StoredSession]) -> None:
+        """Look at the first of ``sessions``; a picture that is asked for meanwhile goes before the others."""
+        if not sessions:
+            self.call_later(self._show_marks, marks)
+            return
         from rl_tui.screen.catalogue.preview import has_found_optimum
 
-        found = (each for each in sessions if each.document.lesson is None)
-        known = ((each, self._by_id.get(each.document.scenario.id)) for each in found)
-        best = {of.id for each, of in known if of is not None and has_found_optimum(each, of)}
-        marks = {**marks_of(sessions), **dict.fromkeys(best, Mark.OPTIMAL)}
-        self.call_later(self._show_marks, marks)
+        scenario = self._by_id.get(sessions[0].document.scenario.id)
+        if scenario and marks[scenario.id] < Mark.OPTIMAL and has_found_optimum(sessions[0], scenario):
+            marks = {**marks, scenario.id: Mark.OPTIMAL}
+        self._put(_Turn.OPTIMUM, partial(self._find_optima, marks, sessions[1:]))
 
     # What the thread tells
 
@@ -257,11 +263,11 @@ class CatalogueScreen(SavedSessions):
     def on_details_moments_wanted(self, event: Details.MomentsWanted) -> None:
         """Have a run made."""
         self._wanted = event.scenario
-        self._jobs.put(partial(self._make_moments, event.scenario, event.world))
+        self._put(_Turn.PICTURE, partial(self._make_moments, event.scenario, event.world))
 
     def on_details_last_run_wanted(self, event: Details.LastRunWanted) -> None:
         """Have the run of a session taken again."""
-        self._jobs.put(partial(self._repeat_last_run, event.session))
+        self._put(_Turn.PICTURE, partial(self._repeat_last_run, event.session))
 
     def _take_moments(self, scenario: Scenario, moments: Sequence[Snapshot]) -> None:
         self.query_one(Details).take_moments(scenario, moments)
@@ -287,9 +293,9 @@ class CatalogueScreen(SavedSessions):
         doors.show(GO_ON, go_on_door(sessions, datetime.now(UTC), in_kiosk=self.in_kiosk))
         if not sessions and doors.current == GO_ON:
             doors.current = WATCH
-        self.query_one(ScenarioList).show_marks(marks_of(sessions))
-        if sessions:
-            self._jobs.put(partial(self._find_optima, sessions))
+        self._show_marks(marks := marks_of(sessions))
+        own = [each for each in sessions if each.document.lesson is None]
+        self._put(_Turn.OPTIMUM, partial(self._find_optima, marks, own))
 
     async def settled(self) -> None:
         """Wait until all is read and built, and the picture shows its last moment."""
@@ -300,7 +306,7 @@ class CatalogueScreen(SavedSessions):
         self.query_one(Details).ask_for_moments()
         for _ in range(2):  # what the details ask for is in the queue only after a message was handled
             done = asyncio.Event()
-            self._jobs.put(partial(self.call_later, done.set))
+            self._put(_Turn.REST, partial(self.call_later, done.set))
             await done.wait()
         await self._details_drawn()
 
@@ -319,7 +325,9 @@ class CatalogueScreen(SavedSessions):
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """The order of the tab key: what is not shown before it is in focus is there, too."""
+        """The order of the tab key, with what is shown only in focus; while there is a filter, only that."""
+        if self.query_one(Filter).display:
+            return [self.query_one(Filter).line]
         order: list[Widget] = [self.query_one(Doors), self.query_one(ScenarioList)]
         sessions, details = self.query_one(SessionList), self.query_one(Details)
         if sessions.entries:
@@ -368,7 +376,7 @@ class CatalogueScreen(SavedSessions):
         self.query_one(Doors).display = False
         self.query_one(KeyLine).hints = _FILTER_HINTS
         self.query_one(Filter).open()
-        self._show_filtered("")
+        self._show_filtered(self.query_one(Filter).line.value)
 
     def action_show_all(self) -> None:
         """Give all rows back."""
@@ -395,6 +403,7 @@ class CatalogueScreen(SavedSessions):
             if number := sum(hit.group == group for hit in hits):
                 found.append(counted(number, singular))
         self.query_one(Filter).tell(" · ".join(found))
+        self.show_current()  # a list without rows has no cursor to report
 
     def _hits(self, words: str) -> list[Hit]:
         from rl_tui.screen.glossary.glossary import glossary, search

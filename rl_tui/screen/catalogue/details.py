@@ -103,11 +103,13 @@ class Details(VerticalScroll):
             self._tell("Errors", faults_text(entry, self._look))
         elif isinstance(entry, SessionError):
             self._tell("Errors", session_fault(entry, self._look))
-        elif entry is not None:
+        elif isinstance(entry, StoredSession):
             self._tell(f"Session: {entry.title}", session_facts(entry, now, self._look))
+        else:
+            self._tell("", "")
 
     def _tell(self, title: str, text: RenderableType) -> None:
-        self.query_one("#heading", Static).update(Heading(title, self._look))
+        self.query_one("#heading", Static).update(Heading(title, self._look) if title else "")
         self.query_one("#facts", Static).update(text)
 
     # The picture
@@ -164,30 +166,35 @@ class Details(VerticalScroll):
         if self._newest is not None and self._newest.path not in self._last_runs:
             self.post_message(self.LastRunWanted(self._newest))
         if self.shown.id in self._moments:
-            self._play(self._moments[self.shown.id])
+            self._play(self._view, self._moments[self.shown.id])
         else:
             self.post_message(self.MomentsWanted(self.shown, self._view.world))
 
     def take_moments(self, scenario: Scenario, moments: Sequence[Snapshot]) -> None:
-        """Keep ``moments`` of a run of ``scenario``, and show them if the cursor is still there."""
+        """Keep the first ``moments`` of a run of ``scenario``, and show them if the cursor is still there."""
+        if scenario.id in self._moments:
+            return
         self._moments[scenario.id] = moments
-        if scenario is self.shown:
-            self._play(moments)
+        if scenario is self.shown and self._view is not None:
+            self._play(self._view, moments)
 
-    def _play(self, moments: Sequence[Snapshot]) -> None:
-        """Show ``moments`` one after the other, or where nothing is to move the last of them."""
-        coming = iter(moments if self._moves else moments[-1:])
+    def _play(self, view: WorldView, moments: Sequence[Snapshot]) -> None:
+        """Show ``moments`` in ``view`` one after the other, or where nothing is to move the last of them."""
+        if self._pace is not None:
+            self._pace.stop()
+        self._show_moment(view, moments[0 if self._moves else -1])
+        if not self._moves:
+            return
+        coming = iter(moments[1:])
 
         def show_next() -> None:
             moment = next(coming, None)
-            if moment is not None and self._view is not None:
-                self._show_moment(self._view, moment)
-            elif self._pace is not None:
-                self._pace.stop()
+            if moment is None or view is not self._view:  # late ticks can follow a stop
+                pace.stop()
+            else:
+                self._show_moment(view, moment)
 
-        show_next()
-        if self._moves:
-            self._pace = self.set_interval(_PACE, show_next)
+        self._pace = pace = self.set_interval(_PACE, show_next)
 
     def _show_moment(self, view: WorldView, moment: Snapshot) -> None:
         from rl_tui.screen.catalogue.preview import moment_line

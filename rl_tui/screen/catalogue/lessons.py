@@ -233,7 +233,7 @@ class LessonsScreen(ActionScreen):
 
     @dataclass
     class ListClosed(Message):
-        """The user goes back to the catalogue."""
+        """The user goes back to the start screen."""
 
     @dataclass
     class EntriesRead(Message):
@@ -381,7 +381,7 @@ class LessonsScreen(ActionScreen):
 
         question = (
             f"Begin {entry.lesson.title} again, at its first page? What you did in it until now stays among "
-            "the sessions of the catalogue."
+            "the sessions of the start screen."
         )
         self.app.push_screen(Confirm("Begin again", question, "begin again", self.look.glyphs), begin)
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from rich.console import RenderableType
@@ -31,11 +32,16 @@ from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.world import World
 
+if TYPE_CHECKING:
+    from rl_tui.agents.exact.policy_evaluation import Solution
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
 SEED: Final = 0
 MOMENTS: Final = 24
 STEPS: Final = 3_000
 PLANNING_STEPS: Final = 300
 _MOST_STEPS: Final = 20_000
+_MOST_ANSWERS: Final = 32
 _ROWS: Final = 3  # of the area
 _EIGHTHS: Final = " ▁▂▃▄▅▆▇█"
 _SIGNS: Final = " ..::**##"  # the same in ASCII
@@ -103,14 +109,19 @@ def has_found_optimum(session: StoredSession, scenario: Scenario) -> bool:
     if table is None or is_edited or scenario.hides_answer or document.scenario.text != scenario.text:
         return False
     try:
-        mdp = scenario.build(streams(lane.seed).world).mdp
-        gamma = float(lane.settings_in_force["gamma"])
-    except (UserError, KeyError, ValueError):
+        mdp, optimum = _answer(scenario, lane.seed, float(lane.settings_in_force["gamma"]))
+    except (UserError, ImportError, KeyError, ValueError):
         return False
-    if mdp is None or len(table.q) != mdp.pairs:
+    if mdp is None or optimum is None or len(table.q) != mdp.pairs:
         return False
-    optimum = optimum_of(mdp, gamma)
-    return optimum is not None and is_optimal(mdp, np.array(table.q), "random", optimum)
+    return is_optimal(mdp, np.array(table.q), "random", optimum)
+
+
+@lru_cache(maxsize=_MOST_ANSWERS)
+def _answer(scenario: Scenario, seed: int, gamma: float) -> tuple[TabularMDP | None, Solution | None]:
+    """Return the table of a world and its exact answer, which the sessions there share."""
+    mdp = scenario.build(streams(seed).world).mdp
+    return mdp, optimum_of(mdp, gamma)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +145,7 @@ def last_run(session: StoredSession) -> LastRun | None:
             return None
         run = Run(lane.recipe, evaluate=False)
         run.follow(branch.journal, branch.here, UNLIMITED)
-    except UserError:
+    except (UserError, ImportError):
         return None
     results = run.results
     parts = []

@@ -260,14 +260,19 @@ class Filter(Horizontal):
         self._look = look
         self.display = False
 
+    @property
+    def line(self) -> FilterInput:
+        """The line in which words are typed."""
+        return self.query_one(FilterInput)
+
     def open(self) -> None:
         """Take words."""
         self.display = True
-        self.query_one(FilterInput).focus()
+        self.line.focus()
 
     def close(self) -> None:
         """Forget the words."""
-        self.query_one(FilterInput).value = ""
+        self.line.value = ""
         self.display = False
 
     def tell(self, found: str) -> None:
