@@ -366,6 +366,17 @@ async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
         assert isinstance(pilot.app.screen, CatalogueScreen)
 
 
+async def test_from_a_lesson_that_the_filter_found_escape_goes_to_the_start_screen_at_once(
+    make_lesson_app: MakeLessonApp,
+) -> None:
+    async with make_lesson_app(None).run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "slash", *"second", "space", *"walk", "enter")
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        assert pilot.app.screen.query_one(LessonList).highlighted == 1
+        await settled(pilot, "escape")
+        assert isinstance(pilot.app.screen, CatalogueScreen)
+
+
 async def test_a_file_with_faults_stands_at_the_end_with_them_and_none_at_all_is_said(
     make_lesson_app: MakeLessonApp, lessons: Path
 ) -> None:

@@ -299,7 +299,8 @@ class RlTuiApp(LinkedApp[UserError]):
             start = await asyncio.to_thread(start_of, event.lesson, progress)  # may import Gymnasium
             playground = self._opener.first_screen(self.look, start)
         except UserError as fault:
-            self.switch_screen(self._opener.lessons(self.look, event.lesson.id, fault))
+            lessons = self._opener.lessons(self.look, event.lesson.id, fault, comes_from_lesson=True)
+            self.switch_screen(lessons)
             return
         self._start = None
         self.switch_screen(playground)
@@ -312,7 +313,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self._start = None
         self._opener.close()  # the session has to be on the disk before it is listed
         if self._opener.lesson_id:
-            self.switch_screen(self._opener.lessons(self.look, self._opener.lesson_id, event.fault))
+            id_ = self._opener.lesson_id
+            self.switch_screen(self._opener.lessons(self.look, id_, event.fault, comes_from_lesson=True))
         else:
             self.switch_screen(self._opener.catalogue(self.look, event.recipe.scenario.id, event.fault))
 

@@ -111,11 +111,18 @@ class Opener:
             catalogue.place |= Place.KIOSK
         return catalogue
 
-    def lessons(self, look: Look, start_at: str = "", fault: UserError | None = None) -> LessonsScreen:
+    def lessons(
+        self,
+        look: Look,
+        start_at: str = "",
+        fault: UserError | None = None,
+        *,
+        comes_from_lesson: bool = False,
+    ) -> LessonsScreen:
         """Return the list of lessons with its cursor on the id ``start_at``; it tells the ``fault``."""
         from rl_tui.screen.catalogue.lessons import LessonsScreen
 
-        lessons = LessonsScreen(look, start_at, fault, self.sessions)
+        lessons = LessonsScreen(look, start_at, fault, self.sessions, comes_from_lesson=comes_from_lesson)
         if self.kiosk:
             lessons.place |= Place.KIOSK
         return lessons

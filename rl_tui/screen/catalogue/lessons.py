@@ -247,10 +247,12 @@ class LessonsScreen(ActionScreen):
         start_at: str = "",
         fault: UserError | None = None,
         sessions: Path | None = None,
+        *,
+        comes_from_lesson: bool = False,
     ) -> None:
         super().__init__(look)
         self._start_at = start_at
-        self._comes_from_lesson = bool(start_at)
+        self._comes_from_lesson = comes_from_lesson
         self._fault = fault
         self._sessions = sessions
         self._read = asyncio.Event()
