@@ -511,9 +511,9 @@ async def test_enter_opens_and_escape_comes_back_to_the_same_entry_and_help_name
         scenarios(pilot).focus()
         for place, hides in ((CatalogueScreen, False), (Playground, True)):
             assert isinstance(app.screen, place)
-            await tap(pilot, "question_mark")
+            await tap(pilot, "question_mark", "3")
             assert isinstance(app.screen, HelpScreen)
-            assert ("L hides" in words_of(app.screen.query_one(Explained))) is hides
+            assert ("m l hides" in words_of(app.screen.query_one(Explained))) is hides
             await tap(pilot, "question_mark")
             assert isinstance(app.screen, place)
             if place is CatalogueScreen:

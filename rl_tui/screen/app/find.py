@@ -30,7 +30,7 @@ from rl_tui.screen.theme.look import Look
 _WORD: Final = re.compile(r"^\W+|\W+$")
 _PLAIN: Final = str.maketrans({"×": "x", "−": "-", "–": "-"})
 _LONGEST: Final = 60  # characters of a search
-_SENTENCE: Final = 220  # characters of what is said of the row under the cursor
+_SENTENCE: Final = 220  # characters about the row under the cursor
 NOTHING: Final = "Nothing has a word that begins so. ? shows all keys."
 
 

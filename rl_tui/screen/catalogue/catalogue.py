@@ -132,7 +132,7 @@ class CatalogueScreen(SavedSessions):
         self._start_at = start_at
         self._fault = fault
         self._scripts: Sequence[Path] = ()
-        self._wanted: Scenario | None = None  # of which a run is to be made
+        self._wanted: Scenario | None = None  # its run comes at the next pause
         self._worlds: dict[str, World | UserError] = {}
         self._jobs = PriorityQueue[tuple[_Turn, int, Callable[[], object] | None]]()
         self._numbers = count()  # keeps jobs of one kind in order

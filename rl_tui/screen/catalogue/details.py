@@ -120,7 +120,7 @@ class Details(VerticalScroll):
         drawing = self.query_one("#preview")
         if not drawing.is_attached:
             return  # the app has ended
-        drawing.remove_children()  # not waited for: a wait that is broken off would leave half of it
+        drawing.remove_children()  # no await here: cancelled, it would leave half behind
         if isinstance(world, World):
             from rl_tui.screen.catalogue.preview import beginning_of
             from rl_tui.screen.panels.world_views import make_world_view

@@ -338,10 +338,10 @@ class LessonsScreen(ActionScreen):
     async def _draw(self, entry: Entry | None) -> None:
         """Draw the world of the page that is open, or of the first one, once it is built."""
         drawing = self.query_one("#preview")
-        drawing.remove_children()  # not waited for: a wait that is broken off would leave half of it
+        drawing.remove_children()  # no await here: cancelled, it would leave half behind
         if not isinstance(entry, LessonEntry):
             return
-        await asyncio.sleep(0 if self.app.is_headless else _REST)  # nothing is built for rows that are passed
+        await asyncio.sleep(0 if self.app.is_headless else _REST)  # a row merely passed builds nothing
         page = entry.lesson.pages[0].id if entry.progress is None else entry.progress.page
         with suppress(UserError):  # opening the lesson reports why the world cannot be built
             picture = await asyncio.to_thread(_world_of_page, entry.lesson, page)

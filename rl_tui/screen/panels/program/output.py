@@ -114,7 +114,7 @@ def _calls(traceback: str) -> Sequence[str]:
 
 
 _AROUND: Final = 2  # lines on either side
-_LONGEST: Final = 300  # characters of a line that are looked at
+_LONGEST: Final = 300  # characters of a line it reads
 _TAB: Final = 4
 _ROOMY: Final = 48  # columns
 
