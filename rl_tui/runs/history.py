@@ -40,7 +40,8 @@ class History:
         """Add finished episodes, [n] each, in order."""
         before, done = self._every, self._count
         self._count += len(returns)
-        self._every = self._distance()
+        while self._count > _SAMPLES_A_BIN * len(self._bins.episodes) * self._every:
+            self._every *= 2
         new = returns[-done % self._every :: self._every]
         self._samples = np.concatenate((self._samples[:: self._every // before], new))
         fastest(fold)(self._bins, returns, lengths)
@@ -93,20 +94,13 @@ class History:
 
     def checkpoint(self) -> Arrays:
         """Return copies of all that is kept: the bins, single returns, and the last and first episodes."""
-        kept = (self._samples, self._recent_returns, self._recent_lengths, self._first_lengths)
+        sampled = np.array((self._count, self._every))
+        kept = (sampled, self._samples, self._recent_returns, self._recent_lengths, self._first_lengths)
         return copies((*self._bins, *kept))
 
     def restore(self, state: Arrays) -> None:
         """Go back to what :meth:`checkpoint` returned, from a history of as many bins."""
         # what is no bin is never written to
-        *bins, self._samples, self._recent_returns, self._recent_lengths, self._first_lengths = state
+        *bins, sampled, self._samples, self._recent_returns, self._recent_lengths, self._first_lengths = state
         put_back(self._bins, tuple(bins))
-        self._count = int(self._bins.episodes[: int(self._bins.used[0])].sum())
-        self._every = self._distance()
-
-    def _distance(self) -> int:
-        """Return the number of episodes from one kept return to the next, a power of two."""
-        every = 1
-        while self._count > _SAMPLES_A_BIN * len(self._bins.episodes) * every:
-            every *= 2
-        return every
+        self._count, self._every = map(int, sampled)
