@@ -134,7 +134,7 @@ async def test_two_lanes_show_and_scroll_the_same_part_and_count_what_is_in_view
             await tap(pilot, "pagedown")
             check_complete(screen)
             assert left.cells == right.cells
-        await tap(pilot, "home")
+        await tap(pilot, "home", *["pageup"] * 3)
         for moved, other in ((left, right), (right, left)):
             before = moved.stance
             await scroll_down(pilot, moved)

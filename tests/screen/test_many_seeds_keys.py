@@ -252,7 +252,7 @@ async def test_without_a_study_the_dialog_says_so_and_of_how_many_episodes_a_mea
         await pilot.press("escape")
         listed = await compared(pilot, side_by_side(2, 1, study=cliff_study(is_outdated=True)), monkeypatch)
         about = str(pilot.app.screen.query_one("#about", Static).render())
-        assert about.endswith("One seed decides nothing: M counts many.")
+        assert about.endswith("One seed decides nothing: t m runs many.")
         assert not any("±" in row for row in listed)
 
 

@@ -109,7 +109,7 @@ async def test_tab_goes_round_the_panels_m_shows_the_model_and_help_ends_with_no
         await press(pilot, "w", "m")
         assert isinstance(pilot.app.screen, ModelScreen)
         await train(pilot, 10)
-        await press(pilot, "m")
+        await press(pilot, "escape")
         assert isinstance(pilot.app.screen, Playground)
         pilot.app.set_focus(None)
         await press(pilot, "question_mark", "3", "pagedown")
