@@ -30,7 +30,7 @@ SCENES: Final = {  # a scenario, then keys; a number lets so many steps pass
     "past": ("frozenlake-slippery", 5_000, "1", "right", 5_000, *"mg7000", "enter", "b", "B"),
     "journal": ("student", 300, *"mg200", "enter", "1", "right", 100, "m", "b"),
     "microscope": ("frozenlake-slippery", 60_000, "d"),
-    "lanes": ("cliff", 3_000, "c", "a", "down", "enter", 12_000),
+    "lanes": ("cliff", 3_000, "c", "a", "enter", 12_000),
     "hand": ("student", 40, "y", "1"),
     "drawing": ("maze", 3_000, "w", "d", "right", "right", "H", "s", "down", "number_sign"),
     "drawing-unfinished": ("student", 200, "w", "d", "delete", "delete"),

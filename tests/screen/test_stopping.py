@@ -214,7 +214,7 @@ async def test_breakpoints_are_listed_in_the_dialog_and_a_planner_stops_at_them(
         await settle(pilot)  # the dialog stays; what the key asks for is done beneath it
         cleared = await press(pilot)
         assert not cleared.playback.breakpoints
-        assert rows(pilot)[-1] == "No breakpoints. k sets one at the cursor."
+        assert rows(pilot)[-1] == "No breakpoints. t b sets one at the cursor."
         assert "state 0 is reached: breakpoint off" in " ".join(rows(pilot))
         marked = await press(pilot, "5")  # a switch
         assert (await press(pilot)).playback.breakpoints.states == {0} == marked.playback.breakpoints.states
