@@ -243,8 +243,8 @@ def test_a_scenario_says_for_how_many_steps_its_picture_runs() -> None:
 async def test_where_pictures_move_it_goes_from_moment_to_moment(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rl_tui.screen.catalogue.details._PACE", 0.001)
-    monkeypatch.setattr("rl_tui.screen.catalogue.details._REST", 0.001)
+    monkeypatch.setattr("rl_tui.screen.catalogue.details.PACE", 0.001)
+    monkeypatch.setattr("rl_tui.screen.catalogue.details.REST", 0.001)
     app = make_app()
     app.ticks = 15.0
     seen = set()
@@ -272,8 +272,8 @@ async def test_a_row_that_is_left_and_taken_again_before_its_run_is_made_plays_i
 
     monkeypatch.setattr("rl_tui.screen.catalogue.preview.moments_of", run_later)
     monkeypatch.setattr(CatalogueScreen, "on_details_moments_wanted", note)
-    monkeypatch.setattr("rl_tui.screen.catalogue.details._PACE", 0.05)
-    monkeypatch.setattr("rl_tui.screen.catalogue.details._REST", 0.001)
+    monkeypatch.setattr("rl_tui.screen.catalogue.details.PACE", 0.05)
+    monkeypatch.setattr("rl_tui.screen.catalogue.details.REST", 0.001)
     may_run.set()
     app = make_app()
     app.ticks = 15.0

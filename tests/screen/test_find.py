@@ -90,7 +90,7 @@ async def test_what_files_add_does_not_move_the_cursor(make_app: MakeApp) -> Non
         assert isinstance(screen, FindScreen)
         rows = screen.query_one(OptionList)
         here = str(rows.options[rows.highlighted or 0].prompt)
-        screen._list("step", keeps_cursor=True)
+        screen.list_matches("step", keeps_cursor=True)
         assert str(rows.options[rows.highlighted or 0].prompt) == here
 
 

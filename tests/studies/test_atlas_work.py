@@ -143,7 +143,7 @@ def test_it_ends_when_its_time_is_up() -> None:
     [
         (recipe("frozenlake", algorithm="value-iteration"), False, "knows the world"),
         (recipe("blackjack"), False, "stepped for real"),
-        (recipe("frozenlake"), True, "drawn on"),
+        (recipe("frozenlake"), True, "was edited"),
     ],
 )
 def test_where_there_is_nothing_to_map_it_says_why(made_from: Recipe, is_edited: bool, words: str) -> None:

@@ -96,16 +96,16 @@ class FindScreen(Dialog[Findable]):
         self._entries += await asyncio.to_thread(self._more)
         self.is_searching = False
         if self.query_one(Input).value:
-            self._list(self.query_one(Input).value, keeps_cursor=True)
+            self.list_matches(self.query_one(Input).value, keeps_cursor=True)
 
     def on_resize(self) -> None:
         """Lay the rows out for the room there is."""
-        self.call_after_refresh(lambda: self._list(self.query_one(Input).value))
+        self.call_after_refresh(lambda: self.list_matches(self.query_one(Input).value))
 
     @on(Input.Changed)
     def find(self, event: Input.Changed) -> None:
         """List what was searched for."""
-        self._list(event.value)
+        self.list_matches(event.value)
 
     @on(Input.Submitted)
     @on(OptionList.OptionSelected)
@@ -125,7 +125,8 @@ class FindScreen(Dialog[Findable]):
         """Move the cursor."""
         getattr(self.query_one(OptionList), f"action_{command}")()
 
-    def _list(self, query: str, *, keeps_cursor: bool = False) -> None:
+    def list_matches(self, query: str, *, keeps_cursor: bool = False) -> None:
+        """List what ``query`` finds; the cursor stays on its row where ``keeps_cursor`` and that is found."""
         found = self.query_one(OptionList)
         before = None if found.highlighted is None else self._found[found.highlighted].name
         self._found = found_by(query, [*self._for_query(query), *self._entries])

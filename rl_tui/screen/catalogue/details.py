@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 Entry = Scenario | ScenarioError | Hit | StoredSession | SessionError
 """A row of one of the lists."""
 
-_REST: Final = 0.15  # seconds for which the cursor stays on a row before its run is made
-_PACE: Final = 0.5  # seconds from one moment of it to the next
+REST: Final = 0.15  # seconds for which the cursor stays on a row before its run is made
+PACE: Final = 0.5  # seconds from one moment of it to the next
 
 
 class Details(VerticalScroll):
@@ -129,7 +129,7 @@ class Details(VerticalScroll):
             view.can_focus = False
             drawing.mount(view)
             view.show(beginning_of(scenario, world))
-            self._rest = self.set_timer(_REST, self.ask_for_moments)
+            self._rest = self.set_timer(REST, self.ask_for_moments)
         elif world is None:
             drawing.mount(Static(f"preparing {self._look.glyphs.ellipsis}", classes="hint"))
 
@@ -194,7 +194,7 @@ class Details(VerticalScroll):
             else:
                 self._show_moment(view, moment)
 
-        self._pace = pace = self.set_interval(_PACE, show_next)
+        self._pace = pace = self.set_interval(PACE, show_next)
 
     def _show_moment(self, view: WorldView, moment: Snapshot) -> None:
         from rl_tui.screen.catalogue.preview import moment_line

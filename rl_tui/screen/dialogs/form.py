@@ -158,8 +158,8 @@ class Form(Dialog[Any]):
 
     @property
     def room(self) -> int:
-        """The cells of a row."""
-        return min(_MOST_COLUMNS, self.app.size.width * 9 // 10) - _FRAME
+        """The cells of a row, at least one behind the marks however narrow the terminal is."""
+        return max(MARKS + 1, min(_MOST_COLUMNS, self.app.size.width * 9 // 10) - _FRAME)
 
     def describe(self, candidate: Candidate) -> Text:
         """Return the row of ``candidate``: number, cursor, name, value and a few words."""
