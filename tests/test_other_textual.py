@@ -40,7 +40,7 @@ def test_it_works_without_a_private_name(names: str) -> None:
         terminal.wait_until(lambda: "Words  Pages" not in terminal.screen)
         terminal.resize(130, 40)
         terminal.wait_until(lambda: max(map(len, terminal.screen.splitlines())) > 100)
-        terminal.press("q")
+        terminal.press("qq")
         assert terminal.wait_for_end() == 0
         assert terminal.modes_left_changed == set()
         assert terminal.attributes == terminal.attributes_before
