@@ -199,7 +199,7 @@ def _label(action: GraphAction) -> str:
 
 _GOOD_ENOUGH: Final = 1.2  # cost of a label at which no other arrangement is tried
 _WORK: Final = 60  # actions × arrangements that may be tried to find a better one
-_MOST_WORK: Final = 120  # and to find one at all
+_MOST_WORK: Final = 240  # and to find one at all
 _MOST_ACTIONS: Final = 20  # more lines than this cannot be followed
 _NARROWNESS: Final = 10.0  # over the width of a box: what a wider one may cost in worse labels
 _HEIGHT: Final = 0.3  # cost of each row between the height of a box and its wished height
