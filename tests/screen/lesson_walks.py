@@ -10,6 +10,7 @@ from typing import Final
 
 from seams import app_at, choose, notes, on_screen, playground, press, snapshot
 from textual.pilot import Pilot
+from textual.widgets import OptionList
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
@@ -152,6 +153,9 @@ class Learner:
 
     async def _set_option(self, name: str, value: float | str) -> None:
         await self.keys("a", "o")
+        listed = self.pilot.app.screen.query_one(OptionList)
+        if name not in {option.id for option in listed.options}:
+            await choose(self.pilot, "schedules")
         await choose(self.pilot, name)
         if PARAMETERS[name].range is None or isinstance(value, str):
             await choose(self.pilot, str(value))
