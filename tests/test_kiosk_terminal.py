@@ -35,10 +35,11 @@ def test_nothing_is_written_whatever_is_typed(tmp_path: Path) -> None:
     with PseudoTerminal(
         ["env", "-C", str(tmp_path / "work"), *RL_TUI], environment, size=(100, 30)
     ) as terminal:
-        terminal.wait_for("kiosk")
+        terminal.wait_for(r"See why\. +kiosk")
         terminal.wait_for("bandit")
         assert "Mine" not in terminal.written.decode(errors="replace")
         terminal.press("\x1b[3~")
+        terminal.wait_for("No sessions are kept here: this is a kiosk")
         terminal.press("\x1b[B\x1b[B\r")
         terminal.wait_for("paused|preparing")
         terminal.press("m")

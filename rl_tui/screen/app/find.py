@@ -25,6 +25,7 @@ from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen, Ask, Put
 from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.keys.action import Action
+from rl_tui.screen.kit.bindings import as_sentence
 from rl_tui.screen.theme.look import Look
 
 _WORD: Final = re.compile(r"^\W+|\W+$")
@@ -204,7 +205,7 @@ def entries_on(screen: Screen[Any]) -> list[Findable]:
         return []
     actions = [_of_action(screen, action) for action in screen.actions if action.id != "find"]
     settings = [
-        Findable(parameter.name, "setting", _sentence(parameter), ask, also=parameter.symbol)
+        Findable(parameter.name, "setting", as_sentence(parameter.help), ask, also=parameter.symbol)
         for parameter, ask, _ in _settings(screen)
     ]
     explain = screen.pages.show_words
@@ -227,7 +228,7 @@ def new_values(screen: Screen[Any], query: str) -> list[Findable]:
         Findable(
             f"Set {parameter.symbol} to {value:g}",
             "setting",
-            _sentence(parameter),
+            as_sentence(parameter.help),
             partial(put, value),
             also=query,
         )
@@ -249,10 +250,6 @@ def _settings(screen: Screen[Any]) -> Iterator[tuple[Parameter, Ask, Put]]:
     if isinstance(screen, ActionScreen):
         for name, (ask, put) in screen.settings.items():
             yield PARAMETERS[name], ask, put
-
-
-def _sentence(parameter: Parameter) -> str:
-    return f"{parameter.help[0].upper()}{parameter.help[1:]}."
 
 
 def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None) -> list[Findable]:

@@ -26,27 +26,24 @@ _STEPS: Final = frozenset(
 )
 """What takes steps, of this run or another: refused while a prediction is open."""
 
-_KEPT: Final[Mapping[str, tuple[str, ...]]] = {
-    f"board.toggle('{POLICIES}')": ("policies",),
-    "drawing.toggle": ("policies", "answer"),
-    "why.explain": ("why",),
-    f"board.toggle('{DISCOUNT}')": ("flips", "answer"),
-    f"board.toggle('{WORLD_CHECK}')": ("policies", "why", "flips", "answer"),
-    f"board.toggle('{MANY_SEEDS}')": ("many seeds",),
-    "view.model": ("model",),
-    f"board.toggle('{MICROSCOPE}')": ("model",),
-    "view.hide_answer": ("answer",),
-    "export.choose": ("answer",),
-}
-"""What a page may keep back, by the commands that would show it."""
-
-_PANELS_KEPT: Final = {
+_PANELS_KEPT: Final[Mapping[str, tuple[str, ...]]] = {
     POLICIES: ("policies",),
     DISCOUNT: ("flips", "answer"),
     WORLD_CHECK: ("policies", "why", "flips", "answer"),
     MANY_SEEDS: ("many seeds",),
     MICROSCOPE: ("model",),
 }
+"""What a page may keep back, by the panel that shows it."""
+
+_KEPT: Final[Mapping[str, tuple[str, ...]]] = {
+    **{f"board.toggle('{panel}')": kept for panel, kept in _PANELS_KEPT.items()},
+    "drawing.toggle": ("policies", "answer"),
+    "why.explain": ("why",),
+    "view.model": ("model",),
+    "view.hide_answer": ("answer",),
+    "export.choose": ("answer",),
+}
+"""The same, by the command that would show it."""
 _LEAVES: Final = frozenset({"scenario.previous", "scenario.following"})
 _READING_GOES_ON: Final = ("menus", "lesson", "session", "export", "scenario", "why")
 _ALSO_READING: Final = frozenset({"view.zoom", "view.model", "view.hide_answer"})
