@@ -7,6 +7,7 @@ and the standard error.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import takewhile
 from typing import ClassVar, Final, NamedTuple
 
 from rich.cells import cell_len
@@ -92,19 +93,23 @@ def lane_rows(
         columns = [column for column in columns if column is not last]
     room = _room(columns, width)
 
-    def row(name: str, texts: Sequence[str]) -> str:
-        cells = (f" {text:>{column.cells}}" for text, column in zip(texts, columns, strict=True))
-        return f"{shortened(name, room, look.glyphs.ellipsis):<{room}}{''.join(cells)}"
+    def row(name: str, texts: Sequence[str], skipped: int = 0) -> str:
+        """Return ``name``, which also takes the cells of the first columns, and the texts of the others."""
+        cells = [f" {text:>{column.cells}}" for text, column in zip(texts, columns, strict=True)]
+        name_room = room + sum(map(cell_len, cells[:skipped]))
+        name = shortened(name, name_room, look.glyphs.ellipsis)
+        return f"{name:<{name_room}}{''.join(cells[skipped:])}"
 
-    seeds = ""
+    seeds, empty = "", sum(1 for _ in takewhile(lambda column: not any(column.of_seeds), columns))
     if study is not None:
         seeds = f"  {study.seeds} seeds"
         whole = f"{seeds}{until_of(study, [lane.episodes for lane in lanes])}"
-        seeds = whole if cell_len(whole) <= room else seeds
+        free = room + sum(1 + column.cells for column in columns[:empty])
+        seeds = whole if cell_len(whole) <= free else seeds
     found = []
     for number, lane in enumerate(lanes):
         own = row(to_ascii(lane.name, look.glyphs), [column.own[number] for column in columns])
-        below = row(seeds, [column.of_seeds[number] for column in columns]) if seeds else ""
+        below = row(seeds, [column.of_seeds[number] for column in columns], empty) if seeds else ""
         found.append(LaneRow(own, below))
     return row("run", [column.head for column in columns]), found
 
