@@ -20,18 +20,16 @@ class MenuActions(Subject):
 
     def open(self, key: str) -> None:
         """Open the menu of ``key``."""
-        is_of_program = key == _AGENT and self._watches_program
-        title = "Your program" if is_of_program else MENUS[key]
+        title = "Your program" if self._is_of_program(key) else MENUS[key]
         strip = MenuStrip(self.screen.look, title, lambda: [self._row(each) for each in self._listed(key)])
         self.ask(strip, self._do)
 
-    @property
-    def _watches_program(self) -> bool:
-        return self.snapshot is not None and self.snapshot.program is not None
+    def _is_of_program(self, key: str) -> bool:
+        return key == _AGENT and self.snapshot is not None and self.snapshot.program is not None
 
     def _listed(self, key: str) -> list[Action]:
         """Return the actions of the menu, without those of another kind of run."""
-        is_of_program = key == _AGENT and self._watches_program
+        is_of_program = self._is_of_program(key)
         listed = [action for action in self.screen.actions if action.menu == key]
         return [action for action in listed if action.of_program or not is_of_program]
 
