@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from seams import click, notes, on_screen, playground, press, snapshot, train
+from seams import click, notes, on_screen, playground, press, settle, snapshot, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -13,7 +13,7 @@ from rl_tui.live.snapshot import Phase
 from rl_tui.screen.dialogs.form import Choice, Form
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_sheet import KeySheet
-from rl_tui.screen.frame.menu_strip import MenuStrip
+from rl_tui.screen.frame.menu_strip import MenuRow, MenuStrip
 from rl_tui.screen.keys.action import MENUS
 from rl_tui.screen.playground.actions.lanes import ONE_RUN
 from rl_tui.screen.playground.playground import Playground
@@ -98,6 +98,18 @@ async def test_rows_show_current_values_while_the_run_goes_on(make_app: MakeApp)
         assert isinstance(pilot.app.screen, MenuStrip)
         assert playground(pilot).snapshot is not None
         assert snapshot(pilot).counters.step > before
+
+
+async def test_a_reason_that_comes_while_the_menu_is_open_is_shown_whole(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake"), (60, 18)) as pilot:
+        row = MenuRow("one", "o", "one", "", "Do it.", "")
+        rows = [row]
+        pilot.app.push_screen(MenuStrip(playground(pilot).look, "Test", lambda: list(rows)))
+        await settle(pilot)
+        rows[:] = [row._replace(refused=f"{'because of this and that, ' * 4}this is the end")]
+        strip(pilot).show(snapshot(pilot))
+        await settle(pilot)
+        assert "this is the end." in lines(pilot)[-1]
 
 
 async def test_escape_closes_the_menu_and_not_the_mode_below(make_app: MakeApp) -> None:

@@ -63,6 +63,15 @@ class MenuRows(Widget):
 
     def on_resize(self) -> None:
         """Take as many lines as are needed."""
+        self._fit()
+
+    def show(self, rows: Sequence[MenuRow]) -> None:
+        """Draw ``rows`` in place of those before."""
+        self.rows = rows
+        self._fit()
+        self.refresh()
+
+    def _fit(self) -> None:
         width = max(1, self.size.width - 2)
         most = max(len(wrap(_sentence(row), width)) for row in self.rows)
         self.styles.height = 1 + self.lines + most
@@ -127,8 +136,7 @@ class MenuStrip(Dialog[str]):
         """Show the current values, and what can be done now."""
         rows = self._rows_now()
         if rows != self.menu.rows:
-            self.menu.rows = rows
-            self.menu.refresh()
+            self.menu.show(rows)
 
     def on_key(self, event: events.Key) -> None:
         """Do what a letter says, or move the cursor; no key reaches the screen below."""
