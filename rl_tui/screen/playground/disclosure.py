@@ -13,9 +13,8 @@ from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, TABLE, TIMELINE, W
 
 _CHANGES_AGENT: Final = ("agent", "menus.open('a')")
 """What the commands begin with after which the settings are in view."""
-
-
 _FIRST: Final = frozenset({WORLD})
+_ONCE_LEARNED: Final = frozenset({TABLE, LAST_STEP})
 
 
 def first_panels(lesson: LessonRecord | None, *, is_gradual: bool, shows_all: bool) -> frozenset[str] | None:
@@ -53,7 +52,8 @@ class Disclosure(Subject):
         agent, found = snapshot.agent, set[str]()
         if snapshot.counters.episodes:
             found |= {CURVE, TIMELINE}
-        if np.any(agent.q[agent.visits > 0] != snapshot.recipe.hyperparameters.initial_q):
+        is_looked_for = not self._so_far >= _ONCE_LEARNED
+        if is_looked_for and np.any(agent.q[agent.visits > 0] != snapshot.recipe.hyperparameters.initial_q):
             if TABLE in self._so_far and snapshot.playback.phase is Phase.PAUSED:
                 found.add(LAST_STEP)
             found.add(TABLE)
