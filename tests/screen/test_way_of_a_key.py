@@ -18,7 +18,7 @@ from rl_tui.runs.library import find, recipe_for
 
 WAITING = (
     "settle",
-    "_playgrounds",
+    "_commands_sent",
     "Settling._carried_out",
     "Settling.settled",
     "Player.carried_out",

@@ -65,21 +65,20 @@ async def settle(pilot: Pilot[UserError]) -> None:
     """Wait until everything that was asked for is done and drawn."""
     for _ in range(_MOST_LAYOUTS):
         await pilot.pause()
-        sent = [each.link.sent for each in _playgrounds(pilot)]
-        for screen in pilot.app.screen_stack:
+        sent = _commands_sent(pilot)
+        for screen in list(pilot.app.screen_stack):  # another playground may come in place of one meanwhile
             if isinstance(screen, Playground | CatalogueScreen | LessonsScreen):
                 await screen.settled()
         await pilot.pause()
         # a layout that comes late brings cells into view that were not asked for before, and some pictures
         # ask for what they lack
-        playgrounds = _playgrounds(pilot)
-        is_complete = all(each.board.is_complete for each in playgrounds)
-        if is_complete and [each.link.sent for each in playgrounds] == sent:
+        if _commands_sent(pilot) == sent and all(each.board.is_complete for each in sent):
             return
 
 
-def _playgrounds(pilot: Pilot[UserError]) -> list[Playground]:
-    return [screen for screen in pilot.app.screen_stack if isinstance(screen, Playground)]
+def _commands_sent(pilot: Pilot[UserError]) -> dict[Playground, int]:
+    """Return how many commands each playground has sent."""
+    return {each: each.link.sent for each in pilot.app.screen_stack if isinstance(each, Playground)}
 
 
 def _stop_blinking(app: RlTuiApp) -> None:
