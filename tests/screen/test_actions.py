@@ -9,11 +9,13 @@ from conftest import MakeApp
 from seams import on_screen, playground, press, snapshot
 from textual.actions import parse
 
+from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_line import fitting
 from rl_tui.screen.keys.action import MENUS, Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import ACTIONS, actions_of
 from rl_tui.screen.playground.playground import Playground
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 
 PLACES = [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND]
 SINGLE_KEYS = {
@@ -34,13 +36,14 @@ def usual(place: Place) -> list[Action]:
 
 
 def hints(width: int) -> list[str]:
-    shown, _ = fitting(usual(Place.PLAYGROUND), width)
+    shown, _ = fitting(usual(Place.PLAYGROUND), width, UNICODE)
     return [" ".join(action.key_hint) for action in shown]
 
 
-def line_width(width: int) -> int:
-    shown, gap = fitting(usual(Place.PLAYGROUND), width)
-    return 1 + sum(len(" ".join(action.key_hint)) for action in shown) + gap * (len(shown) - 1)
+def line_width(width: int, glyphs: Glyphs) -> int:
+    shown, gap = fitting(usual(Place.PLAYGROUND), width, glyphs)
+    texts = [to_ascii(" ".join(action.key_hint), glyphs) for action in shown]
+    return 1 + sum(map(len, texts)) + gap * (len(shown) - 1)
 
 
 def single(actions: list[Action]) -> set[str]:
@@ -123,9 +126,10 @@ def test_the_key_line_drops_whole_entries_and_keeps_the_key_of_all_keys() -> Non
     assert hints(1) == ["? keys"]
 
 
-@pytest.mark.parametrize("width", range(7, 200))
-def test_the_key_line_fits(width: int) -> None:
-    assert line_width(width) <= width
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
+@pytest.mark.parametrize("width", range(7, 260))
+def test_the_key_line_fits(width: int, glyphs: Glyphs) -> None:
+    assert line_width(width, glyphs) <= width
 
 
 async def test_without_a_focus_arrows_go_through_time_and_into_the_world(make_app: MakeApp) -> None:

@@ -19,6 +19,7 @@ from rl_tui.screen.frame.menu_strip import MenuStrip
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.registry import ACTIONS, actions_of
 from rl_tui.screen.playground.playground import Playground
+from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.files.catalogue import find
 
 FOR_THE_OWNER = {"door_4", "new_world", "session.save", "export.choose", "delete_session", "suspend"}
@@ -38,7 +39,7 @@ def test_all_but_what_is_for_the_owner_is_offered(place: Place) -> None:
 
 @pytest.mark.parametrize("width", range(60, 240, 20))
 def test_the_key_line_has_none_of_it(width: int) -> None:
-    shown, _ = fitting(actions_of(Place.PLAYGROUND | Place.KIOSK), width)
+    shown, _ = fitting(actions_of(Place.PLAYGROUND | Place.KIOSK), width, UNICODE)
     assert not {each.id for each in shown} & FOR_THE_OWNER
 
 

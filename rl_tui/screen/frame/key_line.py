@@ -23,34 +23,35 @@ Hints = tuple[tuple[str, str], ...]
 """Keys, and what they do in a word."""
 
 
-def fitting(actions: Sequence[Action], width: int) -> tuple[tuple[Action, ...], int]:
+def fitting(actions: Sequence[Action], width: int, glyphs: Glyphs) -> tuple[tuple[Action, ...], int]:
     """Return those of ``actions`` whose hints fit into ``width`` columns, as shown, and the gap between.
 
     Entries are dropped whole, those of the highest rank first; the one of the lowest rank (help) stays in any
     width and stands last. The gap is the wide one where that drops nothing more.
     """
     ranked = sorted((a for a in actions if a.rank is not None), key=lambda a: a.rank or 0)
-    wide, narrow = (_as_many_as_fit(ranked, width, gap) for gap in _GAPS)
+    wide, narrow = (_as_many_as_fit(ranked, width, gap, glyphs) for gap in _GAPS)
     shown, gap = (wide, _GAPS[0]) if len(wide) == len(narrow) else (narrow, _GAPS[1])
     last, *others = shown
     return (*sorted(others, key=actions.index), last), gap
 
 
-def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int) -> tuple[Action, ...]:
+def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int, glyphs: Glyphs) -> tuple[Action, ...]:
     shown: list[Action] = []
     used = 1
     for action in ranked:
-        used += _columns(action) + (gap if shown else 0)
+        used += _columns(action, glyphs) + (gap if shown else 0)
         if used > width and shown:
             break
         shown.append(action)
     return tuple(shown)
 
 
-def _columns(action: Action) -> int:
+def _columns(action: Action, glyphs: Glyphs) -> int:
     """Return how wide a hint is at most: what stands behind it does not move when the run begins or ends."""
     keys, label = action.key_hint
-    return len(keys) + 1 + max(len(label), len(action.while_running))
+    widest = max(cell_len(to_ascii(word, glyphs)) for word in (label, action.while_running))
+    return cell_len(to_ascii(keys, glyphs)) + 1 + widest
 
 
 def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) -> int:
@@ -103,7 +104,7 @@ class KeyLine(Widget):
     def _fitting_first(self) -> Hints:
         """Return the longest way to write what stands first that leaves room for the help, else the last."""
         last = min((a for a in self._actions if a.rank is not None), key=lambda action: action.rank or 0)
-        room = self.size.width - _columns(last) - _GAPS[1]
+        room = self.size.width - _columns(last, self.look.glyphs) - _GAPS[1]
         fitting = (each for each in self.first if _line_columns(each, _GAPS[1], self.look.glyphs) <= room)
         return next(fitting, self.first[-1] if self.first else ())
 
@@ -125,7 +126,7 @@ class KeyLine(Widget):
         shown, gap = self._fitting_actions()
         column = self._press_hint(self._fitting_first(), gap, offset.x)
         for action in shown:
-            end = column + _columns(action)
+            end = column + _columns(action, self.look.glyphs)
             if column <= offset.x < end:
                 await self.screen.run_action(action.textual_action)
                 return
@@ -141,7 +142,7 @@ class KeyLine(Widget):
         room = self.size.width
         if first:
             room -= _line_columns(first, _GAPS[0], self.look.glyphs) - 1 + _GAPS[0]
-        return fitting(actions, room)
+        return fitting(actions, room, self.look.glyphs)
 
     def _press_hint(self, hints: Sequence[tuple[str, str]], gap: int, x: int) -> int:
         """Press the key of the hint in column ``x``, or menu and letter; return where the next one begins."""
