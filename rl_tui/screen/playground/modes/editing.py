@@ -381,9 +381,11 @@ class WorldEditing(KeyMode):
         if not edits or draft is None:
             return
         try:
-            edited_draft(draft, edits)
+            is_new = edited_draft(draft, edits).table != draft.table
         except UserError as fault:
             self.screen.tell(str(fault))
+            return
+        if not is_new:  # painted twice: undoing it once takes it back
             return
         self.link.send(DrawWorld(tuple(edits)))
         self._pending.note(self.link.wanted.sent, edits)
