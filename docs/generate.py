@@ -32,6 +32,7 @@ from rl_tui.screen.glossary.glossary import BOOK, figure_text
 from rl_tui.screen.glossary.glossary import glossary as terms
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.registry import ACTIONS
+from rl_tui.screen.playground.modes.drawing import POLICY_ACTIONS
 from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
 from rl_tui.studies.sweeps.cell import MEASURES as SWEEP_MEASURES
 from rl_tui.studies.sweeps.schema import SCHEMA
@@ -100,12 +101,12 @@ def keys() -> str:
 
 
 def drawing_keys() -> str:
-    """Return the tools of each kind of world, with their keys, and those of all."""
+    """Return what draws a policy, and each kind of world, with its keys."""
     kinds = {"A map": Grid, "A graph": Graph, "A bandit": Arms}
-    tools = {title: TOOLBOXES[kind]().tools for title, kind in kinds.items()} | {"All": ALWAYS}
+    tools = {"A policy": POLICY_ACTIONS, **{title: TOOLBOXES[kind].tools for title, kind in kinds.items()}}
     parts = []
-    for title, each in tools.items():
-        rows = [(f"`{tool.shown}`" if tool.shown else "", tool.label, tool.help) for tool in each]
+    for title, each in {**tools, "Every world": ALWAYS}.items():
+        rows = [(f"`{tool.shown}`", tool.label, tool.help) for tool in each]
         parts += [f"### {title}", _table(("key", "name", "what it does"), rows)]
     return "\n\n".join(parts)
 

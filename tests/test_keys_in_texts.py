@@ -10,6 +10,7 @@ import pytest
 
 from rl_tui.screen.keys.action import MENUS
 from rl_tui.screen.keys.registry import ACTIONS
+from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
 
 ROOT: Final = Path(__file__).parents[1]
 GLOSSARY: Final = ROOT / "rl_tui/screen/glossary/glossary.toml"
@@ -20,12 +21,13 @@ QUOTED: Final = re.compile(r"`([^`\s]|[a-z] [^`\s])`")
 SIGNS: Final = {"number_sign": "#", "left_square_bracket": "[", "right_square_bracket": "]"}
 CURRENT: Final = {key for each in ACTIONS for key in (each.shown, *each.key.split(","))}
 ONLY_OLD: Final = {SIGNS.get(each.old, each.old) for each in ACTIONS if each.old} - CURRENT
-PATHS: Final = {each.key for each in ACTIONS if each.menu}
+DRAWING: Final = {tool.key for each in TOOLBOXES.values() for tool in (*each.tools, *ALWAYS)}
+PATHS: Final = {each.key for each in ACTIONS if each.menu} | DRAWING
 
 OTHERS: Final = {
     "atlas.md": "n",  # a key of the map of settings
     "commands.md": "V",  # of JSON
-    "drawing.md": "#CFGHIiNopSVz",  # tools and characters of maps
+    "drawing.md": "[]z",  # tools
     "keys.md": "op",  # a tool; the letter of a menu
     "own-code.md": "PQ",  # attributes of programs
     "questions.md": "C",  # a tool

@@ -17,8 +17,9 @@ from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.frame.menu_strip import MenuRows
 from rl_tui.screen.panels.controls.slider import Slider
-from rl_tui.screen.panels.draw_panel import ToolList
+from rl_tui.screen.panels.draw_panel import ToolList, ToolRow
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.editing.drafts import first_draft
@@ -161,8 +162,8 @@ class Keys(Hands):
 
     async def resize(self, by: int, what: str) -> None:
         await self._go((1, 0) if what == "rows" else (0, 1))
-        last, away = ("R", "u") if what == "rows" else ("N", "U")
-        await press(self.pilot, *[last] * by, *[away] * -by)
+        last, away = (("w", "b"), ("w", "d")) if what == "rows" else (("w", "e"), ("w", "x"))
+        await press(self.pilot, *last * by, *away * -by)
         rows, columns = map_drawn(self.pilot).rows, map_drawn(self.pilot).columns
         self._at = min(self._at[0], rows - 1), min(self._at[1], columns - 1)
 
@@ -197,7 +198,7 @@ class Keys(Hands):
         await self.pilot.press(str(number), "enter", *f"{value:g}", "enter")
 
     async def pay_on_leaving(self) -> None:
-        await press(self.pilot, "o", *["down"] * 5, "enter", "down", "enter")
+        await press(self.pilot, "w", "r", *["down"] * 5, "enter", "down", "enter")
 
 
 class Mouse(Hands):
@@ -236,11 +237,21 @@ class Mouse(Hands):
         return self._places[cell[0] * drawing.columns + cell[1]]
 
     async def tool(self, text: str) -> None:
-        """Click the tool that is written so."""
-        tools = self.pilot.app.screen.query_one(ToolList)
-        rows = [tools.render_line(y).text for y in range(tools.size.height)]
-        y, x = next((y, row.index(text)) for y, row in enumerate(rows) if text in row)
-        await self.pilot.click(tools, offset=(x, y))
+        """Click the tool that is written so in the panel."""
+        screen = self.pilot.app.screen
+        await self._click_text(text, screen.query_one(ToolList), *screen.query(ToolRow))
+
+    async def of_menu(self, label: str) -> None:
+        """Click the last row of the panel, then the row of its menu that is called so."""
+        rest = list(self.pilot.app.screen.query(ToolRow))[-1]
+        await self.pilot.click(rest, offset=(1, rest.size.height - 1))
+        await settle(self.pilot)
+        await self._click_text(label, self.pilot.app.screen.query_one(MenuRows))
+
+    async def _click_text(self, text: str, *widgets: Widget) -> None:
+        places = ((each, y, each.render_line(y).text) for each in widgets for y in range(each.size.height))
+        widget, y, row = next(each for each in places if text in each[2])
+        await self.pilot.click(widget, offset=(row.index(text), y))
 
     async def drag(self, widget: Widget, first: tuple[int, int], last: tuple[int, int]) -> None:
         """Drag the pointer from one place of ``widget`` to another, so fast that nothing between is seen."""
@@ -258,11 +269,11 @@ class Mouse(Hands):
         await self.pilot.pause()
 
     async def resize(self, by: int, what: str) -> None:
-        last, away = ("R row last", "u row −") if what == "rows" else ("N col last", "U column −")
+        last, away = ("row below", "row away") if what == "rows" else ("column right", "column away")
         await self.tool("A arrow")
         await self.pilot.click(self._view, offset=self.offset((1, 0) if what == "rows" else (0, 1)))
         for _ in range(abs(by)):
-            await self.tool(last if by > 0 else away)
+            await self.of_menu(last if by > 0 else away)
             await settle(self.pilot)
         self._look()
 
@@ -323,4 +334,4 @@ class Mouse(Hands):
             await self.wheel(slider, (1, 0), round((value - now) / slider.scale.step))
 
     async def pay_on_leaving(self) -> None:
-        await self.tool("on leaving")
+        await self.of_menu("on leaving")

@@ -19,7 +19,7 @@ from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.keys.registry import ACTIONS
-from rl_tui.screen.panels.draw_panel import ToolList
+from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, ToolList, ToolSheet, fitting
 from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
@@ -76,15 +76,19 @@ async def test_every_tool_and_every_number_is_on_screen(
         glyphs, text = ASCII if ascii_only else UNICODE, screen_text(pilot.app)
         tools = (*TOOLBOXES[type(snapshot(pilot).world.drawing)]().tools, *ALWAYS)
         for tool in tools:
-            written = "four moves" if tool.id == "moves" else f"{tool.shown} {tool.word}".strip()
-            assert not tool.in_panel or to_ascii(written, glyphs) in text, written
+            written = f"{tool.shown} {tool.label}"
+            assert not tool.in_panel or tool.shown == "w" or to_ascii(written, glyphs) in text, written
         panel = playground(pilot).board.tools
         assert panel.sliders
         for each in panel.sliders:
             assert to_ascii(each.parameter.symbol, glyphs) in each.render_line(0).text
             assert panel.region.contains_region(each.region)
-        assert not panel.show_vertical_scrollbar
-        await press(pilot, "escape")
+        await press(pilot, "w")
+        text = screen_text(pilot.app)
+        for tool in tools:
+            written = f"{tool.key[-1]} {tool.label}"
+            assert not tool.is_in_menu or to_ascii(written, glyphs) in text, written
+        await press(pilot, "escape", "escape")
         assert not pilot.app.screen.query_one(ToolList).is_on_screen
 
 
@@ -106,13 +110,14 @@ async def test_tools_are_taken_by_a_click_by_their_names_and_by_quick_keys(make_
         assert not strokes(pilot)
         assert playground(pilot).focused is playground(pilot).board.world, "keys draw as before"
         await press(pilot, "right")
+        listed = {each.label: each.sentence for each in playground(pilot).actions}
         for tool in (*TOOLBOXES[Grid]().tools, *ALWAYS):
-            assert tool.help in found(pilot, tool.label).values(), tool
+            assert listed[tool.label] in found(pilot, tool.label).values(), tool
         await pilot.app.screen.run_action("do(\"editing.use('H')\")")
         await settle(pilot)
         assert map_drawn(pilot).lines[0] == "SH.."
         await press(pilot, "right")
-        await tap(pilot, "plus", "plus", "plus")
+        await tap(pilot, *["right_square_bracket"] * 3)
         pays = map_drawn(pilot).legend[map_drawn(pilot).lines[0][2]].pays
         assert pays == 3.0, "keys count before their picture comes"
 
@@ -201,9 +206,9 @@ async def test_a_rectangle_is_marked_copied_and_moved_by_the_mouse(make_app: Mak
         await hands.drag(view, hands.offset((2, 2)), hands.offset((3, 3)))
         await settle(pilot)
         assert len(view.picked) == 4
-        await hands.tool("y copy")
+        await hands.of_menu("copy")
         await pilot.click(view, offset=hands.offset((0, 4)))
-        await hands.tool("p paste")
+        await hands.of_menu("paste")
         await settle(pilot)
         assert [line[4:6] for line in map_drawn(pilot).lines[:2]] == ["##", ".H"]
         await hands.tool("z undo")
@@ -212,7 +217,7 @@ async def test_a_rectangle_is_marked_copied_and_moved_by_the_mouse(make_app: Mak
         await hands.tool("Z redo")
         await settle(pilot)
         assert strokes(pilot) == 3
-        await hands.tool("esc end")
+        await pilot.press("escape")
         await settle(pilot)
         assert snapshot(pilot).editor.draft is None
 
@@ -221,7 +226,7 @@ async def test_of_a_graph_one_outcome_is_changed_by_the_mouse_and_a_state_goes_w
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await press(pilot, "w", "d", "up", "u")  # Phone
+        await press(pilot, "w", "d", "up", "w", "d")  # Phone
         assert graph_drawn(pilot).states == ("Class", "Pass", "Sleep")
         await press(pilot, "z")
         assert graph_drawn(pilot).states == ("Class", "Pass", "Phone", "Sleep")
@@ -234,7 +239,7 @@ async def test_of_a_graph_one_outcome_is_changed_by_the_mouse_and_a_state_goes_w
             return chances_of(entry)
 
         await hands.tool("study → Class")
-        await hands.tool("+ likelier")
+        await hands.tool("] more")
         await settle(pilot)
         assert study() == {"Pass": 0.75, "Class": 0.25}
         await hands.wheel(slider(pilot.app, "chance"), (1, 0), 5)
@@ -248,7 +253,7 @@ async def test_of_a_graph_one_outcome_is_changed_by_the_mouse_and_a_state_goes_w
         await hands.wheel(slider(pilot.app, "chance"), (1, 0), -1)
         await settle(pilot)
         assert "nothing but Phone comes of check phone" in notes(pilot.app)[-1]
-        await hands.tool("del action −")
+        await hands.tool("del remove")
         await settle(pilot)
         assert graph_drawn(pilot).entry("Class", "check phone") is None
 
@@ -275,7 +280,7 @@ async def test_arms_are_drawn_by_the_mouse(make_app: MakeApp) -> None:
         before = arms_drawn(pilot).means
         await hands.wheel(slider(pilot.app, "std"), (1, 0), 2)
         await hands.wheel(slider(pilot.app, "drift"), (1, 0), 1)
-        await hands.tool("R arm last")
+        await hands.of_menu("arm last")
         await settle(pilot)
         draft = arms_drawn(pilot)
         assert draft.rules["std"] == pytest.approx(1.1)
@@ -298,15 +303,17 @@ async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.Monkey
         await press(pilot, "w", "d", "right", "H")
         assert map_drawn(pilot).lines[0] == "SH.."
         screens = len(pilot.app.screen_stack)
-        await press(pilot, "w")
-        assert notes(pilot.app)[-1] == "saving is off here: this is a kiosk"
+        await press(pilot, "w", "s")
+        assert "Not now: saving is off here: this is a kiosk." in screen_text(pilot.app)
+        await press(pilot, "escape")
         assert len(pilot.app.screen_stack) == screens
-        for key in ("i", "R", "I", "N"):
-            await press(pilot, key)
+        for letter in "ibhe":
+            await press(pilot, "w", letter)
             assert "at most 17 cells" in notes(pilot.app)[-1]
             assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4
         # what is pasted over the edge is cut off there: nothing makes a map larger but its lines
-        await press(pilot, "m", "down", "y", "down", "down", "right", "right", "p")
+        await press(pilot, "w", "m", "down", "w", "c")
+        await press(pilot, "down", "down", "right", "right", "w", "v")
         assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4
 
 
@@ -314,8 +321,8 @@ async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.Monkey
 @pytest.mark.parametrize(
     ("scenario", "limit", "most", "keys"),
     [
-        ("student", "graph_draft.MOST_STATES_WRITTEN", 4, ("i", "n", "e", "w", "enter")),
-        ("bandit", "arms_draft.MOST_ARMS", 10, ("i",)),
+        ("student", "graph_draft.MOST_STATES_WRITTEN", 4, ("w", "i", "n", "e", "w", "enter")),
+        ("bandit", "arms_draft.MOST_ARMS", 10, ("w", "i")),
     ],
     ids=["student", "bandit"],
 )
@@ -329,3 +336,46 @@ async def test_limits_of_size_hold_for_states_and_arms(
         await press(pilot, "w", "d", *keys)
         assert not strokes(pilot)
         assert f"{most}" in screen_text(pilot.app)
+
+
+@pytest.mark.parametrize("kind", TOOLBOXES, ids=lambda kind: kind.__name__)
+def test_tools_have_keys_of_their_own_and_take_no_small_letter_but_that_of_their_menu(kind: type) -> None:
+    tools = (*TOOLBOXES[kind].tools, *ALWAYS)
+    keys = [tool.key for tool in tools]
+    assert len(set(keys)) == len(keys)
+    assert {key for key in keys if len(key) == 1 and key.islower()} == {"w", "z"}
+    assert {tool.key[0] for tool in tools if tool.is_in_menu} == {"w"}
+    assert not {tool.key[-1] for tool in tools if tool.is_in_menu} & {*"jkq"}
+    for tool in tools:
+        assert len(tool.label.split()) <= 2, tool
+        assert len(tool.help.split()) <= 10, tool
+
+
+@pytest.mark.parametrize("scenario", ["maze", "student"])
+async def test_the_least_terminal_has_all_brushes_the_number_and_the_way_to_the_rest(
+    make_app: MakeApp, scenario: str
+) -> None:
+    async with on_screen(make_app(scenario), (60, 18)) as pilot:
+        await press(pilot, "w", "d")
+        text, panel = screen_text(pilot.app), playground(pilot).board.tools
+        toolbox = TOOLBOXES[type(snapshot(pilot).world.drawing)]
+        for tool in toolbox.tools:
+            assert not (tool.in_panel or tool.is_of_number) or f"{tool.shown} {tool.label}" in text, tool
+        assert f"w {toolbox.rest}" in text
+        assert "sliders" in text
+        assert panel.region.contains_region(panel.sliders[0].region)
+        await press(pilot, "2")
+        assert panel.sliders[1].parameter.symbol in panel.sliders[1].render_line(0).text
+        assert panel.region.contains_region(panel.sliders[1].region), "it comes into view"
+
+
+@pytest.mark.parametrize("on", [0, 4, 8])
+def test_of_many_outcomes_the_chosen_one_is_shown_and_how_many_are_not(on: int) -> None:
+    lines = tuple(SheetLine(f"outcome {number}", number, is_on=number == on) for number in range(9))
+    tools = ToolCell("=", "=", "value"), ToolCell("w", "w", "rules")
+    sheet = ToolSheet(about=(("here",),), lines=lines, of_number=tools[:1], rest=tools[1:])
+    room = fitting(sheet, 30, 8, 3, UNICODE)
+    assert room.tools + room.sliders + 2 == 8
+    *seen, hint = room.sheet.lines
+    assert [each.number for each in seen if each.is_on] == [on]
+    assert f"{9 - len(seen)} more" in hint.text

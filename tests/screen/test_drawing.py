@@ -163,8 +163,8 @@ async def test_the_mode_is_seen_and_ends_by_its_keys_and_by_another_mode(make_ap
             assert world.has_focus
             said = "return .01 · 10 states on its way at random (?)" if drawn(pilot) else "all at random (?)"
             assert world.head.endswith(f" · {said}")
-            assert world.foot == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · esc: end"
-            assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  w p end")
+            assert world.foot == "1 ↑  2 →  3 ↓  4 ← · del: undraw · C: draw afresh · esc: end"
+            assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  esc end")
             await press(pilot, "shift+right", *keys_of_end)
             assert not screen.drawing.is_on
             assert not world.has_class("-manual")

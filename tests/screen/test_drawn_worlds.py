@@ -65,13 +65,13 @@ async def test_the_student_evening_is_drawn_from_a_blank_graph_by_keys() -> None
         await press(pilot, "w", "d", "down", "up")
         for source, name in (("Start", "Class"), ("Class", "Phone"), ("Class", "Pass"), ("Phone", "Sleep")):
             await go_to(pilot, source)
-            await press(pilot, "i")
+            await press(pilot, "w", "i")
             await type_lines(pilot, name)
         await go_to(pilot, "Class")
         await press(pilot, "S")
         for state in ("Start", "Detour"):  # and with them End, to which nothing leads then
             await go_to(pilot, state)
-            await press(pilot, "u")
+            await press(pilot, "w", "d")
         await set_action(pilot, "Class", "study", "Pass 0.8, Class 0.2 pays -2")
         await set_action(pilot, "Class", "check phone", "Phone")
         await set_action(pilot, "Phone", "scroll", "Phone pays -1")

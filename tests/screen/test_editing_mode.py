@@ -60,11 +60,11 @@ async def click_cell(pilot: Pilot[UserError], cell: int) -> None:
 async def test_a_lake_is_drawn_by_keys_alone_and_by_the_mouse_alone(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         before = digest(pilot)
-        await press(pilot, "w", "d", "down", "right", "full_stop", "number_sign", "z", "z")
-        assert digest(pilot) == before, "undone"
+        await press(pilot, "w", "d", "down", "right", "full_stop", "number_sign", "enter", "z", "z")
+        assert digest(pilot) == before, "undone: what is painted twice is one stroke"
         await press(pilot, "full_stop", "H")
         assert digest(pilot) == before, "the hole is where it was"
-        await press(pilot, "i", "u")
+        await press(pilot, "w", "i", "w", "d")
         assert digest(pilot) == before
         await press(pilot, "escape")
         assert snapshot(pilot).editor.draft is None
@@ -79,16 +79,16 @@ async def test_a_rectangle_is_copied_and_filled_and_rewards_are_typed_and_counte
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "w", "d", "down", "m", "right", "y", "down", "down", "p")
+        await press(pilot, "w", "d", "down", "w", "m", "right", "w", "c", "down", "down", "w", "v")
         assert lines(pilot)[3] == "H.HG"
-        await press(pilot, "m", "right", "right", "number_sign")
+        await press(pilot, "w", "m", "right", "right", "number_sign")
         assert lines(pilot)[3] == "H###"
         await press(pilot, "up", "equals_sign", "5", "enter")
         for pays in (5.0, 4.0):
             draft = snapshot(pilot).editor.draft
             assert isinstance(draft, GridDraft)
             assert draft.legend[draft.lines[2][3]].pays == pays
-            await press(pilot, "minus")
+            await press(pilot, "left_square_bracket")
 
 
 async def test_without_a_start_it_is_a_draft_and_the_last_step_of_another_world_is_not_told(
@@ -113,7 +113,7 @@ async def test_without_its_start_a_graph_says_what_is_missing_until_another_stat
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
-        shown = await press(pilot, "w", "d", "u")
+        shown = await press(pilot, "w", "d", "w", "d")
         assert "Not yet: no start" in screen_text(pilot.app)
         assert title(shown)[0].startswith("Not a world yet: no start")
         shown = await press(pilot, "right", "S")
@@ -134,7 +134,7 @@ async def test_while_arms_are_drawn_the_legend_has_their_true_means_and_drift_is
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.exhaustive("a size"))])
 async def test_a_lane_of_another_world_stands_beside(make_app: MakeApp, size: tuple[int, int]) -> None:
     async with on_screen(make_app("frozenlake"), size) as pilot:
-        await press(pilot, "s", "s", "s", "w", "d", "i", "escape", "s", "b", "b", "a", "t")
+        await press(pilot, "s", "s", "s", "w", "d", "w", "i", "escape", "s", "b", "b", "a", "t")
         shown = await press(pilot, "s")
         assert len(shown.timeline.branches) == 2
         playground(pilot).lanes.link.send(AddBranch(0))
@@ -160,7 +160,7 @@ async def test_after_a_save_r_starts_again_in_the_world_that_was_drawn_and_asks_
     path = tmp_path / "mine.toml"
     path.write_text("[grid]\nmap = '''\nS...G\n'''\n", encoding="utf-8")
     async with on_screen(make_app(str(path))) as pilot:
-        await press(pilot, "w", "d", "right", "H", "w", "enter", "escape", "s")
+        await press(pilot, "w", "d", "right", "H", "w", "s", "enter", "escape", "s")
         assert "SH..G" in path.read_text(encoding="utf-8")
         drawn = digest(pilot)
         await press(pilot, "r", "r")
@@ -189,7 +189,7 @@ async def test_what_no_action_can_do_is_refused_but_a_strange_name_comes_through
         await press(pilot, "enter")
         leave = read_edits(f'world.transition[{as_json(name)},leave]={{"to":"Class","reward":0}}')
         await order(pilot, DrawWorld(leave))
-        await press(pilot, "o", "down", "enter")
+        await press(pilot, "w", "r", "down", "enter")
         pilot.app.screen.query_one(Input).value = name
         shown = await press(pilot, "enter")
         strokes = [each.change for each in shown.timeline.current.journal]

@@ -58,16 +58,16 @@ async def test_every_stroke_is_seen_before_it_is_in_force_and_the_cursor_keeps_i
         assert shown.editor.draft is shown.editor.base
         assert "╱" not in drawn(pilot)
         world(pilot).put_cursor(6)
-        await press(pilot, "i")
+        await press(pilot, "w", "i")
         assert world(pilot).cursor == 6, "the new row"
-        await press(pilot, "down", "I")
+        await press(pilot, "down", "w", "h")
         assert world(pilot).cursor == 2 * 5 + 2, "the new column"
         await press(pilot, "right", "z")
         assert world(pilot).cursor == 2 * 4 + 2, "the cell that is left of where it was"
         await press(pilot, "z")
         assert world(pilot).cursor == 6
         world(pilot).put_cursor(15)
-        await press(pilot, "u")
+        await press(pilot, "w", "d")
         assert world(pilot).cursor == 11, "its row is gone: the last one"
 
 
@@ -76,7 +76,7 @@ async def test_the_cursor_keeps_its_arm(make_app: MakeApp) -> None:
         await press(pilot, "w", "d")
         assert isinstance(world(pilot), ArmsView)
         world(pilot).put_cursor(3)
-        await press(pilot, "i")
+        await press(pilot, "w", "i")
         assert world(pilot).cursor == 3, "the new arm"
         await press(pilot, "down", "z")
         assert world(pilot).cursor == 3, "the arm that was there"

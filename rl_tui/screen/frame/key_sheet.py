@@ -116,12 +116,6 @@ class KeySheet(Dialog[str]):
         self._panel = panel
         self._name = name
 
-    @property
-    def _usual(self) -> list[Action]:
-        """The actions whose key no tool of drawing has taken."""
-        taken = {each.key for each in self._actions if each.group is Group.DRAWING}
-        return [each for each in self._actions if (each.menu or each.key) not in taken]
-
     def compose(self) -> ComposeResult:
         """Yield the page."""
         with self.box("", "?: words   /: find   esc: close", "whole") as box:
@@ -154,12 +148,14 @@ class KeySheet(Dialog[str]):
             entries = [_entry(each) for each in self._actions if not each.menu and each.group == group]
             yield group, entries
         rest = (Group.RUN, Group.PROGRAM)
-        singles = [each for each in self._usual if not each.menu and each.group in rest]
+        singles = [each for each in self._actions if not each.menu and each.group in rest]
         yield "Everywhere", [_entry(each) for each in singles if each.key not in _ELSEWHERE]
 
     def _columns(self, entries: Sequence[_Entry], count: int, width: int) -> Iterator[Text]:
-        lines, column = -(-len(entries) // count), width // count
         keys = max(len(entry.key) for entry in entries)
+        least = keys + max(len(entry.label) for entry in entries) + 1
+        count = max(1, min(count, width // least))
+        lines, column = -(-len(entries) // count), width // count
         for line in range(lines):
             yield self._joined(self._item(each, column, keys) for each in entries[line::lines])
 
@@ -192,7 +188,7 @@ class KeySheet(Dialog[str]):
             yield line
 
     def _menus(self) -> list[tuple[str, list[_Entry]]]:
-        listed = [(key, [_entry(each) for each in self._usual if each.menu == key]) for key in MENUS]
+        listed = [(key, [_entry(each) for each in self._actions if each.menu == key]) for key in MENUS]
         return [(key, entries) for key, entries in listed if entries]
 
     def _item(self, entry: _Entry, width: int, keys: int) -> Text:

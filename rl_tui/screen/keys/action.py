@@ -54,7 +54,8 @@ class Action:
         program does not wait for a flood of other keys. ``not_for_program`` is why it cannot be done to a
         watched program, and what to do instead, with ``{file}`` for the program's file. What is
         ``of_program`` is for such a program only, what is ``of_lesson`` for a lesson. ``refused`` is why it
-        can do nothing in this world. What is ``unfocused`` counts while no panel has the focus.
+        can do nothing in this world. What is ``unfocused`` counts while no panel has the focus. ``value`` is
+        the current value of a tool of drawing, for its row in a menu.
     """
 
     id: str
@@ -80,6 +81,7 @@ class Action:
     of_lesson: bool = False
     refused: str = ""
     unfocused: bool = False
+    value: str = ""
 
     @property
     def menu(self) -> str:

@@ -78,12 +78,13 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         DRAW,
         "rl_tui.screen.panels.draw_panel:DrawPanel",
         "Draw",
-        "While you edit the world (w d): every tool with its key; a click works too. The current brush is "
-        "highlighted. A click or a drag on the world paints with it, and the wheel changes the reward "
-        "there. With the arrow (A), a click only moves the cursor, and a drag marks a rectangle. Sliders "
-        "set the rules of the world and the values under the cursor: digits or tab go to them, enter types "
-        "a value. In a graph, each outcome of the state under the cursor has a line: shift with up and "
-        "down, or a click, chooses one. Unavailable tools are dim.",
+        "While you edit the world (w d): what is in hand, what is under the cursor, the brushes, sliders. "
+        "The current brush is highlighted. A click or a drag on the world paints with it, and the wheel "
+        "changes the reward there. With the arrow (A), a click only moves the cursor, and a drag marks a "
+        "rectangle. Sliders set the rules of the world and the values under the cursor: digits or tab go to "
+        "them, enter types a value. In a graph, each outcome of the state under the cursor has a line: shift "
+        "with up and down, or a click, chooses one. The menu w has all other tools. What cannot be used now "
+        "is dim.",
         caption="what there is to draw with",
         terms=("slip", "wind", "reward", "truncated", "mdp", "arm"),
         of_drawing=True,

@@ -1,12 +1,13 @@
-"""The tools panel of the world editor: every tool with its key, and a slider for each number."""
+"""The panel of the world editor: what is in hand, tools with their keys, a slider for each number."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
 
 from rich.cells import cell_len
+from rich.style import Style
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container
@@ -21,13 +22,21 @@ from rl_tui.screen.kit.pointing import Touched
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import CellKind
+
+
+class Sign(NamedTuple):
+    """How a brush looks on the map: the kind of cell it paints, and the character in it."""
+
+    kind: CellKind
+    character: Callable[[Glyphs], str]
 
 
 @dataclass(frozen=True, slots=True)
 class ToolCell:
-    """One tool: its ``id``, its key as people see it, what it does in a word.
+    """One tool: its ``id``, its key as people see it, what it does in a word, its ``sign`` if it is a brush.
 
-    ``is_on`` says that it is in force, such as a brush; ``refused`` why it can do nothing now.
+    ``is_on`` says that it is in hand; ``refused`` why it can do nothing now.
     """
 
     id: str
@@ -35,13 +44,15 @@ class ToolCell:
     word: str
     is_on: bool = False
     refused: str = ""
+    sign: Sign | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class SheetLine:
-    """A line that can be chosen, what tools are about: an outcome of a state."""
+    """A line that can be chosen by its number, what tools are about: an outcome of a state."""
 
     text: str
+    number: int
     is_on: bool = False
 
 
@@ -56,12 +67,18 @@ class WorldNumber:
 
 @dataclass(frozen=True, slots=True)
 class ToolSheet:
-    """All of it. ``about`` are sentences, each in its forms, the longest first, for where there is room."""
+    """All of it: first what is ``in_hand``, and ``about`` it and the cursor, in forms, the longest first.
 
+    Then ``lines``, ``cells`` and ``numbers``; the tools ``of_number`` change the first one. Last, the rest.
+    """
+
+    in_hand: ToolCell | None = None
     about: tuple[tuple[str, ...], ...] = ()
     lines: tuple[SheetLine, ...] = ()
     cells: tuple[ToolCell, ...] = ()
+    of_number: tuple[ToolCell, ...] = ()
     numbers: tuple[WorldNumber, ...] = ()
+    rest: tuple[ToolCell, ...] = ()
 
 
 @dataclass
@@ -81,53 +98,77 @@ class LinePressed(Touched):
 # The list of tools
 
 
+_SIGN: Final = 3  # columns
+_MOST_SPARE: Final = 4  # columns between two columns of tools, more than needed
+_TWO_SLIDERS: Final = 44  # columns in which two stand side by side
+
+
 class ToolList(Widget):
-    """Draws a sheet: the sentences about it, lines to choose from, tools in columns of one width."""
+    """Draws rows of a sheet: what is in hand, sentences about it, lines to choose from, tools in columns."""
 
     def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
         self.look = look
         self._sheet = ToolSheet()
-        self._has_about = True
+        self._is_roomy = False
 
-    def draw_sheet(self, sheet: ToolSheet, *, has_about: bool) -> None:
-        """Draw ``sheet``, with what it is about or without."""
-        if (sheet, has_about) != (self._sheet, self._has_about):
-            self._sheet, self._has_about = sheet, has_about
+    def draw_sheet(self, sheet: ToolSheet, *, is_roomy: bool) -> None:
+        """Draw ``sheet``, with a blank row between its parts where it ``is_roomy``."""
+        if (sheet, is_roomy) != (self._sheet, self._is_roomy):
+            self._sheet, self._is_roomy = sheet, is_roomy
             self.refresh()
 
     def render_line(self, y: int) -> Strip:
         """Draw one row."""
-        width, look = self.size.width, self.look
-        palette, glyphs = look.palette, look.glyphs
-        canvas = Canvas(width, 1, palette.text)
+        canvas = Canvas(self.size.width, 1, self.look.palette.text)
         kind, number = self._row(y)
         if kind == "about":
-            forms = [separated(each, glyphs) for each in self._sheet.about[number]]
-            text = next((each for each in forms if cell_len(each) < width), forms[-1])
-            canvas.put(1, 0, shortened(text, width - 1, glyphs.ellipsis), palette.dim)
+            self._put_about(canvas, number)
         elif kind == "line":
-            line = self._sheet.lines[number]
-            mark = glyphs.cursor if line.is_on else " "
-            text = shortened(to_ascii(f"{mark}{line.text}", glyphs), width, glyphs.ellipsis)
-            canvas.put(0, 0, text, palette.focus if line.is_on else palette.text)
+            self._put_line(canvas, self._sheet.lines[number])
         elif kind == "tools":
-            for place, cell in enumerate(self._cells_in(number)):
-                self._put(canvas, place * self._column, cell)
+            columns = _columns(self._sheet.cells, self.size.width, self.look.glyphs)
+            for (x, _), cell in zip(columns, self._cells_in(number), strict=False):
+                self._put(canvas, x, cell)
         return canvas.strips()[0].apply_style(self.rich_style)
 
     def on_click(self, event: events.Click) -> None:
         """Tell which tool or line was clicked."""
         kind, number = self._row(event.y)
         if kind == "line":
-            self.post_message(LinePressed(number))
+            self.post_message(LinePressed(self._sheet.lines[number].number))
         elif kind == "tools":
-            cells, place = self._cells_in(number), event.x // self._column
-            if place < len(cells):
-                self.post_message(ToolPressed(cells[place].id))
+            columns = _columns(self._sheet.cells, self.size.width, self.look.glyphs)
+            for (x, width), cell in zip(columns, self._cells_in(number), strict=False):
+                if x <= event.x < x + width:
+                    self.post_message(ToolPressed(cell.id))
+
+    def _put_about(self, canvas: Canvas, number: int) -> None:
+        """Put what is in hand, and what it does; without it the first sentence is what matters."""
+        palette, glyphs, held, x = self.look.palette, self.look.glyphs, self._sheet.in_hand, 1
+        first, second = (palette.strong, palette.dim) if held is None else (palette.dim, palette.text)
+        style = first if number == 0 else second if number == 1 else palette.dim
+        if held is not None and number == 0:
+            x += self._put_sign(canvas, x, held, _SIGN)
+            name = _text(held, glyphs)
+            canvas.put(x, 0, name, palette.you + Style(bold=True))
+            x += cell_len(name) + 2
+        forms = [separated(each, glyphs) for each in self._sheet.about[number]]
+        room = canvas.width - x
+        text = next((each for each in forms if cell_len(each) <= room), forms[-1])
+        canvas.put(x, 0, shortened(text, room, glyphs.ellipsis), style)
+
+    def _put_line(self, canvas: Canvas, line: SheetLine) -> None:
+        glyphs, palette = self.look.glyphs, self.look.palette
+        mark = glyphs.cursor if line.is_on else " "
+        text = shortened(to_ascii(f"{mark}{line.text}", glyphs), canvas.width, glyphs.ellipsis)
+        canvas.put(0, 0, text, palette.focus if line.is_on else palette.text)
 
     def _put(self, canvas: Canvas, x: int, cell: ToolCell) -> None:
         palette, glyphs = self.look.palette, self.look.glyphs
+        if _has_signs(self._sheet.cells):
+            columns = _sign_columns(self.size.width)
+            x += self._put_sign(canvas, x + (columns > 1), cell, columns) - (columns == 1)
         key, word = to_ascii(cell.shown, glyphs), to_ascii(cell.word, glyphs)
         if cell.refused:
             canvas.put(x + 1, 0, _text(cell, glyphs), palette.dim)
@@ -135,54 +176,166 @@ class ToolList(Widget):
             canvas.put(x, 0, f" {_text(cell, glyphs)} ", palette.focus)
         else:
             canvas.put(x + 1, 0, key, palette.press)
-            canvas.put(x + 2 + cell_len(key) if key else x + 1, 0, word, palette.text)
+            canvas.put(x + 2 + cell_len(key), 0, word, palette.text)
 
-    @property
-    def _column(self) -> int:
-        return column_width(self._sheet.cells, self.look.glyphs)
+    def _put_sign(self, canvas: Canvas, x: int, cell: ToolCell, columns: int) -> int:
+        """Put the sign of ``cell`` into so many columns; return how many it takes with the blank behind."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        if cell.sign is not None:
+            block = Style(color=palette.wall.bgcolor) if glyphs.name != "ascii" else Style.null()
+            styles = {
+                CellKind.HOLE: palette.hole,
+                CellKind.GOAL: palette.goal,
+                CellKind.WALL: palette.wall + block,
+                CellKind.CLIFF: palette.cliff,
+            }
+            character = cell.sign.character(glyphs)
+            style = styles.get(cell.sign.kind, palette.unvisited)
+            canvas.put(x, 0, character[:columns].center(columns), style)
+        return columns + 1
 
     def _cells_in(self, row: int) -> Sequence[ToolCell]:
-        columns = columns_in(self._sheet.cells, self.size.width, self.look.glyphs)
-        return self._sheet.cells[row * columns : (row + 1) * columns]
+        """Return the tools of a row: they stand one below the other, column by column."""
+        columns = len(_columns(self._sheet.cells, self.size.width, self.look.glyphs))
+        return self._sheet.cells[row :: -(-len(self._sheet.cells) // columns)]
 
     def _row(self, y: int) -> tuple[str, int]:
-        about = len(self._sheet.about) if self._has_about else 0
-        if y < about:
-            return "about", y
-        y -= about
-        if y < len(self._sheet.lines):
-            return "line", y
-        return "tools", y - len(self._sheet.lines)
+        for kind, count in _parts(self._sheet, self.size.width, self.look.glyphs):
+            if y < count:
+                return kind, y
+            y -= count + self._is_roomy
+            if y < 0:
+                break
+        return "blank", 0
 
 
-def rows_of(sheet: ToolSheet, width: int, glyphs: Glyphs, *, has_about: bool) -> int:
-    """Return how many rows ``sheet`` takes in ``width`` columns."""
-    columns = columns_in(sheet.cells, width, glyphs)
-    return (len(sheet.about) if has_about else 0) + len(sheet.lines) - (-len(sheet.cells) // columns)
+def _parts(sheet: ToolSheet, width: int, glyphs: Glyphs) -> list[tuple[str, int]]:
+    """Return the parts of ``sheet`` that have rows, and how many."""
+    cells = -(-len(sheet.cells) // len(_columns(sheet.cells, width, glyphs)))
+    parts = (("about", len(sheet.about)), ("line", len(sheet.lines)), ("tools", cells))
+    return [(kind, count) for kind, count in parts if count]
 
 
-def columns_in(cells: Sequence[ToolCell], width: int, glyphs: Glyphs) -> int:
-    """Return how many ``cells`` stand in a row of ``width`` columns."""
-    return max(1, (width - 1) // column_width(cells, glyphs))
+def rows_of(sheet: ToolSheet, width: int, glyphs: Glyphs, *, is_roomy: bool) -> int:
+    """Return how many rows ``sheet`` takes in ``width`` columns, without numbers and rest."""
+    parts = _parts(sheet, width, glyphs)
+    return sum(count for _, count in parts) + (len(parts) if is_roomy else 0)
 
 
-def column_width(cells: Sequence[ToolCell], glyphs: Glyphs) -> int:
-    """Return how wide a column of ``cells`` is, with the blank before it."""
-    return max((cell_len(_text(each, glyphs)) for each in cells), default=0) + 1
+class _Room(NamedTuple):
+    """What of a sheet is shown, and the rows of its tools and of its sliders."""
+
+    sheet: ToolSheet
+    is_roomy: bool
+    tools: int
+    sliders: int
+
+
+def fitting(sheet: ToolSheet, width: int, height: int, sliders: int, glyphs: Glyphs) -> _Room:
+    """Return how ``sheet`` fits, with so many rows of ``sliders``.
+
+    Blank rows go first, then what is about the place under the cursor, then sliders, of which one row stays,
+    then lines, then the tools of the number, which the key line has too.
+    """
+    few = replace(sheet, about=sheet.about[:1])
+    for shown, is_roomy in ((sheet, True), (sheet, False), (few, False)):
+        tools = rows_of(shown, width, glyphs, is_roomy=is_roomy)
+        if tools + sliders + bool(sheet.of_number) + 1 + is_roomy <= height:
+            return _Room(shown, is_roomy, tools, sliders)
+    others = bool(sheet.of_number) + 1
+    over = rows_of(few, width, glyphs, is_roomy=False) + min(1, sliders) + others - height
+    few = replace(few, lines=_in_view(few.lines, max(1, len(few.lines) - max(0, over)), glyphs))
+    tools = rows_of(few, width, glyphs, is_roomy=False)
+    if tools + min(1, sliders) + others > height:
+        few, others = replace(few, of_number=()), 1
+    return _Room(few, False, tools, max(min(1, sliders), min(sliders, height - others - tools)))
+
+
+def _in_view(lines: tuple[SheetLine, ...], most: int, glyphs: Glyphs) -> tuple[SheetLine, ...]:
+    """Return ``lines`` in ``most`` rows: the one that is on, others, and how many are left out."""
+    if len(lines) <= most:
+        return lines
+    on = next((number for number, each in enumerate(lines) if each.is_on), 0)
+    whole = max(1, most - 1)
+    first = max(0, min(on - whole + 1, len(lines) - whole))
+    hint = SheetLine(f" {glyphs.ellipsis} {len(lines) - whole} more: shift+↑ ↓", lines[on].number)
+    return (*lines[first : first + whole], hint)[:most]
+
+
+def _columns(cells: Sequence[ToolCell], width: int, glyphs: Glyphs) -> list[tuple[int, int]]:
+    """Return where the columns of ``cells`` begin, and how wide they are: two where they fit, else one."""
+    # A blank stands before sign, key and word; a narrow sign has none before it
+    sign = 0 if not _has_signs(cells) else 1 if _sign_columns(width) == 1 else _SIGN + 1
+    half = -(-len(cells) // 2)
+    first, second = (
+        max((cell_len(_text(each, glyphs)) for each in group), default=0) + sign + 2
+        for group in (cells[:half], cells[half:])
+    )
+    if first + second > width + 1:  # the last one needs no blank behind
+        return [(0, width)]
+    first += min(max(0, width - first - second) // 2, _MOST_SPARE)
+    return [(0, first), (first, width - first)]
+
+
+def _has_signs(cells: Sequence[ToolCell]) -> bool:
+    return any(each.sign is not None for each in cells)
+
+
+def _sign_columns(width: int) -> int:
+    return _SIGN if width >= _TWO_SLIDERS else 1
 
 
 def _text(cell: ToolCell, glyphs: Glyphs) -> str:
     return to_ascii(f"{cell.shown} {cell.word}".strip(), glyphs)
 
 
+class ToolRow(Widget):
+    """A few tools of a sheet, one after the other, as many as fit."""
+
+    def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id)
+        self.look = look
+        self._cells: Sequence[ToolCell] = ()
+
+    def show(self, cells: Sequence[ToolCell], *, is_apart: bool = False) -> None:
+        """Show ``cells``, below a blank row where they stand apart."""
+        self.styles.height = 0 if not cells else 2 if is_apart else 1
+        if cells != self._cells:
+            self._cells = cells
+            self.refresh()
+
+    def render_line(self, y: int) -> Strip:
+        """Draw the row."""
+        palette, canvas = self.look.palette, Canvas(self.size.width, 1, self.look.palette.text)
+        for x, cell in self._placed() if y == self.size.height - 1 else ():
+            key, _, word = _text(cell, self.look.glyphs).partition(" ")
+            canvas.put(x, 0, key, palette.dim if cell.refused else palette.press)
+            canvas.put(x + cell_len(key) + 1, 0, word, palette.dim if cell.refused else palette.text)
+        return canvas.strips()[0].apply_style(self.rich_style)
+
+    def on_click(self, event: events.Click) -> None:
+        """Tell which tool was clicked."""
+        for x, cell in self._placed() if event.y == self.size.height - 1 else ():
+            if x <= event.x < x + cell_len(_text(cell, self.look.glyphs)):
+                self.post_message(ToolPressed(cell.id))
+
+    def _placed(self) -> Iterator[tuple[int, ToolCell]]:
+        """Yield where each begins, and the tool; they stand closer where otherwise not all fit."""
+        widths = [cell_len(_text(cell, self.look.glyphs)) for cell in self._cells]
+        gap = 2 if sum(widths) + 2 * len(widths) <= self.size.width + 1 else 1
+        x = 1
+        for cell, width in zip(self._cells, widths, strict=True):
+            if x + width > self.size.width:
+                return
+            yield x, cell
+            x += width + gap
+
+
 # The panel
 
 
-_TWO_SLIDERS: Final = 44  # columns in which two stand side by side
-
-
 class DrawPanel(Container, BoardPanel):
-    """Every tool of the kind of world that is drawn, by its name and key, and a slider for each number.
+    """The tools of the kind of world that is drawn, with their keys, and a slider for each number.
 
     What it shows comes from the mode that is on; clicks and sliders go to it as messages.
     """
@@ -192,11 +345,15 @@ class DrawPanel(Container, BoardPanel):
         self.look = look
         self._sheet = ToolSheet()
         self._tools = ToolList(look, id="tools")
+        self._of_number = ToolRow(look)
+        self._rest = ToolRow(look)
 
     def compose(self) -> ComposeResult:
-        """Yield tools and sliders."""
+        """Yield tools, sliders, and the row of what else there is."""
         yield self._tools
+        yield self._of_number
         yield Container(id="world-numbers")
+        yield self._rest
 
     def redraw(self) -> None:
         """Write the border; what there is to draw with comes by :meth:`show_sheet`."""
@@ -225,37 +382,40 @@ class DrawPanel(Container, BoardPanel):
         self._write_border()
 
     def _lay_out(self) -> None:
-        """Give the tools their rows; what they are about has some only where all of it fits."""
+        """Give each part its rows; where not all sliders fit, those in view scroll."""
         width, height = self.size
         if width < 1:
             return
         is_wide = width >= _TWO_SLIDERS
         self.set_class(is_wide, "-wide")
-        halves = sum(1 if is_wide or each.is_short else 2 for each in self._sheet.numbers)
-        sliders, glyphs = -(-halves // 2), self.look.glyphs
-        in_full = rows_of(self._sheet, width, glyphs, has_about=True)
-        has_about = in_full + sliders <= height
-        rows = in_full if has_about else rows_of(self._sheet, width, glyphs, has_about=False)
-        self._tools.styles.height = rows
-        self._tools.draw_sheet(self._sheet, has_about=has_about)
+        halves = [
+            2 if number == 0 or not (is_wide or each.is_short) else 1
+            for number, each in enumerate(self._sheet.numbers)
+        ]
+        room = fitting(self._sheet, width, height, -(-sum(halves) // 2), self.look.glyphs)
+        self._tools.styles.height = room.tools
+        self._tools.draw_sheet(room.sheet, is_roomy=room.is_roomy)
+        self._of_number.show(room.sheet.of_number)
+        self._rest.show(room.sheet.rest, is_apart=room.is_roomy)
         if self._tools.parent is not None:
-            self.query_one("#world-numbers").styles.height = sliders
+            self.query_one("#world-numbers").styles.height = room.sliders
 
     def _write_border(self) -> None:
         count = len(self._sheet.numbers)
         titles = (f"Draw · {self.caption}", "Draw")[not self.is_explained :]
         fitting = (each for each in titles if cell_len(each) <= self.size.width - BORDER_ENDS)
-        keys = f"1–{count}: its sliders" if count > 1 else "1: its slider" if count else ""
+        keys = f"1–{count}: sliders" if count > 1 else "1: slider" if count else ""
         self.write_border(next(fitting, titles[-1]), keys, self.look)
 
     def _made(self) -> Iterable[Slider]:
         glyphs = self.look.glyphs
         labels = [cell_len(to_ascii(each.parameter.symbol, glyphs)) for each in self._sheet.numbers]
-        for number in self._sheet.numbers:
+        for place, number in enumerate(self._sheet.numbers):
             slider = Slider(
                 self.look, number.parameter, number.value, reports_at_once=False, label_columns=max(labels)
             )
-            slider.set_class(number.is_short, "-short")
+            slider.set_class(place > 0 and number.is_short, "-short")
+            slider.set_class(place == 0, "-first")
             yield slider
 
     async def _replace_sliders(self) -> None:

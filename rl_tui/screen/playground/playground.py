@@ -64,11 +64,12 @@ from rl_tui.screen.playground.disclosure import Disclosure
 from rl_tui.screen.playground.modes.drawing import PolicyDrawing
 from rl_tui.screen.playground.modes.editing import WorldEditing
 from rl_tui.screen.playground.modes.manual import ManualControl
-from rl_tui.screen.playground.modes.mode import LEAVE, MODE_BINDINGS, Modes
+from rl_tui.screen.playground.modes.mode import LEAVE, Modes, mode_bindings
 from rl_tui.screen.terminal.key_queue import EarlyKeys
 from rl_tui.screen.theme.look import Look
 
 _CHECKS_ENVIRONMENT: Final = 0.5  # seconds
+_MODE_BINDINGS: Final = mode_bindings(ManualControl, PolicyDrawing, WorldEditing)
 
 
 class Playground(ActionScreen):
@@ -80,7 +81,7 @@ class Playground(ActionScreen):
     """
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *MODE_BINDINGS]
+    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *_MODE_BINDINGS]
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -187,14 +188,16 @@ class Playground(ActionScreen):
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """What a person can do here now, tools while drawing first; what is of a lesson only with one."""
-        lesson, program = self.wanted.lesson, self.program.program
+        """What a person can do here now, in a mode first; what is of a lesson only with one."""
+        lesson, program, own = self.wanted.lesson, self.program.program, self.modes.actions
+        taken = {key for each in own for key in (each.menu or each.key).split(",")}
         usual = (
             each
             for each in self.known_actions
             if (lesson or not each.of_lesson) and (program or not each.of_program)
+            if (each.menu or each.key.partition(",")[0]) not in taken
         )
-        return *self.editing.actions, *(replace(each, refused=self.why_not(each)) for each in usual)
+        return tuple(replace(each, refused=each.refused or self.why_not(each)) for each in (*own, *usual))
 
     def why_not(self, action: Action) -> str:
         """Return why ``action`` can do nothing now, as a clause; empty where it can."""

@@ -243,7 +243,7 @@ def surroundings(recipe: Recipe, world: World, *, is_edited: bool, is_awaited: b
     if world.mdp is None:
         raise UserError("an environment that is stepped for real is too slow to be mapped; try rl-tui sweep")
     if is_edited:
-        raise UserError("the world was edited: save it (w d, then w), open it, and map that")
+        raise UserError("the world was edited: save it (w d, then w s), open it, and map that")
     if world.space.pairs > MOST_PAIRS:
         raise UserError(
             f"worlds of more than {MOST_PAIRS:,} pairs of state and action are not mapped; try rl-tui sweep"

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar, Final
 
 from rich.cells import cell_len
-from rich.style import Style
 from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
@@ -332,7 +331,7 @@ class WorldView(DrawnPicture, can_focus=True):
         said: list[Piece] = []
         heading, footing = self._said if self.title or self.lane else (self.heading, self.footing)
         if self.title:
-            said += [Piece(f" {heading} ", palette.strong + Style(reverse=True))]
+            said += [Piece(f" {heading} ", palette.focus)]
         elif (
             (self.lane and not self._is_named_beside)
             or self.studied is not None

@@ -9,7 +9,7 @@ from textual.actions import parse
 
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.frame.menu_strip import MenuRow, MenuStrip
-from rl_tui.screen.keys.action import MENUS, Action
+from rl_tui.screen.keys.action import MENUS, Action, Group
 
 _AGENT: Final = "a"
 
@@ -20,7 +20,10 @@ class MenuActions(Subject):
 
     def open(self, key: str) -> None:
         """Open the menu of ``key``."""
+        listed = self._listed(key)
         title = "Your program" if self._is_of_program(key) else MENUS[key]
+        if any(each.group is Group.DRAWING for each in listed):
+            title = "Draw"
         strip = MenuStrip(self.screen.look, title, lambda: [self._row(each) for each in self._listed(key)])
         self.ask(strip, self._do)
 
@@ -36,7 +39,7 @@ class MenuActions(Subject):
     def _row(self, action: Action) -> MenuRow:
         target, deed, _ = parse(action.command or action.id)
         subject = getattr(self.screen, target, None)
-        value = subject.value(deed) if isinstance(subject, Subject) else ""
+        value = action.value or (subject.value(deed) if isinstance(subject, Subject) else "")
         return MenuRow(action.id, action.letter, action.label, value, action.help, action.refused)
 
     def _do(self, id_: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from typing import Final
 
 from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.panels.draw_panel import WorldNumber
@@ -14,9 +15,53 @@ from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.world import World
 
+_NO_RULES: Final = "arms that pay 1 or 0 have no spread and do not drift"
+
+ARMS_TOOLS: Final = (
+    Tool(
+        "equals_sign",
+        "mean…",
+        "Type the mean of the arm.",
+        lambda box, desk: box.ask_mean(desk),
+        "=",
+        is_of_number=True,
+    ),
+    *(
+        Tool(
+            key,
+            label,
+            f"Let the arm pay 0.1 {label} on average.",
+            partial(lambda amount, box, desk: box.pay(amount, desk), amount),
+            symbol,
+            is_of_number=True,
+            rank=1 if symbol == "[" else None,
+            hint=("= [ ]", "mean"),
+        )
+        for key, symbol, label, amount in (
+            ("left_square_bracket", "[", "less", -0.1),
+            ("right_square_bracket", "]", "more", 0.1),
+        )
+    ),
+    Tool("w i", "arm here", "Add an arm here.", lambda box, desk: box.resize(1, desk)),
+    Tool("w d", "arm away", "Take this arm away.", lambda box, desk: box.resize(-1, desk)),
+    Tool(
+        "w b", "arm last", "Add an arm behind all others.", lambda box, desk: box.resize(1, desk, at_end=True)
+    ),
+    Tool(
+        "w r",
+        "rules…",
+        "Set how far rewards spread, and how means drift.",
+        ask_rules,
+        why_not=lambda _, desk: _NO_RULES if _arms_of(desk).is_bernoulli else "",
+    ),
+)
+
 
 class ArmsTools(Toolbox):
     """Draws the arms of a bandit. It remembers which it has added."""
+
+    tools = ARMS_TOOLS
+    rest = "arms, rules, save"
 
     def __init__(self) -> None:
         self._added: tuple[int, int] | None = None  # how many there are with it, and its number
@@ -92,37 +137,6 @@ class ArmsTools(Toolbox):
 
     def _edit(self, desk: Desk, arm: int, mean: float) -> Edit:
         return Edit("arm", (str(arm),), repr(mean))
-
-    tools = (
-        Tool(
-            "plus",
-            "+",
-            "more",
-            "Let the arm pay 0.1 more on average.",
-            lambda box, desk: box.pay(0.1, desk),
-            0,
-        ),
-        Tool(
-            "minus",
-            "−",
-            "less",
-            "Let the arm pay 0.1 less on average.",
-            lambda box, desk: box.pay(-0.1, desk),
-            1,
-        ),
-        Tool("equals_sign", "=", "mean", "Type the mean of the arm.", ask_mean, 2),
-        Tool("i", "i", "arm +", "Add an arm here.", lambda box, desk: box.resize(1, desk), 3),
-        Tool("u", "u", "arm −", "Take this arm away.", lambda box, desk: box.resize(-1, desk), 4),
-        Tool(
-            "R",
-            "R",
-            "arm last",
-            "Add an arm behind all others.",
-            lambda box, desk: box.resize(1, desk, at_end=True),
-            6,
-        ),
-        Tool("o", "o", "rules", "The rules of the bandit: spread and drift.", ask_rules, 5),
-    )
 
 
 def _arms_of(desk: Desk) -> ArmsDraft:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import groupby
 from typing import Final, NamedTuple
 
+from rl_tui.screen.panels.draw_panel import Sign
+from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.editing.edit import Edit, as_json
 from rl_tui.worlds.editing.grid_draft import GridDraft
@@ -16,54 +19,87 @@ Cell = tuple[int, int]
 _FREE: Final = "abcdefghijklmnopqrstuwxyz"
 
 
+def _one_way(place: int, glyphs: Glyphs) -> str:
+    return glyphs.one_way[place]
+
+
 class Brush(NamedTuple):
     """What a key paints: a ``character`` of the map, and what it means where no legend says it.
 
-    ``word``, ``sentence`` and ``name`` are those of its tool.
+    ``label``, ``sentence`` and ``sign`` are those of its tool.
     """
 
     key: str
     character: str
-    word: str
-    entry: LegendEntry | None = None
+    label: str
     sentence: str = ""
-    name: str = ""
+    sign: Sign | None = None
+    entry: LegendEntry | None = None
 
 
 BRUSHES: Final = (
-    Brush("full_stop", FLOOR, "floor", sentence="Paint floor: it is free to walk on."),
-    Brush("number_sign", "#", "wall", sentence="Paint wall: nobody enters it."),
-    Brush("H", "H", "hole", sentence="Paint a hole: a trap, in which the episode ends."),
-    Brush("G", "G", "goal", sentence="Paint a goal: it pays 1, and the episode ends."),
-    Brush("S", START, "start", sentence="Let episodes start here."),
+    Brush(
+        "full_stop",
+        FLOOR,
+        "floor",
+        "Paint floor: it is free to walk on.",
+        Sign(CellKind.FLOOR, lambda glyphs: glyphs.untried),
+    ),
+    Brush(
+        "number_sign",
+        "#",
+        "wall",
+        "Paint a wall: nobody enters it.",
+        Sign(CellKind.WALL, lambda glyphs: glyphs.wall * 3),
+    ),
+    Brush("S", START, "start", "Let episodes start here.", Sign(CellKind.START, lambda _: START)),
+    Brush(
+        "G",
+        "G",
+        "goal",
+        "Paint a goal: it pays 1 and ends the episode.",
+        Sign(CellKind.GOAL, lambda glyphs: glyphs.goal),
+    ),
+    Brush(
+        "H",
+        "H",
+        "hole",
+        "Paint a hole: the episode ends in it.",
+        Sign(CellKind.HOLE, lambda glyphs: glyphs.hole),
+    ),
     Brush(
         "C",
         "C",
         "cliff",
+        "Paint a cliff: it costs 100, back to the start.",
+        Sign(CellKind.CLIFF, lambda glyphs: glyphs.cliff * 3),
         LegendEntry(kind=CellKind.CLIFF, back=True, reward=-100.0),
-        "Paint a cliff: it costs 100 and leads back to the start.",
     ),
     Brush(
         "X",
         "X",
         "exit",
+        "Paint an exit: the next action pays 1 and ends.",
+        Sign(CellKind.GOAL, lambda _: "1"),
         LegendEntry(kind=CellKind.GOAL, exit=True),
-        "Paint an exit: whatever is done there next pays 1 and ends the episode.",
     ),
-    Brush(
-        "less_than_sign", "<", "one-way", sentence="Paint a cell that is left left only.", name="one-way left"
+    *(
+        Brush(
+            key,
+            character,
+            f"one-way {way}",
+            f"Paint a cell that only leads {way}.",
+            Sign(CellKind.FLOOR, partial(_one_way, place)),
+        )
+        for place, (key, character, way) in enumerate(
+            (
+                ("less_than_sign", "<", "left"),
+                ("greater_than_sign", ">", "right"),
+                ("circumflex_accent", "^", "up"),
+                ("V", "v", "down"),
+            )
+        )
     ),
-    Brush(
-        "greater_than_sign",
-        ">",
-        "one-way",
-        sentence="Paint a cell that is left right only.",
-        name="one-way right",
-    ),
-    Brush(
-        "circumflex_accent", "^", "one-way", sentence="Paint a cell that is left up only.", name="one-way up"
-    ),
-    Brush("V", "v", "one-way", sentence="Paint a cell that is left down only.", name="one-way down"),
 )
 
 

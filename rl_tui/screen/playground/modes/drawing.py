@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Final
+from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.frame.key_line import Hints
+from rl_tui.screen.keys.action import Action, Group
 from rl_tui.screen.kit.row import POLICIES, WORLD
 from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.arms import ArmsView
@@ -29,7 +30,7 @@ from rl_tui.screen.playground.modes.action_keys import (
     digits_in_words,
     has_directions,
 )
-from rl_tui.screen.playground.modes.mode import CLEAR, LEAVE, STEPS, WITH_SHIFT, KeyMode
+from rl_tui.screen.playground.modes.mode import LEAVE, STEPS, WITH_SHIFT, KeyMode
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.world import World
@@ -111,7 +112,7 @@ def prompts(world: World, state: int | None, glyphs: Glyphs) -> tuple[str, ...]:
     if state is None:
         return f"{NOTHING_TO_CHOOSE} here · {_END}", _END
     forms = actions_in_a_line(world, state, glyphs) or (f"{digits_in_words(world, state)}: arm",)
-    in_full = (f"{form} · del: none · C: clear · {_END}" for form in forms[:2])
+    in_full = (f"{form} · del: undraw · C: draw afresh · {_END}" for form in forms[:2])
     return (*in_full, *(f"{form} · {_END}" for form in forms), *forms, _END)
 
 
@@ -127,9 +128,9 @@ def hints(world: World) -> Hints:
     return (
         *draws,
         ("digits", "draw"),
-        ("w p", "end"),
-        ("del", "none"),
-        ("C", "clear"),
+        ("esc", "end"),
+        ("del", "undraw"),
+        ("C", "draw afresh"),
         *moves,
         ("?", "keys"),
     )
@@ -140,11 +141,29 @@ def hints(world: World) -> Hints:
 
 _DRAWS: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
 _NONE: Final = ("delete", "backspace")
+_CLEAR: Final = "C"
+_NOTHING_DRAWN: Final = "nothing is drawn yet"
+
+POLICY_ACTIONS: Final = tuple(
+    Action(f"drawing.{method}", ",".join(keys), label, help_, Group.DRAWING, symbol=symbol)
+    for keys, symbol, label, help_, method in (
+        ((*_DRAWS, *DIGITS), "shift+arrows 1…0", "draw", "Draw this action under the cursor.", "say_how"),
+        (_NONE, "del", "undraw", "Draw no action here.", "draw_nothing"),
+        ((_CLEAR,), _CLEAR, "draw afresh", "Clear the drawn policy, after asking.", "ask_to_clear"),
+        ((LEAVE,), "esc", "end drawing", "Stop drawing; the policy is kept.", "toggle"),
+    )
+)
+"""What can be done while a policy is drawn, a row each."""
 
 
 class PolicyDrawing(KeyMode):
     """Drawing a policy under the cursor of the world, which has the focus; the run goes on as it does."""
 
+    keys: ClassVar[Mapping[str, str]] = {
+        **{key: each.help for each in POLICY_ACTIONS for key in each.keys},
+        "enter": "Draw the arm under the cursor",
+    }
+    actions = POLICY_ACTIONS
     way_back = (
         "click or tab here to draw on · w p ends it",
         "tab here to draw on · w p ends it",
@@ -159,19 +178,19 @@ class PolicyDrawing(KeyMode):
             return False
         if key in _DRAWS:
             return has_directions(view.world)
-        return key in (*DIGITS, *_NONE, CLEAR, LEAVE) or (key == "enter" and isinstance(view, ArmsView))
+        return key in (*DIGITS, *_NONE, _CLEAR, LEAVE) or (key == "enter" and isinstance(view, ArmsView))
 
     def press(self, key: str) -> None:
         """Draw what ``key`` means in the state under the cursor."""
         view = self._view
         if key == LEAVE:
             self.toggle()
-        elif key == CLEAR:
-            self._ask_to_clear()
+        elif key == _CLEAR:
+            self.ask_to_clear()
         elif view is not None and key in _DRAWS:
             self._draw_towards(view, _DRAWS[key])
-        elif view is not None and key in _NONE:
-            self._draw_nothing(view)
+        elif key in _NONE:
+            self.draw_nothing()
         elif isinstance(view, ArmsView) and key == "enter":
             self._draw_arm(view)
         elif view is not None:
@@ -186,7 +205,9 @@ class PolicyDrawing(KeyMode):
             self._draw_towards(view, step, moves=False)
 
     def why_not(self, deed: str) -> str:
-        """Return why no policy can be drawn here."""
+        """Return why no policy can be drawn here, or nothing is there to clear."""
+        if deed == "ask_to_clear":
+            return "" if self._drawn else _NOTHING_DRAWN
         return "" if self.is_on or self.snapshot is None else _refused(self.snapshot.world)
 
     def toggle(self) -> None:
@@ -305,8 +326,10 @@ class PolicyDrawing(KeyMode):
         if state is not None and place is not None:
             self.link.send(DrawAction(state, int(view.world.space.pair_action[place])))
 
-    def _draw_nothing(self, view: WorldView) -> None:
-        state = self._state_to_draw_in(view)
+    def draw_nothing(self) -> None:
+        """Draw no action in the state under the cursor."""
+        view = self._view
+        state = None if view is None else self._state_to_draw_in(view)
         if state is not None:
             self.link.send(DrawAction(state, None))
 
@@ -314,12 +337,22 @@ class PolicyDrawing(KeyMode):
         text = f"{key} is no action here: draw with {digits_in_words(world, state)}"
         self.screen.tell(text, severity="warning")
 
-    def _ask_to_clear(self) -> None:
-        count = 0 if self.snapshot is None else len(self.snapshot.answers.drawn.choices)
-        if not count:
-            self.screen.tell("nothing is drawn yet")
+    def say_how(self) -> None:
+        """Say with which keys one draws."""
+        if self.snapshot is not None:
+            self.screen.tell(_first_words(self.snapshot.world))
+
+    @property
+    def _drawn(self) -> int:
+        """In how many states something is drawn."""
+        return 0 if self.snapshot is None else len(self.snapshot.answers.drawn.choices)
+
+    def ask_to_clear(self) -> None:
+        """Take away all that was drawn, after asking."""
+        if not self._drawn:
+            self.screen.tell(_NOTHING_DRAWN)
             return
-        question = f"You have drawn an action in {counted(count, 'state')}; this cannot be undone."
+        question = f"You have drawn an action in {counted(self._drawn, 'state')}; this cannot be undone."
         self.ask(Confirm("Draw afresh?", question, "clear all", self.glyphs), self._clear)
 
     def _clear(self, _: bool) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import Final
+from itertools import chain
+from typing import ClassVar, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import DrawWorld, HideAnswer, OpenEditor, RedoStroke, UndoStroke
@@ -27,7 +28,7 @@ from rl_tui.screen.playground.modes.map_tools import MapTools
 from rl_tui.screen.playground.modes.mode import LEAVE, STEPS, WITH_SHIFT, KeyMode
 from rl_tui.screen.playground.modes.rules import Desk, Tool, Toolbox
 from rl_tui.screen.playground.modes.saving import ScenarioSaving
-from rl_tui.screen.playground.modes.texts import hints, prompts, title
+from rl_tui.screen.playground.modes.texts import prompts, title
 from rl_tui.worlds.drawing import Arms, Graph, Grid
 from rl_tui.worlds.editing.arms_draft import Draft
 from rl_tui.worlds.editing.edit import Edit
@@ -81,50 +82,73 @@ class PendingStrokes:
 # The mode
 
 
-TOOLBOXES: Final[Mapping[type, Callable[[], Toolbox]]] = {
+TOOLBOXES: Final[Mapping[type, type[Toolbox]]] = {
     Grid: MapTools,
     Graph: GraphTools,
     Arms: ArmsTools,
 }
 """What there is to draw with, by how a world is drawn."""
-UNDO, REDO, SAVE = "z", "Z", "w"
+
+_KIOSK: Final = "saving is off here: this is a kiosk"
+_NOTHING_TO_UNDO: Final = "nothing that was drawn is left to undo"
+_NOTHING_TO_REDO: Final = "nothing was undone: there is nothing to redo"
+
 ALWAYS: Final = (
     Tool(
-        UNDO,
-        "z",
-        "undo",
-        "Undo the last stroke.",
-        lambda editing, _: editing.undo(),
-        name="undo the stroke",
+        "w s",
+        "save…",
+        "Save the world as a scenario file.",
+        lambda editing, _: editing.saving.save(),
+        why_not=lambda editing, _: _KIOSK if editing.screen.in_kiosk else "",
     ),
     Tool(
-        REDO,
+        DRAW_PATH[0],
+        "tools…",
+        "Open the menu of all other tools.",
+        lambda editing, _: editing.screen.menus.open(DRAW_PATH[0]),
+        rank=3,
+        hint=(DRAW_PATH[0], "tools"),
+    ),
+    Tool(
+        "z",
+        "undo",
+        "Undo the last stroke; b also recalls what was learned.",
+        lambda editing, _: editing.undo(),
+        why_not=lambda editing, desk: "" if editing.can_undo(desk) else _NOTHING_TO_UNDO,
+        rank=4,
+    ),
+    Tool(
         "Z",
         "redo",
         "Make the stroke again that was undone.",
         lambda editing, _: editing.redo(),
-        name="redo the stroke",
-    ),
-    Tool(
-        SAVE,
-        "w",
-        "save",
-        "Save the world as a scenario file.",
-        lambda editing, _: editing.saving.save(),
-        name="save the world",
+        why_not=lambda editing, desk: "" if editing.can_redo(desk) else _NOTHING_TO_REDO,
     ),
     Tool(
         LEAVE,
-        "esc",
-        "end",
+        "end drawing",
         "End drawing; the world stays as it is.",
         lambda editing, _: editing.end(),
-        name="end drawing",
+        "esc",
+        rank=7,
+        hint=("esc", "end"),
+        is_told=True,
+    ),
+    Tool(
+        DIGITS[0],
+        "sliders",
+        "Go to a number of the world.",
+        lambda editing, _: editing.press(DIGITS[0]),
+        "1 2 3",
+        is_told=True,
     ),
 )
 """Tools of every kind of world; they belong to the mode."""
 _ALONG: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
-_SAVING_OFF: Final = "saving is off here: this is a kiosk"
+
+
+def _all_tools() -> Iterator[Tool]:
+    return chain(*(each.tools for each in TOOLBOXES.values()), ALWAYS)
 
 
 class WorldEditing(KeyMode):
@@ -133,6 +157,11 @@ class WorldEditing(KeyMode):
     The panel of tools is there as long as it is on.
     """
 
+    keys: ClassVar[Mapping[str, str]] = {
+        **{each.key: each.help for each in _all_tools() if not each.is_in_menu},
+        **dict.fromkeys(_ALONG, "Paint on the way"),
+        **dict.fromkeys(DIGITS, "Go to a number of the world"),
+    }
     way_back = "click or tab here to draw on", "tab here to draw on"
     toolbox: Toolbox | None = None
     _looked_at: tuple[Scenario, str] | None = None
@@ -178,8 +207,21 @@ class WorldEditing(KeyMode):
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """What there is to draw with, for palette and help; nothing while the mode is off."""
-        return () if self.toolbox is None else tuple(map(action_of, (*self.toolbox.tools, *ALWAYS)))
+        """What there is to draw with."""
+        desk = self._hand()
+        return tuple(self._action_of(each, desk) for each in self._tools)
+
+    def can_undo(self, desk: Desk) -> bool:
+        """Return whether there is a stroke to undo, or one was sent that no picture has yet."""
+        return desk.snapshot.editor.can_undo or bool(self._pending)
+
+    def can_redo(self, desk: Desk) -> bool:
+        """Return whether there is a stroke to make again, or one was sent that may undo others."""
+        return desk.snapshot.editor.can_redo or bool(self._pending)
+
+    @property
+    def _tools(self) -> tuple[Tool, ...]:
+        return () if self.toolbox is None else (*self.toolbox.tools, *ALWAYS)
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` draws, undoes, saves, leaves or goes to a slider."""
@@ -197,8 +239,26 @@ class WorldEditing(KeyMode):
         return next((each for number, each in enumerate(sliders, start=1) if str(number) == key), None)
 
     def _tool(self, name: str) -> Tool | None:
-        tools = () if self.toolbox is None else (*self.toolbox.tools, *ALWAYS)
-        return next((each for each in tools if each.id == name), None)
+        return next((each for each in self._tools if each.key == name), None)
+
+    def _owner(self, tool: Tool) -> object:
+        """Return what ``tool`` belongs to."""
+        return self if tool in ALWAYS else self.toolbox
+
+    def _action_of(self, tool: Tool, desk: Desk | None) -> Action:
+        """Return ``tool`` as menu, palette and help list it."""
+        owner = self._owner(tool)
+        return Action(
+            f"editing.{tool.key}",
+            tool.key,
+            tool.label,
+            tool.help,
+            Group.DRAWING,
+            symbol=tool.symbol,
+            command=f"editing.use({tool.key!r})",
+            value="" if desk is None else tool.value(owner, desk),
+            refused="" if desk is None else tool.why_not(owner, desk),
+        )
 
     # What is done
 
@@ -219,12 +279,13 @@ class WorldEditing(KeyMode):
         desk, tool = self._hand(), self._tool(name)
         if desk is None or tool is None or self.toolbox is None:
             return
-        refused = self._cell(tool, desk).refused
+        owner = self._owner(tool)
+        refused = tool.why_not(owner, desk)
         if refused:
             self.screen.tell(refused)
             return
         use = tool.click if is_clicked and tool.click is not None else tool.use
-        use(self if tool in ALWAYS else self.toolbox, desk)
+        use(owner, desk)
         self._show_picked()
 
     def draw(self, event: Touched) -> None:
@@ -340,32 +401,39 @@ class WorldEditing(KeyMode):
             return
         desk = self._hand()
         about = () if desk is None else box.about(desk)
-        with_brush = tuple(f"{each} · {box.in_hand}" for each in about[:2] if box.in_hand)
-        self._write(title(snapshot), prompts(snapshot, (*with_brush, *about)), hints(box.hints()))
+        self._write(title(snapshot), prompts(snapshot, about), self._hints(box))
         if desk is not None:
             self.board.tools.show_sheet(self._sheet(box, desk, about))
 
+    def _hints(self, box: Toolbox) -> Hints:
+        """Return the keys for the key line; where not all fit, the last but one goes first."""
+        held = box.in_hand
+        first = () if held is None else (("", f"{held.shown} {held.word}"),)
+        ranked = sorted((each for each in self._tools if each.rank), key=lambda each: each.rank or 0)
+        return (*first, *(each.hint or (each.shown, each.label) for each in ranked), ("?", "keys"))
+
     def _sheet(self, box: Toolbox, desk: Desk, about: tuple[str, ...]) -> ToolSheet:
-        tools = (each for each in (*box.tools, *ALWAYS) if each.in_panel)
+        held = box.in_hand
+        tool = None if held is None else self._tool(held.id)
+        advice, does = box.advice(desk), () if tool is None else (tool.help,)
+        sentences = (about, advice) if held is None else (advice, about, does)
         return ToolSheet(
-            about=tuple(filter(None, (about, box.advice(desk)))),
+            in_hand=held,
+            about=tuple(filter(None, sentences)),
             lines=box.lines(desk),
-            cells=tuple(self._cell(each, desk) for each in tools),
+            cells=tuple(self._cell(each, desk) for each in box.tools if each.in_panel),
+            of_number=tuple(self._cell(each, desk) for each in box.tools if each.is_of_number),
             numbers=box.numbers(desk),
+            rest=tuple(self._cell(each, desk) for each in ALWAYS if each.in_panel),
         )
 
     def _cell(self, tool: Tool, desk: Desk) -> ToolCell:
-        """Return how the panel shows ``tool`` now."""
-        if tool not in ALWAYS:
-            assert self.toolbox is not None
-            return self.toolbox.cell(tool, desk)
-        editor, is_waiting = desk.snapshot.editor, bool(self._pending)
-        refused = {
-            UNDO: "" if editor.can_undo or is_waiting else "nothing that was drawn is left to undo",
-            REDO: "" if editor.can_redo or is_waiting else "nothing was undone: there is nothing to redo",
-            SAVE: _SAVING_OFF if self.screen.in_kiosk else "",
-        }.get(tool.id, "")
-        return ToolCell(tool.id, tool.shown, tool.word, refused=refused)
+        """Return how the panel shows ``tool`` now; the menu by what it has."""
+        assert self.toolbox is not None
+        held, refused = self.toolbox.in_hand, tool.why_not(self._owner(tool), desk)
+        word = self.toolbox.rest if tool.key == DRAW_PATH[0] else tool.label
+        is_on = held is not None and held.id == tool.key
+        return ToolCell(tool.key, tool.shown, word, is_on, refused, tool.sign)
 
     def _hand(self) -> Desk | None:
         """Return what tools work with; None while there is no draft yet."""
@@ -381,9 +449,11 @@ class WorldEditing(KeyMode):
         if not edits or draft is None:
             return
         try:
-            edited_draft(draft, edits)
+            is_new = edited_draft(draft, edits).table != draft.table
         except UserError as fault:
             self.screen.tell(str(fault))
+            return
+        if not is_new:  # painted twice: undoing it once takes it back
             return
         self.link.send(DrawWorld(tuple(edits)))
         self._pending.note(self.link.wanted.sent, edits)
@@ -402,16 +472,3 @@ class WorldEditing(KeyMode):
         if self.toolbox is not None and desk is not None:
             desk.view.picked = self.toolbox.picked(desk)
             self.show(desk.snapshot)
-
-
-def action_of(tool: Tool) -> Action:
-    """Return ``tool`` as the palette, the help and the docs list it."""
-    return Action(
-        f"editing.{tool.id}",
-        tool.key,
-        tool.label,
-        tool.help,
-        Group.DRAWING,
-        symbol=tool.shown,
-        command=f"editing.use({tool.id!r})",
-    )

@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any, Final
 
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
-from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, WorldNumber
+from rl_tui.screen.panels.draw_panel import SheetLine, WorldNumber
 from rl_tui.screen.playground.modes.numbers import CHANCE, LIMIT, PAYS
 from rl_tui.screen.playground.modes.outcomes import (
     FORM,
@@ -32,122 +32,103 @@ from rl_tui.worlds.world import World
 # The tools, one row each
 
 
-NEEDS_OUTCOME: Final = frozenset({"plus", "minus", "equals_sign", "delete"})
-"""Tools that are about the outcome chosen."""
+_NEW: Final = "+ an action"
+_NOTHING: Final = "nothing can be done here: enter adds an action"
+
+
+def _no_outcome(box: GraphTools, desk: Desk) -> str:
+    return _NOTHING if box.outcome(desk) is None else ""
+
 
 GRAPH_TOOLS: Final = (
     Tool(
         "enter",
-        "enter",
-        "actions",
-        "What can be done in the state, and what comes of it; a new action too.",
+        "edit…",
+        "Choose or add an action, and type its outcomes.",
         lambda box, desk: box.choose_action(desk),
-        0,
-    ),
-    Tool(
-        "plus",
-        "+",
-        "likelier",
-        "Let the outcome chosen be likelier by .05; the others share the rest.",
-        lambda box, desk: box.shift(desk, 0.05),
-        2,
-    ),
-    Tool(
-        "minus",
-        "−",
-        "less likely",
-        "Let the outcome chosen be less likely by .05; the others share the rest.",
-        lambda box, desk: box.shift(desk, -0.05),
-        3,
+        rank=1,
     ),
     Tool(
         "equals_sign",
-        "=",
-        "reward",
-        "Type what the action chosen pays.",
+        "reward…",
+        "Type what the chosen action pays.",
         lambda box, desk: box.ask_reward(desk),
-        9,
+        "=",
+        is_of_number=True,
+        why_not=_no_outcome,
+    ),
+    *(
+        Tool(
+            key,
+            label,
+            f"Let the chosen outcome be {how} by .05.",
+            partial(lambda chance, box, desk: box.shift(desk, chance), chance),
+            symbol,
+            is_of_number=True,
+            why_not=_no_outcome,
+            rank=2 if symbol == "[" else None,
+            hint=("[ ]", "chance"),
+        )
+        for key, symbol, label, how, chance in (
+            ("left_square_bracket", "[", "less", "less likely", -0.05),
+            ("right_square_bracket", "]", "more", "likelier", 0.05),
+        )
     ),
     Tool(
         "delete",
-        "del",
-        "action −",
-        "Take the action chosen away.",
+        "remove",
+        "Take the chosen action away.",
         lambda box, desk: box.take_action_away(desk),
-        10,
+        "del",
+        why_not=_no_outcome,
     ),
-    Tool("S", "S", "start", "Let every episode start here.", lambda box, desk: box.begin_here(desk), 1),
-    Tool(
-        "i",
-        "i",
-        "state +",
-        "Add a state, and an action that leads there from this one.",
-        lambda box, desk: box.add_state(desk),
-        5,
-    ),
-    Tool(
-        "u",
-        "u",
-        "state −",
-        "Take this state away, and what leads there.",
-        lambda box, desk: box.remove_state(desk),
-        6,
-    ),
+    Tool("S", "start", "Let every episode start here.", lambda box, desk: box.begin_here(desk), rank=6),
     Tool(
         "comma",
-        ",",
-        "next state",
-        "Go to the next state: to one that no arrow key leads to as well.",
+        "next",
+        "Go to the next state of the file.",
         lambda box, desk: box.go_on(desk),
-        15,
+        ",",
+    ),
+    *(
+        Tool(
+            key,
+            f"move {way}",
+            f"Draw the state one place further {way}.",
+            partial(lambda step, box, desk: box.move(desk, *step), step),
+            symbol,
+        )
+        for key, symbol, way, step in (
+            ("less_than_sign", "<", "left", (-1, 0)),
+            ("greater_than_sign", ">", "right", (1, 0)),
+            ("circumflex_accent", "^", "up", (0, -1)),
+            ("V", "V", "down", (0, 1)),
+        )
     ),
     Tool(
-        "less_than_sign",
-        "<",
-        "move left",
-        "Draw the state one place to the left.",
-        lambda box, desk: box.move(desk, -1, 0),
-        11,
+        "w i",
+        "state here…",
+        "Add a state, and an action that leads there.",
+        lambda box, desk: box.add_state(desk),
     ),
     Tool(
-        "greater_than_sign",
-        ">",
-        "move right",
-        "Draw the state one place to the right.",
-        lambda box, desk: box.move(desk, 1, 0),
-        12,
+        "w d",
+        "state away",
+        "Take this state away, and what leads there.",
+        lambda box, desk: box.remove_state(desk),
     ),
-    Tool(
-        "circumflex_accent",
-        "^",
-        "move up",
-        "Draw the state one place higher.",
-        lambda box, desk: box.move(desk, 0, -1),
-        13,
-    ),
-    Tool(
-        "V",
-        "V",
-        "move down",
-        "Draw the state one place lower.",
-        lambda box, desk: box.move(desk, 0, 1),
-        14,
-    ),
-    Tool("o", "o", "rules", "The rules of the graph: start and time limit.", ask_rules, 4),
+    Tool("w r", "rules…", "Set the start and the time limit.", ask_rules),
 )
 
 
 # What they do
 
 
-_NEW: Final = "+ an action"
-_NOTHING: Final = "nothing can be done here: enter adds an action"
-
-
 class GraphTools(Toolbox):
     """Draws the graph of an MDP: one line says what an action does. It remembers the outcome chosen."""
 
     tools = GRAPH_TOOLS
+    rest = "states, rules, save"
 
     def __init__(self) -> None:
         self._chosen: tuple[str, int] | None = None
@@ -158,14 +139,13 @@ class GraphTools(Toolbox):
     def about(self, desk: Desk) -> tuple[str, ...]:
         """Return the state under the cursor, and what can be done there."""
         state = _state(desk)
-        actions = actions_in(_graph_of(desk), state)
-        return (
-            f"{state}: {', '.join(actions) or 'terminal'} · enter: what they do",
-            f"{state} · enter: actions",
-        )
+        actions = ", ".join(actions_in(_graph_of(desk), state)) or "terminal"
+        return f"{state}: {actions}", state
 
     def advice(self, desk: Desk) -> tuple[str, ...]:
-        """Return how an outcome is chosen."""
+        """Return how an outcome is chosen, where there are several."""
+        if len(outcomes_in(_graph_of(desk), _state(desk))) < 2:
+            return ()
         return "shift+↑ ↓ or a click chooses an outcome", "shift+↑ ↓: another outcome"
 
     def lines(self, desk: Desk) -> tuple[SheetLine, ...]:
@@ -175,6 +155,7 @@ class GraphTools(Toolbox):
         return tuple(
             SheetLine(
                 f"{each.action} → {each.to} {each.chance:.4g} pays {number_text(each.pays)}",
+                number,
                 is_on=number == chosen,
             )
             for number, each in enumerate(outcomes)
@@ -190,14 +171,9 @@ class GraphTools(Toolbox):
         if outcomes:
             self.choose_line(desk, (self._number(desk, outcomes) + sum(step)) % len(outcomes))
 
-    def cell(self, tool: Tool, desk: Desk) -> ToolCell:
-        """Return how the panel shows ``tool``: where nothing can be done, nothing is to be changed."""
-        is_idle = tool.id in NEEDS_OUTCOME and self._outcome(desk) is None
-        return ToolCell(tool.id, tool.shown, tool.word, refused=_NOTHING if is_idle else "")
-
     def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
         """Return chance and reward of the outcome chosen, and the time limit."""
-        outcome = self._outcome(desk)
+        outcome = self.outcome(desk)
         return (
             WorldNumber(CHANCE, 0.0 if outcome is None else outcome.chance),
             WorldNumber(PAYS, 0.0 if outcome is None else outcome.pays),
@@ -212,7 +188,7 @@ class GraphTools(Toolbox):
             if fault:
                 raise ValueError(fault)
             return edits
-        outcome = self._outcome(desk)
+        outcome = self.outcome(desk)
         if outcome is None:
             raise ValueError(_NOTHING)
         entry = paying(outcome, value) if name == PAYS.name else _as_likely(outcome, value)
@@ -235,7 +211,7 @@ class GraphTools(Toolbox):
             *(Candidate(each, each, (written(draft, state, each),)) for each in actions_in(draft, state)),
             Candidate(_NEW, _NEW, ("type its name, then what it does",)),
         ]
-        outcome = self._outcome(desk)
+        outcome = self.outcome(desk)
         current = "" if outcome is None else outcome.action
         desk.ask(
             Choice(f"What can be done in {state}", candidates, current, desk.glyphs),
@@ -265,7 +241,7 @@ class GraphTools(Toolbox):
 
     def take_action_away(self, desk: Desk) -> None:
         """Take the action chosen away."""
-        outcome = self._outcome(desk)
+        outcome = self.outcome(desk)
         if outcome is None:
             desk.tell(_NOTHING)
         else:
@@ -273,7 +249,7 @@ class GraphTools(Toolbox):
 
     def shift(self, desk: Desk, chance: float) -> None:
         """Let the outcome chosen be so much likelier."""
-        outcome = self._outcome(desk)
+        outcome = self.outcome(desk)
         try:
             if outcome is None:
                 raise ValueError(_NOTHING)
@@ -285,7 +261,7 @@ class GraphTools(Toolbox):
 
     def ask_reward(self, desk: Desk) -> None:
         """Type what the action chosen pays."""
-        outcome, state = self._outcome(desk), _state(desk)
+        outcome, state = self.outcome(desk), _state(desk)
         if outcome is None:
             desk.tell(_NOTHING)
             return
@@ -359,7 +335,7 @@ class GraphTools(Toolbox):
         desk.view.put_cursor(place)
         self.shift(desk, amount / 20)
 
-    def _outcome(self, desk: Desk) -> ActionOutcome | None:
+    def outcome(self, desk: Desk) -> ActionOutcome | None:
         """Return the outcome chosen in the state under the cursor, None where there is none."""
         outcomes = outcomes_in(_graph_of(desk), _state(desk))
         return outcomes[self._number(desk, outcomes)] if outcomes else None

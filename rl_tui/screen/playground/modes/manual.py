@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Mapping
+from typing import ClassVar, Final
 
 from rl_tui.live.commands import Command, Pause, Play, Restart, RunEpisode, RunUntil, Take, WatchLearning
 from rl_tui.live.snapshot import Phase, Snapshot
@@ -29,6 +30,11 @@ _HAND_BACK: Final = " · y: hand back"
 class ManualControl(KeyMode):
     """Taking over, acting, and handing back; while it is on, a person is the agent."""
 
+    keys: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(STEPS, "Go there"),
+        **dict.fromkeys(DIGITS, "Take this action"),
+        LEAVE: "Hand back",
+    }
     way_back = "click or tab here to act · y: hand back", "tab here to act · y: hand back", "y: hand back"
     needs_focus = False
     _has_resumed = False

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from rl_tui.screen.dialogs.form import Prompt
-from rl_tui.screen.panels.draw_panel import ToolCell, WorldNumber
+from rl_tui.screen.panels.draw_panel import Sign, ToolCell, WorldNumber
 from rl_tui.screen.playground.modes.brushes import (
     BRUSHES,
     Brush,
@@ -35,7 +35,7 @@ from rl_tui.screen.playground.modes.rules import (
     rule_of,
 )
 from rl_tui.screen.playground.modes.texts import number_in, number_text
-from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.world import World
@@ -43,123 +43,142 @@ from rl_tui.worlds.world import World
 # The tools, one row each
 
 
-PICK, ARROW_KEY, MARK, JUMP, PASTE = "comma", "A", "m", "J", "p"
-SLIPPERY, LEAVING, MOVES = "slippery", "on leaving", "moves"
+def _resize(name: str, count: int, at_end: bool, box: MapTools, desk: Desk) -> None:
+    box.resize(name, count, desk, at_end=at_end)
+
+
+def _unfinished(_: object, desk: Desk) -> str:
+    return _NOT_WHOLE if desk.snapshot.editor.unfinished else ""
+
+
+def _no_reward(box: MapTools, desk: Desk) -> str:
+    return "" if box.can_pay(desk) else _WALL_PAYS
+
+
+def _turn(name: str, _: object, desk: Desk) -> None:
+    next_word(desk, name)
+
+
+def _value(name: str, _: object, desk: Desk) -> str:
+    """Return what a rule is, a switch as on or off."""
+    value = rule_of(desk.draft, name)
+    return {True: "on", False: "off", "leaving": "on", "entering": "off"}.get(value, str(value))
+
+
+_WALL_PAYS: Final = "a wall pays nothing: nobody enters it"
+_NOT_WHOLE: Final = "finish the map first: lines are added and taken where it is whole"
+_NOTHING_COPIED: Final = "nothing is copied yet: w m marks a corner, w c copies up to the cursor"
+_PICK, _ARROW_KEY, _JUMP = "comma", "A", "J"
 
 MAP_TOOLS: Final = (
     *(
         Tool(
             each.key,
-            "V" if each.key == "V" else each.character,
-            each.word,
+            each.label,
             each.sentence,
             partial(lambda brush, box, desk: box.take(brush, desk), each),
-            rank,
+            "V" if each.key == "V" else each.character,
             click=partial(lambda brush, box, desk: box.choose(brush, desk), each),
-            name=each.name,
+            sign=each.sign,
+            rank=2 if each is BRUSHES[0] else None,
+            hint=(". # S G H C X", "brush"),
         )
-        for rank, each in enumerate(BRUSHES)
+        for each in BRUSHES
     ),
     Tool(
-        JUMP,
-        "J",
+        _JUMP,
         "jump",
-        "Let a jump begin here; enter, or a click, says where it leads.",
+        "Begin a jump here; enter or a click ends it.",
         lambda box, desk: box.begin_jump(desk),
-        20,
+        sign=Sign(CellKind.FLOOR, lambda glyphs: glyphs.right),
     ),
     Tool(
-        ARROW_KEY,
-        "A",
-        "arrow",
-        "Let a click move the cursor only, and a drag mark a rectangle.",
-        lambda box, desk: box.point(desk),
-    ),
-    Tool(
-        PICK,
-        ",",
+        _PICK,
         "pick up",
         "Take what is under the cursor for the brush.",
         lambda box, desk: box.pick_up(desk),
+        ",",
     ),
     Tool(
-        "enter",
+        _ARROW_KEY,
+        "arrow",
+        "Paint nothing: a click moves the cursor, a drag marks.",
+        lambda box, desk: box.point(desk),
+    ),
+    Tool(
         "enter",
         "paint",
-        "Paint with the brush.",
+        "Paint here; shift and an arrow paint on the way.",
         lambda box, desk: box.enter(desk),
-        9,
-        in_panel=False,
+        rank=5,
+        is_told=True,
     ),
-    Tool("equals_sign", "=", "reward", "Type what the cell pays.", lambda box, desk: box.ask_reward(desk), 6),
-    Tool("plus", "+", "pays +1", "Let the cell pay 1 more.", lambda box, desk: box.pay(1.0, desk), 16),
-    Tool("minus", "−", "pays −1", "Let the cell pay 1 less.", lambda box, desk: box.pay(-1.0, desk), 17),
     Tool(
-        MARK,
-        "m",
+        "equals_sign",
+        "value…",
+        "Type what the cell pays.",
+        lambda box, desk: box.ask_reward(desk),
+        "=",
+        why_not=_no_reward,
+        is_of_number=True,
+        rank=6,
+        hint=("= [ ]", "pays"),
+    ),
+    *(
+        Tool(
+            key,
+            label,
+            sentence,
+            partial(lambda amount, box, desk: box.pay(amount, desk), amount),
+            symbol,
+            why_not=_no_reward,
+            is_of_number=True,
+        )
+        for key, symbol, label, sentence, amount in (
+            ("left_square_bracket", "[", "less", "Let the cell pay 1 less.", -1.0),
+            ("right_square_bracket", "]", "more", "Let the cell pay 1 more.", 1.0),
+        )
+    ),
+    Tool(
+        "w m",
         "mark",
         "Begin a rectangle at the cursor, or drop it.",
         lambda box, desk: box.mark(desk),
-        18,
+        value=lambda box, _: "on" if box.is_marking else "",
     ),
-    Tool("y", "y", "copy", "Copy the rectangle.", lambda box, desk: box.copy(desk)),
-    Tool(PASTE, "p", "paste", "Put down what was copied.", lambda box, desk: box.paste(desk)),
+    Tool("w c", "copy", "Copy the rectangle.", lambda box, desk: box.copy(desk)),
     Tool(
-        "F",
-        "F",
+        "w v",
+        "paste",
+        "Put down what was copied.",
+        lambda box, desk: box.paste(desk),
+        why_not=lambda box, _: "" if box.has_copied else _NOTHING_COPIED,
+    ),
+    Tool(
+        "w f",
         "fill",
-        "Fill the rectangle, or the region around the cursor.",
+        "Fill the rectangle, else the region around the cursor.",
         lambda box, desk: box.fill(desk),
-        19,
     ),
-    Tool("i", "i", "row +", "Add a row here.", lambda box, desk: box.resize("rows", 1, desk), 12),
-    Tool("u", "u", "row −", "Take this row away.", lambda box, desk: box.resize("rows", -1, desk), 13),
-    Tool(
-        "R",
-        "R",
-        "row last",
-        "Add a row at the bottom.",
-        lambda box, desk: box.resize("rows", 1, desk, at_end=True),
+    *(
+        Tool(key, label, sentence, partial(_resize, name, count, at_end), why_not=_unfinished)
+        for key, label, sentence, name, count, at_end in (
+            ("w i", "row here", "Add a row here.", "rows", 1, False),
+            ("w d", "row away", "Take this row away.", "rows", -1, False),
+            ("w b", "row below", "Add a row at the bottom.", "rows", 1, True),
+            ("w h", "column here", "Add a column here.", "columns", 1, False),
+            ("w x", "column away", "Take this column away.", "columns", -1, False),
+            ("w e", "column right", "Add a column at the right.", "columns", 1, True),
+        )
     ),
-    Tool("I", "I", "column +", "Add a column here.", lambda box, desk: box.resize("columns", 1, desk), 14),
-    Tool(
-        "U", "U", "column −", "Take this column away.", lambda box, desk: box.resize("columns", -1, desk), 15
-    ),
-    Tool(
-        "N",
-        "N",
-        "col last",
-        "Add a column at the right.",
-        lambda box, desk: box.resize("columns", 1, desk, at_end=True),
-    ),
-    Tool(
-        "",
-        "",
-        SLIPPERY,
-        "Let each of three moves be as likely, as on Gymnasium's ice, or not.",
-        lambda _, desk: next_word(desk, "slippery"),
-    ),
-    Tool(
-        "",
-        "",
-        LEAVING,
-        "Let cells pay on leaving them, or on entering.",
-        lambda _, desk: next_word(desk, "rewards"),
-    ),
-    Tool(
-        "",
-        "",
-        MOVES,
-        "Choose the next kind of moves: four, clockwise, king, king+stay.",
-        lambda _, desk: next_word(desk, "moves"),
-    ),
-    Tool(
-        "o",
-        "o",
-        "rules",
-        "The rules of the map: noise, slip, living reward, wind, time limit.",
-        ask_rules,
-        7,
+    Tool("w r", "rules…", "Set noise, wind, living reward, time limit and more.", ask_rules),
+    *(
+        Tool(key, label, sentence, partial(_turn, name), value=partial(_value, name))
+        for key, label, sentence, name in (
+            ("w p", "slippery", "Slip to each side as often as go ahead.", "slippery"),
+            ("w l", "on leaving", "Let cells pay on leaving them, or on entering.", "rewards"),
+            ("w n", "moves", "Choose the next kind of moves.", "moves"),
+        )
     ),
 )
 
@@ -167,16 +186,15 @@ MAP_TOOLS: Final = (
 # What they do
 
 
-ARROW: Final = Brush(ARROW_KEY, "", "arrow")
+ARROW: Final = Brush(_ARROW_KEY, "A", "arrow")
 """In place of a brush: a click moves the cursor only."""
-_WALL_PAYS: Final = "a wall pays nothing: nobody enters it"
-_NOTHING_COPIED: Final = "nothing is copied yet: m marks a corner, y copies up to the cursor"
 
 
 class MapTools(Toolbox):
     """Draws on a map. It remembers the brush, a corner, what was copied, and where a jump begins."""
 
     tools = MAP_TOOLS
+    rest = "rows, copy, rules, save"
 
     def __init__(self) -> None:
         self._brush = BRUSHES[1]
@@ -189,8 +207,6 @@ class MapTools(Toolbox):
 
     def about(self, desk: Desk) -> tuple[str, ...]:
         """Return what stands under the cursor, and what it pays."""
-        if self._jump_from is not None:
-            return "enter: the jump leads to here · esc: no jump", "enter: jump to here"
         row, column = _here(desk)
         character = _map_of(desk).lines[row][column]
         entry = _map_of(desk).legend.get(character)
@@ -198,40 +214,35 @@ class MapTools(Toolbox):
         where, what = f"row {row}, column {column}", f"{character} {called(entry)}{reward}"
         rows, columns = self._rectangle(desk)
         size = f"{len(rows)} × {len(columns)} cells · " if self._corner is not None else ""
-        return f"{size}{where}: {what}", f"{size}{what}", what
+        return f"{size}here: {what} · {where}", f"{size}here: {what}", what
 
     @property
-    def in_hand(self) -> str:
-        """The brush in force."""
-        return "" if self._jump_from is not None else f"brush {self._brush_shown}"
+    def in_hand(self) -> ToolCell:
+        """The current brush, or a jump that was begun."""
+        if self._jump_from is not None:
+            jump = next(each for each in self.tools if each.key == _JUMP)
+            return ToolCell(_JUMP, _JUMP, jump.label, sign=jump.sign)
+        brush = self._brush
+        shown = "V" if brush.key == "V" else brush.character
+        return ToolCell(brush.key, shown, brush.label, sign=brush.sign)
 
     def advice(self, desk: Desk) -> tuple[str, ...]:
-        """Return what a click or a drag does with the brush."""
+        """Return what enter, a click or a drag does with what is in hand."""
         if self._jump_from is not None:
-            return ("click where the jump leads",)
+            return "enter or a click: where it leads · esc: drop it", "enter: it leads here", "enter: to here"
         if self._brush is ARROW:
             return "click: cursor · drag: rectangle · wheel: reward", "click: cursor · drag: rectangle"
-        brush = self._brush_shown
-        with_keys = f"enter, shift+arrow, click, drag: {brush}"
-        return f"{with_keys} · wheel: reward", with_keys, f"click or drag: {brush}"
+        return "enter, shift+arrow, click or drag paints", "enter or a click paints", "enter paints"
 
     @property
-    def _brush_shown(self) -> str:
-        return f"{self._brush.character} {self._brush.word}".strip()
+    def is_marking(self) -> bool:
+        """Whether a rectangle was begun."""
+        return self._corner is not None
 
-    def cell(self, tool: Tool, desk: Desk) -> ToolCell:
-        """Return how the panel shows ``tool``: the brush in force stands out, and what is switched on."""
-        word, moves = tool.word, str(rule_of(desk.draft, "moves"))
-        if tool.id == MOVES:
-            word = f"{moves} moves" if moves == "four" else moves
-        is_on = {
-            MARK: self._corner is not None,
-            JUMP: self._jump_from is not None,
-            SLIPPERY: rule_of(desk.draft, "slippery") is True,
-            LEAVING: rule_of(desk.draft, "rewards") == "leaving",
-        }.get(tool.id, bool(tool.key) and tool.key == self._brush.key)
-        refused = _NOTHING_COPIED if tool.id == PASTE and not self._copied else ""
-        return ToolCell(tool.id, tool.shown, word, is_on=is_on, refused=refused)
+    @property
+    def has_copied(self) -> bool:
+        """Whether there is something to put down."""
+        return bool(self._copied)
 
     def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
         """Return the numbers of the map, what the cell pays, and the wind where it is."""
@@ -246,11 +257,15 @@ class MapTools(Toolbox):
             WorldNumber(WIND_ROWS, _wind(draft, WIND_ROWS.name, row), is_short=True),
         )
 
+    def can_pay(self, desk: Desk) -> bool:
+        """Return whether what is picked can pay something."""
+        return pays(_map_of(desk), *self._rectangle(desk))
+
     def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
         """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
         draft, (row, column) = _map_of(desk), _here(desk)
         if name == PAYS.name:
-            if not pays(draft, *self._rectangle(desk)):
+            if not self.can_pay(desk):
                 raise ValueError(_WALL_PAYS)
             return (self._reward_edit(desk, value),)
         where = {WIND.name: (str(column),), WIND_ROWS.name: (str(row),)}.get(name, ())
@@ -331,7 +346,7 @@ class MapTools(Toolbox):
         """Take what is under the cursor for the brush."""
         row, column = _here(desk)
         character = _map_of(desk).lines[row][column]
-        self._brush = Brush(PICK, character, called(_map_of(desk).legend.get(character)))
+        self._brush = Brush(_PICK, character, called(_map_of(desk).legend.get(character)))
 
     def enter(self, desk: Desk) -> None:
         """Paint with the brush, or end a jump."""
@@ -379,9 +394,6 @@ class MapTools(Toolbox):
     def ask_reward(self, desk: Desk) -> None:
         """Type what the cells that are picked pay."""
         draft, (rows, columns) = _map_of(desk), self._rectangle(desk)
-        if not pays(draft, rows, columns):
-            desk.tell(_WALL_PAYS)
-            return
         entry = draft.legend.get(draft.lines[rows.start][columns.start])
         now = 0.0 if entry is None else entry.pays
         hint = "What is paid on entering, or on leaving, as the map's rules say."
@@ -415,13 +427,10 @@ class MapTools(Toolbox):
         lines = _map_of(desk).lines
         self._copied = tuple(lines[row][columns.start : columns.stop] for row in rows)
         self._corner = None
-        desk.tell(f"copied {len(rows)} × {len(columns)} cells: p puts them down")
+        desk.tell(f"copied {len(rows)} × {len(columns)} cells: w v puts them down")
 
     def paste(self, desk: Desk) -> None:
         """Put down what was copied, its upper left corner under the cursor, as far as the map goes."""
-        if not self._copied:
-            desk.tell(_NOTHING_COPIED)
-            return
         draft, (top, left) = _map_of(desk), _here(desk)
         cells = {
             (top + row, left + column): character
@@ -433,9 +442,6 @@ class MapTools(Toolbox):
 
     def resize(self, name: str, count: int, desk: Desk, *, at_end: bool = False) -> None:
         """Add a row or a column before the cursor, or ``at_end``, or take away the one it is in."""
-        if desk.snapshot.editor.unfinished:
-            desk.tell("finish the map first: lines are added and taken where it is whole")
-            return
         draft, (row, column) = _map_of(desk), _here(desk)
         self._corner = self._jump_from = None
         last, here = (draft.rows, row) if name == "rows" else (draft.columns, column)

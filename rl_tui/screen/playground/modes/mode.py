@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -13,39 +13,22 @@ from rl_tui.live.commands import Command
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.frame.key_line import Hints, KeyLine
+from rl_tui.screen.keys.action import Action
 from rl_tui.screen.kit.pointing import PartPointed, Pointed, Touched
 from rl_tui.screen.panels.world.view import WorldView
-from rl_tui.screen.playground.modes.action_keys import DIGITS
 
 STEPS: Final = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}
 WITH_SHIFT: Final = "shift+"
 LEAVE: Final = "escape"
-CLEAR: Final = "C"
-_SIGNS: Final = (
-    *("full_stop", "comma", "number_sign", "less_than_sign", "greater_than_sign", "circumflex_accent"),
-    *("equals_sign", "plus", "minus"),
-)
-EDITING_KEYS: Final = (*_SIGNS, *"AFGHIJNRSUVXZimopuwyz")
-"""Keys with which the world is drawn, besides those that other modes have."""
 
 
-def _binding(key: str, tooltip: str) -> Binding:
-    # Before the world, which has uses of its own for these keys
-    return Binding(
-        key, f"mode_key('{key}')", key, show=False, priority=True, id=f"mode.{key}", tooltip=tooltip
-    )
-
-
-MODE_BINDINGS: Final[list[BindingType]] = [
-    *(_binding(key, "Go there") for key in STEPS),
-    *(_binding(f"{WITH_SHIFT}{key}", "Draw this action") for key in STEPS),
-    *(_binding(digit, "Take or draw this action") for digit in DIGITS),
-    _binding("enter", "Draw the arm under the cursor"),
-    *(_binding(key, "Draw no action here") for key in ("delete", "backspace")),
-    _binding(CLEAR, "Draw afresh"),
-    *(_binding(key, "Draw the world with it") for key in EDITING_KEYS),
-    _binding(LEAVE, "Leave the mode"),
-]
+def mode_bindings(*modes: type[KeyMode]) -> list[BindingType]:
+    """Return the bindings of all keys of ``modes``; they count before the world, which uses some of them."""
+    words = {key: word for mode in modes for key, word in mode.keys.items()}
+    return [
+        Binding(key, f"mode_key('{key}')", key, show=False, priority=True, id=f"mode.{key}", tooltip=word)
+        for key, word in words.items()
+    ]
 
 
 class Modes:
@@ -53,6 +36,11 @@ class Modes:
 
     def __init__(self) -> None:
         self.current: KeyMode | None = None
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What a person can do in the mode that is on, besides all else."""
+        return () if self.current is None else self.current.actions
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` is for the mode; else it is left to the panels."""
@@ -96,6 +84,8 @@ class KeyMode(Subject):
 
     modes: Modes
     _focused_before: Widget | None = None
+    keys: ClassVar[Mapping[str, str]]
+    """The keys it may take, as Textual names them, and what each does."""
     way_back: ClassVar[tuple[str, ...]] = ()
     needs_focus: ClassVar[bool] = True
 
@@ -103,6 +93,11 @@ class KeyMode(Subject):
     def is_on(self) -> bool:
         """Whether it was entered and not left."""
         return self.modes.current is self
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What a person can do in it; what has the same key, or stands in the same menu, waits meanwhile."""
+        return ()
 
     @property
     def has_keys(self) -> bool:

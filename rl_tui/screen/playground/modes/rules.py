@@ -16,11 +16,10 @@ from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
-from rl_tui.screen.frame.key_line import Hints
-from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, WorldNumber
+from rl_tui.screen.panels.draw_panel import SheetLine, Sign, ToolCell, WorldNumber
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.worlds.editing.arms_draft import ArmsDraft, Draft
+from rl_tui.worlds.editing.arms_draft import Draft
 from rl_tui.worlds.editing.edit import BETWEEN, JSON_BEGINS, Edit, as_json, json_in
 from rl_tui.worlds.grid.moves import MOVES
 from rl_tui.worlds.grid.section import REWARDS
@@ -64,9 +63,6 @@ WORDS: Final[dict[str, tuple[str, ...]]] = {
 def ask_rules(_: object, desk: Desk) -> None:
     """Choose one of the rules, and type or choose what it is to be."""
     draft = desk.draft
-    if isinstance(draft, ArmsDraft) and draft.is_bernoulli:
-        desk.tell("arms that pay 1 or 0 have no spread and do not drift")
-        return
     candidates = [
         Candidate(name, name, (text,), value=rule_value(draft, name))
         for name, text in RULES[draft.kind].items()
@@ -174,58 +170,72 @@ class Desk:
     ask: Callable[[Dialog[Any], Callable[[Any], None]], None]
 
 
+Use = Callable[[Any, Desk], None]
+Tell = Callable[[Any, Desk], str]
+
+
+def _nothing(_: object, __: Desk) -> str:
+    return ""
+
+
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """One thing to draw with.
+    """One thing to draw with: panel, key line, menu, help, palette and docs derive from this row.
 
-    ``key`` is Textual's name of its key, empty where it has none, ``shown`` how people see it, ``word`` a
-    word for key line and panel, ``help`` a sentence for the palette. ``use`` gets the toolbox, or whatever
-    the tool belongs to, and the desk; ``click`` is what a click on it does instead. ``rank`` orders the key
-    line; None: it is not there. Where it is not ``in_panel``, the panel says otherwise what it does. ``name``
-    is what palette and docs call it, where the word alone says too little.
+    ``key`` is Textual's name of the key, or that of a menu and a letter there; ``symbol`` is how people see
+    it where that is otherwise. ``label`` has at most two words, ``help`` is a sentence of at most ten.
+    ``use`` gets the toolbox, or whatever the tool belongs to, and the desk; ``click`` is what a click on it
+    does instead. ``why_not`` tells why it can do nothing now, ``value`` what is current, for the menu.
+    ``rank`` orders the key line (None: it is not there), and ``hint`` replaces key and label there, for tools
+    that share an entry. A brush has a ``sign`` as on the map. In the panel what ``is_of_number`` stands
+    above the first slider, and what ``is_told`` is said otherwise.
     """
 
     key: str
-    shown: str
-    word: str
+    label: str
     help: str
-    use: Callable[[Any, Desk], None]
+    use: Use
+    symbol: str = ""
+    click: Use | None = None
+    why_not: Tell = _nothing
+    value: Tell = _nothing
     rank: int | None = None
-    click: Callable[[Any, Desk], None] | None = None
-    in_panel: bool = True
-    name: str = ""
+    hint: tuple[str, str] | None = None
+    sign: Sign | None = None
+    is_told: bool = False
+    is_of_number: bool = False
 
     @property
-    def id(self) -> str:
-        """By what it is asked for."""
-        return self.key or self.word
+    def shown(self) -> str:
+        """How people see its key."""
+        return self.symbol or self.key
 
     @property
-    def label(self) -> str:
-        """What it is called where it stands alone."""
-        return self.name or self.word
+    def in_panel(self) -> bool:
+        """Whether the panel lists it."""
+        return not (self.is_told or self.is_of_number or self.is_in_menu)
+
+    @property
+    def is_in_menu(self) -> bool:
+        """Whether a menu has it, and no single key."""
+        return " " in self.key
 
 
 class Toolbox(ABC):
     """The tools of one kind of world, and what is remembered between two of them."""
 
     tools: ClassVar[tuple[Tool, ...]]
+    rest: ClassVar[str]
+    """What the menu of the world has while it is drawn, in a few words."""
 
-    def hints(self) -> Hints:
-        """Return the keys for the key line."""
-        ranked = sorted(
-            (each for each in self.tools if each.rank is not None), key=lambda each: each.rank or 0
-        )
-        return tuple((each.shown, each.word) for each in ranked)
+    @property
+    def in_hand(self) -> ToolCell | None:
+        """What there is to paint with, as the panel shows it; None where nothing is painted."""
+        return None
 
     @abstractmethod
     def about(self, desk: Desk) -> tuple[str, ...]:
         """Return what stands under the cursor, the longest form first."""
-
-    @property
-    def in_hand(self) -> str:
-        """What there is to paint with, empty where nothing is."""
-        return ""
 
     def advice(self, desk: Desk) -> tuple[str, ...]:
         """Return what a click does now, the longest form first."""
@@ -238,10 +248,6 @@ class Toolbox(ABC):
     def choose_line(self, desk: Desk, line: int) -> None:
         """Choose one of them."""
         raise NotImplementedError
-
-    def cell(self, tool: Tool, desk: Desk) -> ToolCell:
-        """Return how the panel shows ``tool`` now."""
-        return ToolCell(tool.id, tool.shown, tool.word)
 
     def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
         """Return the numbers that have a slider."""

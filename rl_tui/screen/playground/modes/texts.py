@@ -9,7 +9,6 @@ from rl_tui.common.findings import place
 from rl_tui.common.limits import LARGEST_NUMBER
 from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.frame.key_line import Hints
 
 END: Final = "esc: end"
 _MISSING: Final = "nothing"  # is found where the world needs what is not there
@@ -43,12 +42,6 @@ def prompts(snapshot: Snapshot, about: Sequence[str]) -> tuple[str, ...]:
     """Return what stands below the picture: what is ``about`` the cursor, and how to leave."""
     undo = " · z: undo" if snapshot.editor.can_undo else ""
     return (*(f"{each}{undo} · {END}" for each in about), *(f"{each} · {END}" for each in about), *about, END)
-
-
-def hints(own: Hints) -> Hints:
-    """Return the keys for the key line; where not all fit, the last but one goes first."""
-    after: Hints = (("z", "undo"), ("Z", "redo"), ("w", "save"))
-    return (*own[:8], *after, *own[8:], ("esc", "end"))
 
 
 def number_text(value: float, digits: int = 6) -> str:
