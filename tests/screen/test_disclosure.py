@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import MakeApp
 from lesson_texts import TEXT
-from seams import app_at, on_screen, order, playground, press, tap
+from seams import app_at, on_screen, order, playground, press, screen_text, snapshot, tap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -17,6 +17,7 @@ from rl_tui.lessons.file.setups import recipe_of
 from rl_tui.lessons.file.view import begun
 from rl_tui.lessons.lesson import lesson_of
 from rl_tui.live.commands import KeepLesson
+from rl_tui.runs.library import find, recipe_for
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.legend_switch import LegendSwitch
 from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, LESSON, TABLE, TIMELINE, WORLD
@@ -101,3 +102,19 @@ async def test_a_world_opened_before_anything_is_kept_begins_with_the_world_alon
             await press(pilot, "s", "m", "s")
             await tap(pilot, *"mine", "enter")
             await settle(pilot)
+
+
+def text_of(pilot: Pilot[UserError], row: int) -> str:
+    return screen_text(pilot.app).splitlines()[row].strip()
+
+
+async def test_the_key_line_names_few_keys_until_a_run_has_paused_after_an_episode(tmp_path: Path) -> None:
+    first = "space run     s step   b back   / find   ? keys"
+    async with on_screen(app_at(recipe_for(find("student")), sessions=tmp_path)) as pilot:
+        await press(pilot, "s")
+        assert text_of(pilot, 23) == first
+        await press(pilot, "e")
+        assert "v view" in text_of(pilot, 23)
+        await press(pilot, "r", "r", "home")
+        assert snapshot(pilot).counters.episodes == 0
+        assert "v view" in text_of(pilot, 23), "it never falls back"

@@ -261,6 +261,7 @@ class Opener:
         self.lesson_id = "" if lesson is None else lesson.lesson.id
         if self.legends is None:
             self.legends = LegendSwitch(self.sessions)
+        self.legends.names_all_keys |= not self.has_kept_nothing
         sink = None if autosave is None else autosave.sink
         self.player = self.make_player(recipe, record_sink=sink, record=record, playable=playable)
         shape = expected_shape(

@@ -300,6 +300,7 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused) or self.editing.offered
         keys.is_running = self.run.is_under_way
+        keys.names_all = self.legends.names_all_keys
         refused = (each.id for each in self.known_actions if each.rank is not None and self.why_not(each))
         keys.idle = self.lesson.idle_keys.union(refused)
 
@@ -310,6 +311,7 @@ class Playground(ActionScreen):
             *(snapshot.playback.phase, snapshot.world, snapshot.program is None, snapshot.agent.algorithm),
             *(answers.flips, answers.is_hidden, answers.kept_back, bool(snapshot.run_group.lanes)),
             *(self.modes.current, self.board.opened, wanted.recipe.algorithm, wanted.lesson and snapshot),
+            self.legends.names_all_keys,
         )
 
     @on(DescendantFocus)
@@ -418,6 +420,8 @@ class Playground(ActionScreen):
             return
         if self.board.opened == MICROSCOPE:
             self.microscope.follow_update()
+        if snapshot.counters.episodes and snapshot.playback.phase is Phase.PAUSED:
+            self.legends.names_all_keys = True
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
