@@ -34,7 +34,8 @@ def usual(place: Place) -> list[Action]:
 
 
 def hints(width: int) -> list[str]:
-    shown, _ = fitting(usual(Place.PLAYGROUND), width)
+    all_in_view = [each for each in usual(Place.PLAYGROUND) if each.id != "panels.turn"]
+    shown, _ = fitting(all_in_view, width)
     return [" ".join(action.key_hint) for action in shown]
 
 

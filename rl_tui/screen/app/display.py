@@ -15,7 +15,8 @@ class Display:
     """Display options of play and screenshot.
 
     ``theme`` is the name of a theme, ``ascii`` keeps to ASCII characters, ``fps`` (> 0) is the most frames
-    drawn a second. With ``reduced_motion`` nothing moves after a step.
+    drawn a second. With ``reduced_motion`` nothing moves after a step. ``panels`` are the ids of those with
+    which a playground begins: FEW come one by one, None: as the scenario says.
     """
 
     theme: str = "dark"
@@ -24,6 +25,7 @@ class Display:
     fps: float = 15.0
     mouse: bool = True
     reduced_motion: bool = False
+    panels: Literal["few", "all"] | frozenset[str] | None = None
 
     @property
     def ticks(self) -> float:

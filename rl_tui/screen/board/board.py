@@ -389,6 +389,11 @@ class Board(Container):
         return all(panel.is_complete for panel in self._shown() if self.shows(panel.id or ""))
 
     @property
+    def shown(self) -> frozenset[str] | None:
+        """The ids of the panels that are to be in view, None: all."""
+        return self._arrangement.shape.shown
+
+    @property
     def zoomed(self) -> str | None:
         """The id of the panel that covers all others."""
         return self._arrangement.zoomed

@@ -182,8 +182,8 @@ class ScreenPlan:
         self.blank = 1 if self.room is ROOMY else 0
 
     def shows(self, panel: str) -> bool:
-        """Return whether a page of a lesson shows ``panel``; a page that names none shows all."""
-        return self.shape.shown is None or panel in self.shape.shown
+        """Return whether ``panel`` is to be in view; that of a program is where the settings are."""
+        return self.shape.shown is None or {PROGRAM: CONTROLS}.get(panel, panel) in self.shape.shown
 
     def put(self, panel: str, region: Region) -> None:
         """Put ``panel`` there, if that is anywhere."""

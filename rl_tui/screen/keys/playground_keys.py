@@ -420,6 +420,8 @@ _MORE: Final[tuple[Action, ...]] = (
         "m p",
         "panels",
         "Show all panels from now on, or only those that mean something so far.",
+        rank=4,
+        is_first=True,
     ),
     Action("view.turn_legends", "m l", "legends", "Hide or show what symbols on panels mean.", old="L"),
     Action(

@@ -76,7 +76,8 @@ class Playground(ActionScreen):
 
     What may be done is with the objects made in the constructor, one for each subject: a row of the registry
     names one of them and its method. What is kept besides the newest snapshot is all in ``wanted``. Where it
-    ``watches``, the run begins by itself, at a speed that goes by what is learned.
+    ``watches``, the run begins by itself, at a speed that goes by what is learned. It begins with the panels
+    ``so_far``, None: all; where it ``is_gradual`` the others come once they mean something.
     """
 
     CSS_PATH = "playground.tcss"
@@ -126,6 +127,7 @@ class Playground(ActionScreen):
         shape: Shape,
         *,
         watches: bool,
+        so_far: frozenset[str] | None,
         is_gradual: bool,
     ) -> None:
         super().__init__(look, panels)
@@ -156,8 +158,7 @@ class Playground(ActionScreen):
         self.export = ExportActions(*of)
         self.program = ProgramActions(*of)
         self.menus = MenuActions(*of)
-        self.panels = Disclosure(*of)
-        self.panels.is_gradual = is_gradual
+        self.panels = Disclosure(*of, so_far, is_gradual)
         self.kept_back = KeptBack(*of)
         self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
         self._by_command = {each.command or each.id: each for each in self.known_actions}
@@ -238,7 +239,7 @@ class Playground(ActionScreen):
         else:
             if self.wanted.lesson is not None:
                 self.kept_back.show_world_for(command)
-            if self.panels.is_gradual:
+            if self.panels.so_far is not None:
                 self.panels.note(command)
             super().action_do(command)
 
@@ -302,7 +303,8 @@ class Playground(ActionScreen):
         keys.is_running = self.run.is_under_way
         keys.names_all = self.legends.names_all_keys
         refused = (each.id for each in self.known_actions if each.rank is not None and self.why_not(each))
-        keys.idle = self.lesson.idle_keys.union(refused)
+        hidden = () if self.panels.hides_some else ("panels.turn",)
+        keys.idle = self.lesson.idle_keys.union(refused, hidden)
 
     def _moment_of(self, snapshot: Snapshot) -> object:
         """Return what decides, apart from the focus, which keys do something and if flips are asked for."""
@@ -311,7 +313,7 @@ class Playground(ActionScreen):
             *(snapshot.playback.phase, snapshot.world, snapshot.program is None, snapshot.agent.algorithm),
             *(answers.flips, answers.is_hidden, answers.kept_back, bool(snapshot.run_group.lanes)),
             *(self.modes.current, self.board.opened, wanted.recipe.algorithm, wanted.lesson and snapshot),
-            self.legends.names_all_keys,
+            *(self.board.shown, self.legends.names_all_keys),
         )
 
     @on(DescendantFocus)
