@@ -20,7 +20,7 @@ from rl_tui.live.commands import KeepLesson
 from rl_tui.runs.library import find, recipe_for
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.legend_switch import LegendSwitch
-from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, LESSON, TABLE, TIMELINE, WORLD
+from rl_tui.screen.kit.row import CAPTION, CONTROLS, CURVE, LAST_STEP, LESSON, TABLE, TIMELINE, WORLD
 from rl_tui.screen.playground.disclosure import FIRST_PANELS, panels_in_view
 from rl_tui.worlds.files.scenario import read_scenario
 
@@ -77,7 +77,7 @@ async def test_a_page_has_the_panels_it_names_or_those_of_the_page_before(size: 
 
 
 def test_a_page_names_its_panels_and_all_are_a_key_away_everywhere() -> None:
-    assert panels_in_view(None, FIRST_PANELS, shows_all=False) == {WORLD}
+    assert panels_in_view(None, FIRST_PANELS, shows_all=False) == {WORLD, CAPTION}
     assert panels_in_view(None, None, shows_all=False) is None
     assert panels_in_view(None, FIRST_PANELS, shows_all=True) is None
     assert panels_in_view(begun(find_lesson("loop")), None, shows_all=False) == {WORLD}
@@ -122,6 +122,60 @@ async def test_a_scenario_says_with_which_panels_it_opens(tmp_path: Path) -> Non
 
 def text_of(pilot: Pilot[UserError], row: int) -> str:
     return screen_text(pilot.app).splitlines()[row].strip()
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24), (60, 18)], ids=["120", "80", "60"])
+async def test_a_caption_says_what_is_learned(size: tuple[int, int], make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", panels="few"), size) as pilot:
+        row = size[1] - 2
+        said = [text_of(pilot, row)]
+        for steps in (1, 600, 8_000):
+            await train(pilot, steps)
+            said.append(text_of(pilot, row))
+        assert said[:2] == [
+            "Nothing is learned yet: no step was taken.",
+            "Nothing is learned yet: that begins with the first reward.",
+        ]
+        assert said[3] == "An optimal policy is found: no other is worth more."
+        await press(pilot, "f")
+        assert text_of(pilot, row) == said[3], "it stays where it is"
+        await press(pilot, "f", "m", "p")
+        assert said[3] not in screen_text(pilot.app)
+
+
+async def test_what_is_watched_is_said_once(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", panels="few")) as pilot:
+        await press(pilot, "m", "w")
+        assert "watching:" not in screen_text(pilot.app)
+        await press(pilot, "m", "p")
+        assert "watching: until the first reward" in screen_text(pilot.app)
+
+
+async def test_a_program_started_big_begins_with_the_world_alone(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", is_big=True)) as pilot:
+        board = playground(pilot).board
+        assert board.zoomed == WORLD
+        assert board.world.cell == (19, 5)
+        before = board.wanted_layer
+        await press(pilot, "v", "y", "right")
+        assert board.zoomed == WORLD, "one looks and acts in it"
+        assert board.wanted_layer is not before
+        assert snapshot(pilot).counters.step == 1
+        await press(pilot, "f")
+        assert in_view(pilot) == ALL
+
+
+async def test_in_a_lesson_the_page_is_the_caption_and_turning_it_ends_the_view(make_app: MakeApp) -> None:
+    lesson = lesson_of(TEXT, Path("l.toml"))
+    async with on_screen(app_at(recipe_of(lesson, "evening")), (120, 40)) as pilot:
+        await order(pilot, KeepLesson(begun(lesson)))
+        await press(pilot, "f")
+        board = playground(pilot).board
+        assert lesson.pages[0].title in text_of(pilot, 38)
+        assert not board.lesson.reads
+        await press(pilot, "R")
+        assert board.zoomed is None
+        assert board.lesson.is_docked
 
 
 async def test_the_key_line_names_few_keys_until_a_run_has_paused_after_an_episode(tmp_path: Path) -> None:

@@ -61,6 +61,7 @@ panels_option: Final = click.option(
     help="the panels to begin with; of few the others come once they mean something"
     "  [default: those of the scenario]",
 )
+big_option: Final = click.option("--big", is_flag=True, help="begin with the world on the whole screen (f)")
 
 
 def display_options(command: Command) -> Command:
@@ -85,5 +86,6 @@ def display_of(values: Mapping[str, Any]) -> Display:
         fps=values["fps"],
         mouse=not values["no_mouse"],
         reduced_motion=values["reduced_motion"],
+        is_big=values.get("big", False),
         panels=values.get("panels"),
     )

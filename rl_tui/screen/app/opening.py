@@ -292,6 +292,7 @@ class Opener:
             watches=watches,
             so_far=so_far,
             is_gradual=wanted == "few",
+            is_big=self.display.is_big and lesson is None,
         )
         self._wanted = playground.wanted
         if self.kiosk:

@@ -175,7 +175,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "full screen",
         "Show the panel in focus (else the world) alone, or all again.",
         rank=13,
-        aliases="zoom",
+        aliases="zoom projector big",
     ),
     Action(
         "manual.toggle",

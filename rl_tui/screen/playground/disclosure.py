@@ -10,12 +10,12 @@ import numpy as np
 from rl_tui.lessons.file.view import LessonRecord
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.kit.row import BUDGET, CONTROLS, CURVE, LAST_STEP, TABLE, TIMELINE, WORLD
+from rl_tui.screen.kit.row import BUDGET, CAPTION, CONTROLS, CURVE, LAST_STEP, TABLE, TIMELINE, WORLD
 from rl_tui.screen.kit.snapshot_facts import has_optimal_policy
 
 _CHANGES_AGENT: Final = ("agent", "menus.open('a')")
 """What the commands begin with after which the settings are in view."""
-FIRST_PANELS: Final = frozenset({WORLD})
+FIRST_PANELS: Final = frozenset({WORLD, CAPTION})
 """With these a run begins whose panels come one by one."""
 _LATER: Final = frozenset({TABLE, CURVE, TIMELINE, BUDGET, LAST_STEP, CONTROLS})
 _ONCE_LEARNED: Final = frozenset({TABLE, LAST_STEP})
@@ -83,6 +83,7 @@ class Disclosure(Subject):
         is_all = self.board.legends.shows_all_panels
         self.screen.tell("All panels." if is_all else "Only panels that mean something so far. m p: all.")
         self.board.reshape(shown=self.in_view)
+        self.board.post_message(self.board.Toggled())
 
     def why_not(self, deed: str) -> str:
         """Return why no panel is left out."""

@@ -37,7 +37,7 @@ from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.pointing import Pointed, Touched
-from rl_tui.screen.kit.row import MICROSCOPE, PanelRow
+from rl_tui.screen.kit.row import CAPTION, MICROSCOPE, WORLD, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider, key_hints
 from rl_tui.screen.panels.discount import DiscountPanel
@@ -77,7 +77,8 @@ class Playground(ActionScreen):
     What may be done is with the objects made in the constructor, one for each subject: a row of the registry
     names one of them and its method. What is kept besides the newest snapshot is all in ``wanted``. Where it
     ``watches``, the run begins by itself, at a speed that goes by what is learned. It begins with the panels
-    ``so_far``, None: all; where it ``is_gradual`` the others come once they mean something.
+    ``so_far``, None: all; where it ``is_gradual`` the others come once they mean something. ``is_big``: the
+    world has the whole screen at first.
     """
 
     CSS_PATH = "playground.tcss"
@@ -129,14 +130,16 @@ class Playground(ActionScreen):
         watches: bool,
         so_far: frozenset[str] | None,
         is_gradual: bool,
+        is_big: bool,
     ) -> None:
         super().__init__(look, panels)
         self.legends = legends
         self.player = player
         self.wanted = Wanted(recipe, speed, lesson)
         self.status = StatusLine(look, id="status")
-        self.status.begin_with(recipe.scenario.title if lesson is None else lesson.lesson.title)
+        self.status.title = recipe.scenario.title if lesson is None else lesson.lesson.title
         self.board = Board(look, self.wanted, self.legends, shape, panels)
+        self.board.caption.title = self.status.title
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
         self.scenario = ScenarioActions(*of, resumed is None, self._reopen, self._go_by)
@@ -165,7 +168,7 @@ class Playground(ActionScreen):
         self._told_keys = set[str]()  # ids of actions whose old key was pressed
         self._moment: object = None
         self.leaving = Leaving(*of, self.session, self.modes, lambda: self.lesson.is_over, self._leave)
-        self._watches = watches
+        self._watches, self._is_big = watches, is_big
         self.frames = Frames(self, fps)
         self._settling = Settling(
             self.link, self.board, self.view.look_at, self.session.named, self.frames.painted
@@ -293,13 +296,14 @@ class Playground(ActionScreen):
     @on(Slider.TypingChanged)
     @on(DescendantFocus)
     @on(DescendantBlur)
+    @on(Board.Toggled)
     def show_key_hints(self) -> None:
         """Show on the key line what keys do now: those of a mode, else first those of the slider in focus."""
         snapshot = self.snapshot
         if snapshot is not None:
             self.modes.show(snapshot)
         keys = self.query_one(KeyLine)
-        keys.first = key_hints(self.focused) or self.editing.offered
+        keys.first = key_hints(self.focused) or self.editing.offered or self.view.way_back
         keys.is_running = self.run.is_under_way
         keys.names_all = self.legends.names_all_keys
         refused = (each.id for each in self.known_actions if each.rank is not None and self.why_not(each))
@@ -359,8 +363,14 @@ class Playground(ActionScreen):
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
         self.show_key_hints()
         self.call_after_refresh(self._start_to_follow)
-        self.set_interval(_CHECKS_ENVIRONMENT, lambda: self.status.show_unanswered(self.player.unanswered))
+        self.set_interval(_CHECKS_ENVIRONMENT, self._show_unanswered)
         self.session.listen()
+        if self._is_big:
+            self.board.zoom(WORLD)
+
+    def _show_unanswered(self) -> None:
+        for line in (self.status, self.board.caption):
+            line.show_unanswered(self.player.unanswered)
 
     def on_unmount(self) -> None:
         """Let the player's thread end, without waiting for it."""
@@ -426,6 +436,7 @@ class Playground(ActionScreen):
             self.legends.names_all_keys = True
         with self.app.batch_update():
             self.session.show_name()
+            self.status.is_captioned = CAPTION in (self.board.shown or ())
             self.status.show(snapshot)
             self.modes.show(snapshot)
             if self.panels.is_gradual or self.wanted.lesson is not None:
