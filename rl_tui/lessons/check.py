@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.common.errors import Fault, ScenarioError, UserError, first_of
-from rl_tui.common.findings import Finding, Location, in_file_order, near, place, shown
+from rl_tui.common.findings import Finding, Location, in_file_order, place, shown
 from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lessons.figures.figures import LessonFigures
 from rl_tui.lessons.figures.step_budget import StepBudget
@@ -25,6 +25,7 @@ from rl_tui.lessons.lesson import Lesson, is_lesson_text, read_lesson
 from rl_tui.lessons.task_check import TaskCheck
 from rl_tui.runs.changes import name_and_value, read_change
 from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.files.scenario import PANEL_IDS, unknown_panels
 from rl_tui.worlds.files.toml_file import tables_in
 
 if TYPE_CHECKING:
@@ -35,10 +36,8 @@ if TYPE_CHECKING:
 # What a page may highlight
 
 
-PERMANENT: Final = ("world", "table", "curve", "timeline", "budget", "controls", "last_step")
-"""The ids of the panels that no key opens: what a page may have in view, or leave out."""
 SPOTLIGHTS: Final = (
-    *PERMANENT,
+    *PANEL_IDS,
     "microscope",
     "many_seeds",
     "discount",
@@ -74,13 +73,10 @@ def _panel_findings(lesson: Lesson, page: Page, where: Location) -> Iterator[Fin
     """Yield the names of ``page`` that are no panel, and a spotlight on a panel that is not in view."""
     named = () if page.panels is None else page.panels
     spotlight = () if page.spotlight is None else (page.spotlight,)
-    for key, panels, known in (("spotlight", spotlight, SPOTLIGHTS), ("panels", named, PERMANENT)):
-        for panel in panels:
-            if panel not in known:
-                expected = f"the id of a panel: {', '.join(known)}{near(panel, known)}"
-                yield Finding((*where, key), shown(panel), expected)
+    yield from unknown_panels((*where, "spotlight"), spotlight, SPOTLIGHTS)
+    yield from unknown_panels((*where, "panels"), named)
     in_view = lesson.panels_of(page.id)
-    if page.spotlight in PERMANENT and in_view is not None and page.spotlight not in in_view:
+    if page.spotlight in PANEL_IDS and in_view is not None and page.spotlight not in in_view:
         expected = "a panel in view: add it to panels"
         yield Finding((*where, "spotlight"), shown(page.spotlight), expected)
 

@@ -14,7 +14,9 @@ from rl_tui.commands.main import program
 from rl_tui.lessons.check import SPOTLIGHTS, check_lesson
 from rl_tui.lessons.figures.step_budget import StepBudget
 from rl_tui.lessons.lesson import lesson_folder
+from rl_tui.screen.kit.row import CAPTION, PROGRAM
 from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.worlds.files.scenario import PANEL_IDS
 from rl_tui.worlds.files.shipped import shipped_folder
 
 pytestmark = pytest.mark.unit
@@ -208,6 +210,10 @@ def test_a_lesson_that_is_no_toml(tmp_path: Path) -> None:
 
 def test_a_spotlight_may_fall_on_any_panel() -> None:
     assert set(SPOTLIGHTS) <= {panel.id for panel in PANELS}
+    always = {panel.id for panel in PANELS if not (panel.opened_by or panel.of_lesson or panel.of_drawing)}
+    assert always - {PROGRAM, CAPTION} == set(PANEL_IDS), (
+        "one has the place of the settings, one comes by itself"
+    )
 
 
 SHIPPED: Final = sorted(lesson_folder().glob("*.toml"))

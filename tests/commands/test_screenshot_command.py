@@ -40,6 +40,30 @@ def test_a_lesson_brings_its_own_runs(more: tuple[str, ...]) -> None:
     assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        ("student", "--panels", "world,curv"),
+        ("student", "--panels", ""),
+        ("--lesson", "loop", "--panels", "few"),
+        ("--lesson", "loop", "--big"),
+    ],
+)
+def test_panels_that_there_are_not_here_are_refused(call: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(program, ["screenshot", *call, "--out", "-"])
+    assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
+
+
+@pytest.mark.screen
+def test_it_may_begin_with_few_panels_or_with_the_world_alone(tmp_path: Path) -> None:
+    call = ("frozenlake", "--size", "80x24")
+    pressed, big = (picture(tmp_path, "a.svg", *call, *more) for more in (("--keys", "f"), ("--big",)))
+    assert pressed == big
+    few, named = (picture(tmp_path, "a.svg", *call, "--panels", each) for each in ("few", "world,table"))
+    assert b"Nothing&#160;is&#160;learned" in few
+    assert b"discount" not in named
+
+
 @pytest.mark.screen
 def test_stdout_takes_the_picture() -> None:
     result = CliRunner().invoke(program, ["screenshot", "student", "--size", "80x24", "--out", "-"])

@@ -36,7 +36,8 @@ def usual(place: Place) -> list[Action]:
 
 
 def hints(width: int) -> list[str]:
-    shown, _ = fitting(usual(Place.PLAYGROUND), width, UNICODE)
+    all_in_view = [each for each in usual(Place.PLAYGROUND) if each.id != "panels.turn"]
+    shown, _ = fitting(all_in_view, width, UNICODE)
     return [" ".join(action.key_hint) for action in shown]
 
 

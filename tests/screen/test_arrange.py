@@ -12,8 +12,9 @@ import pytest
 from textual.geometry import Region, Size
 
 from rl_tui.screen.frame.arrange import arrange
-from rl_tui.screen.frame.shape import ROOMY, Arrangement, Shape, cell_size, size_class
+from rl_tui.screen.frame.shape import ROOMY, WORLDS, Arrangement, Shape, cell_size, size_class
 from rl_tui.screen.kit.row import (
+    CAPTION,
     CONTROLS,
     CURVE,
     DISCOUNT,
@@ -96,6 +97,16 @@ STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "program": ({}, {"is_program": True}),
     "zoomed table": ({"zoomed": TABLE}, {}),
     "zoomed world": ({"zoomed": WORLD}, {}),
+    "zoomed world, lesson": ({"zoomed": WORLD}, {"has_lesson": True, "reads": True}),
+    "zoomed world, lanes": ({"zoomed": beside(WORLD)}, {"lanes": True}),
+    "zoomed world, drawing": ({"zoomed": WORLD}, {"is_drawn": True}),
+    "zoomed world at first": ({"zoomed": WORLD}, {"shown": frozenset({WORLD, CAPTION})}),
+    "world and caption": ({}, {"shown": frozenset({WORLD, CAPTION})}),
+    "all and caption": (
+        {},
+        {"shown": frozenset({WORLD, TABLE, CURVE, TIMELINE, LAST_STEP, CONTROLS, CAPTION})},
+    ),
+    "program, world and settings": ({}, {"is_program": True, "shown": frozenset({WORLD, CONTROLS})}),
 }
 
 
@@ -107,18 +118,25 @@ def arranged(shape: Shape, state: str, size: Size) -> Arrangement:
 def check(place: Arrangement, shape: Shape, state: str, size: Size) -> None:
     """Fail unless nothing overlaps, all is between header and keys, and the panels asked for are there."""
     case = state, size, place
-    between = Region(0, 1, size.width, size.height - 2)
+    asked, changes = STATES[state]
+    is_big = asked.get("zoomed") in WORLDS  # without a header
+    between = Region(0, 1 - is_big, size.width, size.height - 2 + is_big)
     assert all(between.contains_region(each) for each in place.regions.values()), case
     assert not any(one.overlaps(other) for one, other in combinations(place.regions.values(), 2)), case
-    asked, changes = STATES[state]
     if "shown" in changes and "opened" in asked and size_class(size) is not ROOMY:
         return  # a board then shows all panels
     if state == "lesson, read" and place.regions.keys() == {LESSON}:
         return
     wanted = {asked.get("opened", asked.get("zoomed", WORLD))}
-    wanted |= {DRAW} if changes.get("is_drawn") and "opened" not in asked else set()
-    wanted |= {LESSON} if changes.get("has_lesson") else set()
+    wanted |= {DRAW} if changes.get("is_drawn") and not asked else set()
+    wanted |= {LESSON} if changes.get("has_lesson") else {CAPTION} if is_big else set()
+    wanted |= {CAPTION, PROGRAM if changes.get("is_program") else CONTROLS} & changes.get("shown", set())
     assert wanted <= place.regions.keys(), case
+    for row in {CAPTION} & place.regions.keys():
+        assert place.regions[row].bottom == size.height - 1, case
+    if is_big:
+        assert place.regions.keys() <= {*WORLDS, CURVE, CAPTION, LESSON}, case
+        assert place.regions[asked["zoomed"]].bottom == size.height - 3, case
     if "shown" in changes:
         permanent = {WORLD, TABLE, CURVE, TIMELINE, LAST_STEP, CONTROLS}
         assert place.regions.keys() & permanent <= {*changes["shown"]}, case
@@ -169,6 +187,16 @@ def test_no_map_of_up_to_10x12_cells_has_less_than_a_quarter_or_nearly(name: str
     sizes = [(80, 24), (90, 28), (100, 30), (120, 36), (120, 40), (132, 43), (160, 50), (200, 60)]
     for size in (*sizes, (220, 50), (250, 70)):
         assert share(MAPS[name], Size(*size)) >= 24, size
+
+
+@pytest.mark.parametrize(
+    ("size", "cell"), [((60, 18), (11, 3)), ((80, 24), (19, 5)), ((120, 40), (29, 9)), ((160, 50), (39, 11))]
+)
+def test_a_world_alone_is_as_large_as_it_goes(size: tuple[int, int], cell: tuple[int, int]) -> None:
+    place = arrange(Size(*size), MAPS["lake"], zoomed=WORLD)
+    assert place.cell == cell
+    assert place.regions[WORLD].width >= 4 * cell[0]
+    assert place.regions[CURVE].y == place.regions[WORLD].bottom == place.regions[CAPTION].y - 1
 
 
 def test_a_wide_map_lies_above_all_else_at_80x24() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import MakeApp
 from lesson_texts import TEXT
-from seams import app_at, on_screen, order, playground, press, tap
+from seams import app_at, on_screen, order, playground, press, screen_text, snapshot, tap, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -17,10 +17,12 @@ from rl_tui.lessons.file.setups import recipe_of
 from rl_tui.lessons.file.view import begun
 from rl_tui.lessons.lesson import lesson_of
 from rl_tui.live.commands import KeepLesson
+from rl_tui.runs.library import find, recipe_for
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.legend_switch import LegendSwitch
-from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, LESSON, TABLE, TIMELINE, WORLD
-from rl_tui.screen.playground.disclosure import first_panels
+from rl_tui.screen.kit.row import CAPTION, CONTROLS, CURVE, LAST_STEP, LESSON, TABLE, TIMELINE, WORLD
+from rl_tui.screen.playground.disclosure import FIRST_PANELS, panels_in_view
+from rl_tui.worlds.files.scenario import read_scenario
 
 ALL = {WORLD, TABLE, CURVE, TIMELINE, LAST_STEP, CONTROLS}
 
@@ -30,17 +32,8 @@ def in_view(pilot: Pilot[UserError]) -> set[str]:
     return {panel for panel in ALL if board.shows(panel)}
 
 
-async def begin(pilot: Pilot[UserError]) -> None:
-    """Let panels come one by one from here on."""
-    playground(pilot).panels.is_gradual = True
-    playground(pilot).redraw()
-    await settle(pilot)
-
-
 async def test_panels_come_once_they_mean_something_and_none_goes_again(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
-        assert in_view(pilot) == ALL
-        await begin(pilot)
+    async with on_screen(make_app("student", panels="few"), (120, 40)) as pilot:
         assert in_view(pilot) == {WORLD}
         await press(pilot, "s")
         assert in_view(pilot) == {WORLD}, "check phone pays nothing"
@@ -56,8 +49,7 @@ async def test_panels_come_once_they_mean_something_and_none_goes_again(make_app
 
 
 async def test_all_panels_are_a_key_away_and_that_is_remembered(make_app: MakeApp, tmp_path: Path) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
-        await begin(pilot)
+    async with on_screen(make_app("frozenlake", panels="few")) as pilot:
         assert in_view(pilot) == {WORLD}
         await press(pilot, "m", "p")
         assert in_view(pilot) == ALL
@@ -84,11 +76,11 @@ async def test_a_page_has_the_panels_it_names_or_those_of_the_page_before(size: 
         assert playground(pilot).board.lesson.is_docked, "the page is beside the world at any of these sizes"
 
 
-def test_what_is_seen_before_the_first_snapshot_is_no_more_than_after_it() -> None:
-    assert first_panels(None, is_gradual=True, shows_all=False) == {WORLD}
-    assert first_panels(None, is_gradual=False, shows_all=False) is None
-    assert first_panels(None, is_gradual=True, shows_all=True) is None
-    assert first_panels(begun(find_lesson("loop")), is_gradual=False, shows_all=False) == {WORLD}
+def test_a_page_names_its_panels_and_all_are_a_key_away_everywhere() -> None:
+    assert panels_in_view(None, FIRST_PANELS, shows_all=False) == {WORLD, CAPTION}
+    assert panels_in_view(None, None, shows_all=False) is None
+    assert panels_in_view(None, FIRST_PANELS, shows_all=True) is None
+    assert panels_in_view(begun(find_lesson("loop")), None, shows_all=False) == {WORLD}
 
 
 async def test_a_world_opened_before_anything_is_kept_begins_with_the_world_alone(tmp_path: Path) -> None:
@@ -101,3 +93,98 @@ async def test_a_world_opened_before_anything_is_kept_begins_with_the_world_alon
             await press(pilot, "s", "m", "s")
             await tap(pilot, *"mine", "enter")
             await settle(pilot)
+
+
+async def test_the_settings_come_once_the_greedy_policy_is_optimal(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", panels="few"), (120, 40)) as pilot:
+        await train(pilot, 300)
+        assert in_view(pilot) == {WORLD, CURVE, TIMELINE}
+        await train(pilot, 9_000)
+        assert in_view(pilot) == ALL - {LAST_STEP}, "that comes with the first pause after the table"
+
+
+async def test_panels_named_at_the_start_stay_until_a_key_asks_for_more(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", panels=frozenset({WORLD, TABLE}))) as pilot:
+        await train(pilot, 9_000)
+        assert in_view(pilot) == {WORLD, TABLE}
+        await press(pilot, "1")
+        assert in_view(pilot) == {WORLD, TABLE, CONTROLS}
+        await press(pilot, "escape", "m", "p")
+        assert in_view(pilot) == ALL
+
+
+async def test_a_scenario_says_with_which_panels_it_opens(tmp_path: Path) -> None:
+    path = tmp_path / "two.toml"
+    path.write_text('panels = ["world", "curve"]\n[bandit]\narms = 3\n', encoding="utf-8")
+    async with on_screen(app_at(recipe_for(read_scenario(path)))) as pilot:
+        assert in_view(pilot) == {WORLD, CURVE, TIMELINE}
+
+
+def text_of(pilot: Pilot[UserError], row: int) -> str:
+    return screen_text(pilot.app).splitlines()[row].strip()
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24), (60, 18)], ids=["120", "80", "60"])
+async def test_a_caption_says_what_is_learned(size: tuple[int, int], make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", panels="few"), size) as pilot:
+        row = size[1] - 2
+        said = [text_of(pilot, row)]
+        for steps in (1, 600, 8_000):
+            await train(pilot, steps)
+            said.append(text_of(pilot, row))
+        assert said[:2] == [
+            "Nothing is learned yet: no step was taken.",
+            "Nothing is learned yet: that begins with the first reward.",
+        ]
+        assert said[3] == "An optimal policy is found: no other is worth more."
+        await press(pilot, "f")
+        assert text_of(pilot, row) == said[3], "it stays where it is"
+        await press(pilot, "f", "m", "p")
+        assert said[3] not in screen_text(pilot.app)
+
+
+async def test_what_is_watched_is_said_once(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", panels="few")) as pilot:
+        await press(pilot, "m", "w")
+        assert "watching:" not in screen_text(pilot.app)
+        await press(pilot, "m", "p")
+        assert "watching: until the first reward" in screen_text(pilot.app)
+
+
+async def test_a_program_started_big_begins_with_the_world_alone(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", is_big=True)) as pilot:
+        board = playground(pilot).board
+        assert board.zoomed == WORLD
+        assert board.world.cell == (19, 5)
+        before = board.wanted_layer
+        await press(pilot, "v", "y", "right")
+        assert board.zoomed == WORLD, "one looks and acts in it"
+        assert board.wanted_layer is not before
+        assert snapshot(pilot).counters.step == 1
+        await press(pilot, "f")
+        assert in_view(pilot) == ALL
+
+
+async def test_in_a_lesson_the_page_is_the_caption_and_turning_it_ends_the_view(make_app: MakeApp) -> None:
+    lesson = lesson_of(TEXT, Path("l.toml"))
+    async with on_screen(app_at(recipe_of(lesson, "evening")), (120, 40)) as pilot:
+        await order(pilot, KeepLesson(begun(lesson)))
+        await press(pilot, "f")
+        board = playground(pilot).board
+        assert lesson.pages[0].title in text_of(pilot, 38)
+        assert not board.lesson.reads
+        await press(pilot, "R")
+        assert board.zoomed is None
+        assert board.lesson.is_docked
+
+
+async def test_the_key_line_names_few_keys_until_a_run_has_paused_after_an_episode(tmp_path: Path) -> None:
+    first = "space run     s step   b back   / find   ? keys"
+    async with on_screen(app_at(recipe_for(find("student")), sessions=tmp_path)) as pilot:
+        await press(pilot, "s")
+        assert text_of(pilot, 23) == first
+        await press(pilot, "e")
+        assert "v view" in text_of(pilot, 23)
+        await press(pilot, "r", "r", "home")
+        assert snapshot(pilot).counters.episodes == 0
+        assert "v view" in text_of(pilot, 23), "it never falls back"

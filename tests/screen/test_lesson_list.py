@@ -484,6 +484,6 @@ async def test_a_lesson_is_known_before_its_world_is_there(
     make_lesson_app: MakeLessonApp, lessons: Path
 ) -> None:
     look, lesson = make_lesson_app().look, walk(lessons)
-    opener = Opener(partial(Player, automatic=False), 1000.0, None, kiosk=False, panels=PANELS)
+    opener = Opener(partial(Player, automatic=False), Display(fps=1000.0), None, kiosk=False, panels=PANELS)
     playground = opener.lesson(look, LessonStart(begun(lesson)))
     assert (playground.snapshot, playground.wanted.lesson) == (None, begun(lesson))

@@ -85,9 +85,12 @@ async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> Non
         board = playground(pilot).board
         await press(pilot, "f")
         assert board.zoomed == "world"
-        assert board.query_one("#world").region.height == 22
+        assert board.query_one("#world").region == (0, 0, 79, 21), "the header gives its row to it"
+        assert [board.panel(each).region.y for each in ("curve", "caption")] == [21, 22]
+        assert "❚❚ paused" in screen_text(pilot.app).splitlines()[20]
         await press(pilot, "escape")
         assert board.zoomed is None
+        assert "❚❚ paused" in screen_text(pilot.app).splitlines()[0]
         board.table.focus()
         await press(pilot, "f")
         assert board.zoomed == "table"

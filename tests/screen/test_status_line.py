@@ -169,7 +169,7 @@ def test_a_breakdown_takes_the_row() -> None:
 def test_before_the_first_snapshot() -> None:
     assert drawn(None).strip() == "the world is being built"
     line = StatusLine(look())
-    line.begin_with("Cliff walking")
+    line.title = "Cliff walking"
     for width in (60, 80, 120):
         (row,) = line.picture(None, width, 1)
         assert row.text == " Cliff walking  the world is being built".ljust(width)

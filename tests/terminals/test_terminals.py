@@ -83,11 +83,12 @@ def leave(terminal: PseudoTerminal) -> None:
 
 
 @pytest.fixture(scope="module")
-def fresh() -> dict[tuple[int, int], str]:
-    """The screens of two programs that were started at these sizes and never resized."""
+def fresh(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[int, int], str]:
+    """The screens of two programs that were started at these sizes and never resized, nothing kept before."""
     screens = {}
     for size in ((80, 24), (120, 40)):
-        with PseudoTerminal(PLAY, {"COLORTERM": "truecolor"}, size) as terminal:
+        kept = {"RL_TUI_SESSIONS_DIR": str(tmp_path_factory.mktemp("sessions"))}
+        with PseudoTerminal(PLAY, {"COLORTERM": "truecolor", **kept}, size) as terminal:
             begin(terminal)
             terminal.wait_for(EXACT)
             terminal.wait_for(FLIP)

@@ -45,6 +45,11 @@ ONE_FAULT = {
         ("", "[bandit] and [gymnasium]", "exactly one of [gymnasium], [mdp], [grid], [bandit]"),
     ),
     "an answer that is neither": ('answer = "maybe"\n' + BANDIT, ("answer", '"maybe"', "hidden or shown")),
+    "a panel that there is not": (
+        'panels = ["world", "curv"]\n' + BANDIT,
+        ("panels", '"curv"', 'the id of a panel: world, .*last_step (did you mean "curve"?)'),
+    ),
+    "panels that are none": ("panels = []\n" + BANDIT, ("panels", ".*", "a list of ids of panels")),
     "an answer that is no text": ("answer = [true]\n" + BANDIT, ("answer", ".*", "hidden or shown")),
     "a world that is no table": ("mdp = 3\n", ("mdp", "3", "a table")),
     "an unknown key at the top": (

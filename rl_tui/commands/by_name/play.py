@@ -8,7 +8,7 @@ import click
 
 from rl_tui.commands.line.screen import enter_kiosk, kiosk_option
 from rl_tui.commands.options.agent import agent_option, request_of
-from rl_tui.commands.options.display import display_of, display_options
+from rl_tui.commands.options.display import big_option, display_of, display_options, panels_option
 from rl_tui.commands.options.run import (
     SectionedCommand,
     allow_module_option,
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 @run_options
 @seed_option
 @agent_option
+@panels_option
+@big_option
 @display_options
 def command(
     scenario: str | None,

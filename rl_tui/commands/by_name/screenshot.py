@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rl_tui.commands.options.agent import agent_option, request_of
-from rl_tui.commands.options.display import display_of, display_options
+from rl_tui.commands.options.display import big_option, display_of, display_options, panels_option
 from rl_tui.commands.options.run import (
     OptionValue,
     SectionedCommand,
@@ -56,6 +56,8 @@ class ScreenSize(OptionValue):
 @allow_module_option
 @run_options
 @seed_option
+@panels_option
+@big_option
 @display_options
 def command(
     scenario: str | None,
@@ -82,6 +84,8 @@ def command(
         raise click.UsageError("a script that is watched brings its own settings", context)
     if lesson is not None and (scenario is not None or overrides or seed or agent is not None or watch):
         raise click.UsageError("a lesson brings its own runs", context)
+    if (lesson is not None and (display["big"] or display["panels"])) or (watch and display["panels"]):
+        raise click.UsageError("a lesson and a script bring their own panels", context)
     if watch is None and scenario is None and (overrides or seed or agent is not None):
         raise click.UsageError("options of a run need a scenario", context)
     start = start_of(scenario, overrides, seed) if scenario is not None else None

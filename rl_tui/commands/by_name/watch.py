@@ -12,7 +12,7 @@ import click
 
 from rl_tui.commands.line.output import complain, print_json, progress
 from rl_tui.commands.line.program import FAILED
-from rl_tui.commands.options.display import display_of, display_options
+from rl_tui.commands.options.display import big_option, display_of, display_options
 from rl_tui.commands.options.run import Whole, json_option, seed_option
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
@@ -34,6 +34,7 @@ _LONGEST_ERROR: Final = 500
 @seed_option
 @click.option("--steps", type=Whole(1, MOST), help="end the script after so many steps")
 @json_option
+@big_option
 @display_options
 def command(
     script: str,

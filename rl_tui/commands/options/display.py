@@ -8,7 +8,7 @@ from typing import Any, Final, get_args
 import click
 
 from rl_tui.agents.hyperparameters import Parameter, Range
-from rl_tui.commands.options.run import Command, ParameterValue
+from rl_tui.commands.options.run import Command, OptionValue, ParameterValue
 from rl_tui.screen.app.display import Colours, Display
 
 _DEFAULT: Final = Display()
@@ -35,6 +35,35 @@ _OPTIONS: Final = (
 DISPLAY_OPTIONS: Final = ("theme", "colors", "no_color", "ascii", "fps", "no_mouse", "reduced_motion")
 
 
+class PanelNames(OptionValue):
+    """``few``, ``all``, or the ids of panels between commas."""
+
+    name = "few|all|NAME,…"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | frozenset[str]:
+        """Return a word or the ids; fails naming what is expected."""
+        from rl_tui.worlds.files.scenario import unknown_panels
+
+        if value in ("few", "all"):
+            return str(value)
+        names = [name.strip() for name in str(value).split(",")]
+        for finding in unknown_panels((), names):
+            self.fail(f"{finding.found} is not few, all or {finding.expected}", param, ctx)
+        return frozenset(names)
+
+
+panels_option: Final = click.option(
+    "--panels",
+    type=PanelNames(),
+    metavar="few|all|NAME,…",
+    help="the panels to begin with; of few the others come once they mean something"
+    "  [default: those of the scenario]",
+)
+big_option: Final = click.option("--big", is_flag=True, help="begin with the world on the whole screen (f)")
+
+
 def display_options(command: Command) -> Command:
     """Add the display options; they arrive under the names of ``DISPLAY_OPTIONS``."""
     for option in reversed(_OPTIONS):
@@ -49,7 +78,7 @@ def is_given(context: click.Context, name: str) -> bool:
 
 
 def display_of(values: Mapping[str, Any]) -> Display:
-    """Return what the values of the display options, by name, say."""
+    """Return what the values of the display options, by name, say, and where there are any, those beside."""
     return Display(
         theme=values["theme"],
         colors="none" if values["no_color"] else values["colors"],
@@ -57,4 +86,6 @@ def display_of(values: Mapping[str, Any]) -> Display:
         fps=values["fps"],
         mouse=not values["no_mouse"],
         reduced_motion=values["reduced_motion"],
+        is_big=values.get("big", False),
+        panels=values.get("panels"),
     )

@@ -148,7 +148,7 @@ class RlTuiApp(LinkedApp[UserError]):
         named = encoding_of(os.environ, ours, utf8_mode=bool(sys.flags.utf8_mode))
         self._encoding = "utf-8" if picture else named
         self._start = start
-        self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk, panels=panels)
+        self._opener = Opener(make_player, options, sessions, kiosk=kiosk, panels=panels)
         self._kiosk = kiosk
         self._idleness = Idleness()
         self.bug: Exception | None = None

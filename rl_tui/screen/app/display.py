@@ -15,7 +15,9 @@ class Display:
     """Display options of play and screenshot.
 
     ``theme`` is the name of a theme, ``ascii`` keeps to ASCII characters, ``fps`` (> 0) is the most frames
-    drawn a second. With ``reduced_motion`` nothing moves after a step.
+    drawn a second. With ``reduced_motion`` nothing moves after a step. If it ``is_big``, a playground begins
+    with the world on the whole screen. ``panels`` are the ids of those it begins with: FEW come one by one,
+    None: as the scenario says.
     """
 
     theme: str = "dark"
@@ -24,6 +26,8 @@ class Display:
     fps: float = 15.0
     mouse: bool = True
     reduced_motion: bool = False
+    is_big: bool = False
+    panels: Literal["few", "all"] | frozenset[str] | None = None
 
     @property
     def ticks(self) -> float:

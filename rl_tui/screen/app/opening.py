@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 from rl_tui.common.errors import UserError
 from rl_tui.runs.recipe import Recipe
+from rl_tui.screen.app.display import Display
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.playground_keys import DRAW_PATH
 from rl_tui.screen.kit.row import PanelRow
@@ -78,14 +79,14 @@ def live_player(
 
 @dataclass
 class Opener:
-    """Makes catalogues and playgrounds, which draw at most ``fps`` frames a second.
+    """Makes catalogues and playgrounds, which look and begin as ``display`` says.
 
     ``sessions`` is the folder in which sessions are kept, None to keep none. The screens of a ``kiosk`` offer
     nothing that has to do with files. Playgrounds have these ``panels``.
     """
 
     make_player: MakePlayer
-    fps: float
+    display: Display
     sessions: Path | None
     kiosk: bool
     panels: Sequence[PanelRow]
@@ -249,9 +250,10 @@ class Opener:
         is_gradual: bool = False,
         playable: MakePlayable | None = None,
     ) -> Playground:
+        """Return a playground. If it ``is_gradual``, panels come one by one unless others are asked for."""
         from rl_tui.screen.frame.legend_switch import LegendSwitch
         from rl_tui.screen.frame.shape import expected_shape
-        from rl_tui.screen.playground.disclosure import first_panels
+        from rl_tui.screen.playground.disclosure import FIRST_PANELS, panels_in_view
         from rl_tui.screen.playground.playground import Playground
 
         if self.autosave is not None and self.autosave is not autosave and self.autosave.has_something:
@@ -259,8 +261,12 @@ class Opener:
         self.autosave = autosave
         lesson = None if record is None else record.lesson
         self.lesson_id = "" if lesson is None else lesson.lesson.id
+        wanted = self.display.panels or ("few" if is_gradual else recipe.scenario.panels)
         if self.legends is None:
             self.legends = LegendSwitch(self.sessions)
+            self.legends.shows_all_panels &= self.display.panels in (None, "all")
+        self.legends.names_all_keys |= not self.has_kept_nothing
+        so_far = FIRST_PANELS if wanted == "few" else None if wanted == "all" else wanted
         sink = None if autosave is None else autosave.sink
         self.player = self.make_player(recipe, record_sink=sink, record=record, playable=playable)
         shape = expected_shape(
@@ -268,14 +274,14 @@ class Opener:
             lanes=record is not None and len(record.lanes) > 1,
             is_program=playable is not None,
             has_lesson=lesson is not None,
-            shown=first_panels(lesson, is_gradual=is_gradual, shows_all=self.legends.shows_all_panels),
+            shown=panels_in_view(lesson, so_far, shows_all=self.legends.shows_all_panels),
         )
         screen = Playground.with_keys_of(self.panels)
         playground = screen(
             look,
             recipe,
             self.player,
-            self.fps,
+            self.display.fps,
             speed,
             self.panels,
             autosave,
@@ -284,7 +290,9 @@ class Opener:
             self.legends,
             shape,
             watches=watches,
-            is_gradual=is_gradual,
+            so_far=so_far,
+            is_gradual=wanted == "few",
+            is_big=self.display.is_big and lesson is None,
         )
         self._wanted = playground.wanted
         if self.kiosk:

@@ -29,6 +29,7 @@ from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.kit.pointing import Moved, Pointed
 from rl_tui.screen.kit.row import (
+    CAPTION,
     CONTROLS,
     CURVE,
     DISCOUNT,
@@ -44,6 +45,7 @@ from rl_tui.screen.kit.row import (
     beside,
 )
 from rl_tui.screen.kit.snapshot_facts import as_learned
+from rl_tui.screen.panels.caption import CaptionLine
 from rl_tui.screen.panels.controls.controls import Controls
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.panels.curve.curve import ReturnCurve
@@ -53,16 +55,13 @@ from rl_tui.screen.panels.lesson.lesson import LessonPanel, Spotlight
 from rl_tui.screen.panels.lesson.words import open_page
 from rl_tui.screen.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.status_line import StatusLine
 from rl_tui.screen.panels.timeline import HINTS, TimelineBar
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.panels.world_views import make_world_view
 from rl_tui.screen.theme.look import Look
 
 # The place of the lesson
-
-
-IN_A_ROW: Final = "-row"
-SPOTLIT: Final = "-spotlit"
 
 
 class LessonPlace:
@@ -80,18 +79,21 @@ class LessonPlace:
 
     @property
     def is_docked(self) -> bool:
-        """Whether there is room for the page beside the world."""
-        return docks_lesson(self._board.screen.size, self._arrangement.in_view(self._board.size))
+        """Whether the page is beside the world: there is room, and the world has not all of it."""
+        size, layout = self._board.screen.size, self._arrangement
+        return not layout.is_big and docks_lesson(size, layout.in_view(size))
 
     @property
     def reads(self) -> bool:
         """Whether the page has the place of the world, or would have it where there is no room for both."""
-        return self._arrangement.shape.reads
+        return self._arrangement.shape.reads and not self._arrangement.is_big
 
     @reads.setter
     def reads(self, reads: bool) -> None:
         if reads == self.reads:
             return
+        if self._arrangement.is_big:
+            self._board.zoom(None)
         self._board.reshape(reads=reads)
         self._board.post_message(self._board.Toggled())
         if reads and not self.is_docked:
@@ -114,7 +116,7 @@ class LessonPlace:
 
     def place(self, lesson: LessonView, size: Size) -> None:
         """Let the panels know, before they draw a page of ``lesson``, how page and world share the board."""
-        self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), IN_A_ROW)
+        self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), "-row")
         self.panel.takes_turns = self.reads and not self.is_docked
         if self.panel.takes_turns:
             self.focus()
@@ -127,18 +129,13 @@ class LessonPlace:
             if panel is not None and spotlit != self._spotlit:
                 widget = self._board.panel(panel)
                 widget.is_spotlit = is_spotlit
-                widget.set_class(is_spotlit, SPOTLIT)
+                widget.set_class(is_spotlit, "-spotlit")
                 widget.redraw()
         self._spotlit = spotlit
-        self.panel.spotlight = (
-            None
-            if row is None
-            else Spotlight(
-                row.title,
-                self._arrangement.has_place(row.id, size),
-                "" if row.opened_by is None else row.opened_by.key,
-            )
-        )
+        self.panel.spotlight = None
+        if row is not None:
+            key = "" if row.opened_by is None else row.opened_by.key
+            self.panel.spotlight = Spotlight(row.title, self._arrangement.has_place(row.id, size), key)
 
 
 # The board
@@ -162,7 +159,7 @@ class Board(Container):
     """
 
     class Toggled(Message):
-        """A panel was opened or closed."""
+        """A panel was opened or closed, or covers all others, or does no more."""
 
     def __init__(
         self, look: Look, wanted: Wanted, legends: LegendSwitch, shape: Shape, panels: Sequence[PanelRow]
@@ -176,11 +173,12 @@ class Board(Container):
         """The table of the lane that is led."""
         self.world: WorldView | None = None
         """The world of the lane that is led, None before the first snapshot."""
-        self._is_one_lane = self.keeps_focus = False
+        self.is_one_lane = self.keeps_focus = False
         self.wanted_layer = Layer.Q  # of worlds and tables
         self.curve = self._made(CURVE, ReturnCurve)
         self.curve.begin_with(wanted.recipe)
         self.timeline = self._made(TIMELINE, TimelineBar)
+        self.caption = self._made(CAPTION, CaptionLine)
         self.controls = self._made(CONTROLS, Controls)
         self.controls.begin_with(wanted.recipe)
         self.microscope = self._made(MICROSCOPE, Microscope)
@@ -225,7 +223,7 @@ class Board(Container):
         # of a session the lanes are known before they are there
         awaits_lanes = self._arrangement.shape.lanes and snapshot.playback.phase is Phase.PREPARING
         self.reshape(
-            lanes=(snapshot.beside is not None or awaits_lanes) and not self._is_one_lane,
+            lanes=(snapshot.beside is not None or awaits_lanes) and not self.is_one_lane,
             is_program=snapshot.program is not None,
             has_lesson=snapshot.lesson is not None,
             drawing=snapshot.world.drawing,
@@ -235,7 +233,7 @@ class Board(Container):
         if self._pair.twins:
             self._take_lead(snapshot)
         if snapshot.lesson is not None:
-            self.lesson.place(snapshot.lesson, self.size)
+            self.lesson.place(snapshot.lesson, self.screen.size)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
         self.controls.marks_all_flips = self.opened == DISCOUNT
@@ -244,6 +242,7 @@ class Board(Container):
         for panel in self._shown():
             if isinstance(panel, WorldView):
                 panel.names_policies_key = self.opened != POLICIES
+                panel.replaces_header = self._arrangement.is_big
             if panel not in pair:
                 panel.show(learned if isinstance(panel, WorldView | QTable) else snapshot)
         if pair:
@@ -259,7 +258,7 @@ class Board(Container):
     def _take_lead(self, snapshot: Snapshot) -> None:
         """Let the panels of the lane led be those that keys are about."""
         world = self.world
-        is_pair = snapshot.beside is not None and self._arrangement.is_pair(self.size)
+        is_pair = snapshot.beside is not None and self._arrangement.is_pair(self.screen.size)
         if not self._pair.take_lead(snapshot, is_shown=is_pair):
             return
         self.table = self._made(self._pair.led(TABLE), QTable)
@@ -280,14 +279,9 @@ class Board(Container):
                     await self.mount(twin, after=f"#{row}")
                 self._arrange_again()
 
-    @property
-    def is_one_lane(self) -> bool:
-        """Whether one lane alone is to be seen, though there are several."""
-        return self._is_one_lane
-
-    @is_one_lane.setter
-    def is_one_lane(self, is_one_lane: bool) -> None:
-        self._is_one_lane = is_one_lane
+    def turn_lanes(self) -> None:
+        """Show one lane alone where two stand side by side, else two where there is room."""
+        self.is_one_lane = self.is_paired
         if self._snapshot is not None:
             self.show(self._snapshot)
 
@@ -358,20 +352,17 @@ class Board(Container):
     def on_pointed(self, event: Pointed) -> None:
         """Show where the cursor of a world or a table stands in all others."""
         self._pair.align(event.panel)
+        source = event.panel.snapshot if isinstance(event.panel, QTable | WorldView) else None
         for panel in self._panels.values():
             if isinstance(panel, QTable | WorldView) and panel is not event.panel:
-                panel.point_at(self._pairs_in(event, panel))
+                if source is None or panel.snapshot is None:
+                    panel.point_at(event.pairs)
+                else:
+                    panel.point_at(pairs_in(event.pairs, source.world, panel.snapshot.world))
         cursor = event.panel.cursor_pair if isinstance(event.panel, QTable) else None
         cursor = event.panel.cursor if isinstance(event.panel, WorldView) else cursor
         if event.pairs or cursor is None:  # one that is not in focus still points
             self.discount.point_at(event.pairs)
-
-    @staticmethod
-    def _pairs_in(event: Pointed, panel: QTable | WorldView) -> range:
-        source = event.panel.snapshot if isinstance(event.panel, QTable | WorldView) else None
-        if source is None or panel.snapshot is None:
-            return event.pairs
-        return pairs_in(event.pairs, source.world, panel.snapshot.world)
 
     def on_moved(self, event: Moved) -> None:
         """Bring the same part into view in the other lane."""
@@ -389,19 +380,28 @@ class Board(Container):
         return all(panel.is_complete for panel in self._shown() if self.shows(panel.id or ""))
 
     @property
+    def shown(self) -> frozenset[str] | None:
+        """The ids of the panels that are to be in view, None: all."""
+        return self._arrangement.shape.shown
+
+    @property
     def zoomed(self) -> str | None:
         """The id of the panel that covers all others."""
         return self._arrangement.zoomed
 
     def zoom(self, panel: str | None) -> None:
-        """Let ``panel`` cover all others; None shows all."""
+        """Let ``panel`` cover all others, a world the header too; None shows all."""
         self._arrangement.zoomed = panel
+        self.caption.replaces_header = self._arrangement.is_big
+        self.screen.query_one(StatusLine).styles.height = 0 if self._arrangement.is_big else 1
         self._arrange_again()
         self._keep_focus_in_view()
+        self.post_message(self.Toggled())
 
     def _keep_focus_in_view(self) -> None:
         """Let the lane led have the focus of a panel of two that is not in view any more."""
-        focused, regions = self.screen.focused, self._arrangement.regions(self.size, self.zoomed)
+        screen = self.screen
+        focused, regions = screen.focused, self._arrangement.regions(screen.size, self.zoomed)
         panel = self.panel_of(focused)
         row = None if focused is None else self._pair.row_of(panel)
         if row is None or panel in regions:
@@ -428,7 +428,7 @@ class Board(Container):
         self.lesson.reads = False
         self._focused_before = self.screen.focused
         self._open(panel)
-        is_seen = self.panel_of(self._focused_before) in self._arrangement.regions(self.size, None)
+        is_seen = self.panel_of(self._focused_before) in self._arrangement.regions(self.screen.size, None)
         if not (self.keeps_focus and is_seen and isinstance(self._focused_before, WorldView | None)):
             self._panels[panel].focus()
 
@@ -447,7 +447,6 @@ class Board(Container):
                 self._panels[each].display = is_open
         self._arrangement.opened = panel
         self.zoom(None)
-        self.post_message(self.Toggled())
 
     def bring_into_view(self, panel: str) -> None:
         """Show ``panel``, of the lane led: end the zoom, and close the panel that stands in its place."""
@@ -455,7 +454,7 @@ class Board(Container):
         self.lesson.reads = False
         if self.zoomed not in (None, panel):
             self.zoom(None)
-        if panel not in self._arrangement.regions(self.size, None):
+        if panel not in self._arrangement.regions(self.screen.size, None):
             self.close()
 
     def shows(self, panel: str) -> bool:
@@ -476,7 +475,9 @@ class Board(Container):
 
     def _dress(self) -> None:
         """Take headings and keys from panels that have no rows for them."""
-        for panel, region in self._arrangement.regions(self.size, self.zoomed).items():
+        regions = self._arrangement.regions(self.screen.size, self.zoomed)
+        self.caption.is_in_view = CAPTION in regions
+        for panel, region in regions.items():
             if panel in self._panels:
                 least = _LEAST_WITH_HEADING.get(panel, 3)
                 self._panels[panel].set_class(region.height < least, "-bare")

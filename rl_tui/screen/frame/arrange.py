@@ -74,8 +74,9 @@ def arrange(
 ) -> Arrangement:
     """Return the place of every panel on a screen of ``size``.
 
-    The panel ``zoomed`` covers all others. The panel ``opened`` by its key has the right column; on
-    roomy screens the lower band, if it asks for ``wide_rows`` there.
+    The panel ``zoomed`` covers all others, a world but for one row of the curve and the caption. The panel
+    ``opened`` by its key has the right column; on roomy screens the lower band, if it asks for ``wide_rows``
+    there.
     """
     sheet = ScreenPlan(size, shape)
     if zoomed is not None:

@@ -65,12 +65,14 @@ class KeyLine(Widget):
     ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own;
     ``first`` are ways to write those that stand before them, the longest first, for what is in focus; words
     without a key say what that is. While the run ``is_running`` some keys do something else; actions whose
-    ids are ``idle`` have nothing to do and are left out.
+    ids are ``idle`` have nothing to do and are left out. Unless it ``names_all``, only those stand there that
+    one needs first.
     """
 
     hints: reactive[Hints] = reactive(())
     first: reactive[tuple[Hints, ...]] = reactive(())
     is_running: reactive[bool] = reactive(False)
+    names_all: reactive[bool] = reactive(True)
     idle: reactive[frozenset[str]] = reactive(frozenset())
 
     def __init__(self, look: Look, actions: Sequence[Action], *, id: str | None = None) -> None:  # noqa: A002
@@ -137,7 +139,11 @@ class KeyLine(Widget):
         first = self._fitting_first()
         taken = {keys for keys, _ in first}
         actions = [
-            action for action in self._actions if action.shown not in taken and action.id not in self.idle
+            action
+            for action in self._actions
+            if action.shown not in taken
+            and action.id not in self.idle
+            and (action.is_first or self.names_all)
         ]
         room = self.size.width
         if first:

@@ -21,6 +21,8 @@ class LegendSwitch:
         self._folder = folder
         self.is_on = not self._is_remembered(_LEGENDS_HIDDEN)
         self.shows_all_panels = self._is_remembered(_ALL_PANELS)
+        self.names_all_keys = False
+        """Whether the key line names all keys: once a session is kept or a run paused after an episode."""
         self.numbers_states = False
         """Whether the cells of maps have the numbers of their states; that is not remembered."""
         self.shows_actions = False

@@ -9,7 +9,18 @@ from typing import Final, NamedTuple
 
 from textual.geometry import Region, Size
 
-from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, PROGRAM, TABLE, TIMELINE, WORLD, beside
+from rl_tui.screen.kit.row import (
+    CAPTION,
+    CONTROLS,
+    CURVE,
+    LAST_STEP,
+    LESSON,
+    PROGRAM,
+    TABLE,
+    TIMELINE,
+    WORLD,
+    beside,
+)
 from rl_tui.screen.panels.margins import wanted_margins
 from rl_tui.worlds.drawing import Drawing, Grid
 from rl_tui.worlds.sections.schema import WorldSection
@@ -32,7 +43,7 @@ class Shape:
     two runs are to stand side by side. Of a program that is watched there is nothing to set. With
     ``has_lesson`` a page stands beside the world; where there is no room for both, ``reads`` says that the
     page has it. While a person draws the world, it ``is_drawn``: then there is a panel of tools. ``shown``
-    are the ids of the panels in view, None: all.
+    are the ids of the panels in view, None: all but the caption.
     """
 
     drawing: Drawing | None = None
@@ -154,6 +165,10 @@ def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False) -> 
 # Where panels are put
 
 
+WORLDS: Final = (WORLD, beside(WORLD))
+"""The ids of the worlds, of which one alone is shown as large as it goes."""
+
+
 class Arrangement(NamedTuple):
     """The ``regions`` of the panels in view, by id, and the size of a ``cell`` of the map.
 
@@ -180,26 +195,49 @@ class ScreenPlan:
         self.usable = self.size.width - 2 * self.margin
         self.lanes = self.shape.lanes and self.room is not SMALL
         self.blank = 1 if self.room is ROOMY else 0
+        if CAPTION in (self.shape.shown or ()):
+            self.put_caption(CAPTION)
 
     def shows(self, panel: str) -> bool:
-        """Return whether a page of a lesson shows ``panel``; a page that names none shows all."""
-        return self.shape.shown is None or panel in self.shape.shown
+        """Return whether ``panel`` is to be in view; that of a program is where the settings are."""
+        return self.shape.shown is None or {PROGRAM: CONTROLS}.get(panel, panel) in self.shape.shown
 
     def put(self, panel: str, region: Region) -> None:
         """Put ``panel`` there, if that is anywhere."""
         if region.width > 0 and region.height > 0:
             self.regions[panel] = region
 
+    def put_caption(self, panel: str) -> None:
+        """Put ``panel`` into the row above the keys, which is that of messages where they have one."""
+        self.foot = self.size.height - 2
+        self.put(panel, Region(self.margin, self.foot, self.usable, 1))
+
     def alone(self, panel: str) -> Arrangement:
         """Return the place of ``panel`` on all of the screen; curve and timeline come together."""
+        if panel in WORLDS:
+            return self._big(panel)
         body = Region(self.margin, 1, self.usable, self.foot - 1)
         if panel in (CURVE, TIMELINE):
             self.put(CURVE, Region(*body[:3], body.height - 1))
             self.put(TIMELINE, Region(body.x, body.bottom - 1, body.width, 1))
             return Arrangement(self.regions, Size(0, 0))
         self.put(panel, body)
+        return Arrangement(self.regions, Size(0, 0))
+
+    def _big(self, world: str) -> Arrangement:
+        """Return the place of ``world`` as large as it goes, without the header.
+
+        Below its scale are the curve in one row and a caption: what happens, or the page of a lesson.
+        """
+        self.put_caption(LESSON if self.shape.has_lesson else CAPTION)
+        self.foot -= 1
+        if self.shows(CURVE):
+            self.put(CURVE, Region(self.margin, self.foot, self.usable, 1))
         drawing, cell = self.shape.drawing, Size(0, 0)
-        if panel in (WORLD, beside(WORLD)) and isinstance(drawing, Grid):
-            high = body.height - 1 - bool(drawing.wind)
-            cell = map_size(drawing, body.width, high).cell
+        left = top = 0
+        if isinstance(drawing, Grid):
+            high = self.foot - 1 - bool(drawing.wind)
+            cell, picture = map_size(drawing, self.usable, high, is_broad=True)
+            left, top = (self.usable - picture.width) // 2, (high - picture.height) // 2
+        self.put(world, Region(self.margin - 1 + left, top, self.usable + 1 - left, self.foot - top))
         return Arrangement(self.regions, cell)

@@ -42,7 +42,8 @@ class Action:
     Words
         ``label`` has at most two words, ``help`` is one sentence. ``rank`` orders the key line (a lower one
         is kept longer where it is narrow; None: not on it), and ``hint`` replaces key and label there, for
-        two actions that share an entry. While the run goes on, ``while_running`` is the word there.
+        two actions that share an entry. What ``is_first`` stands there from the start, before a person has
+        done anything. While the run goes on, ``while_running`` is the word there.
         ``aliases`` are other words by which it is found.
     Command
         ``command`` does it; the default is the ``id``. ``object.method`` is a method of an object that the
@@ -70,6 +71,7 @@ class Action:
     old_only_tells: bool = False
     rank: int | None = None
     hint: tuple[str, str] | None = None
+    is_first: bool = False
     while_running: str = ""
     aliases: str = ""
     for_the_owner: bool = False

@@ -130,6 +130,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         Place.EVERY,
         symbol="?",
         rank=-1,
+        is_first=True,
     ),
     Action(
         "find",
@@ -141,6 +142,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         symbol="/",
         command="app.find",
         rank=16,
+        is_first=True,
         aliases="palette glossary search",
     ),
     Action(

@@ -30,6 +30,7 @@ FINDINGS: Final = "findings"
 OUTPUT: Final = "output"
 LESSON: Final = "lesson"
 DRAW: Final = "draw"
+CAPTION: Final = "caption"
 
 
 @dataclass(frozen=True, slots=True)

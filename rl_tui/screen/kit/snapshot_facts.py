@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rl_tui.agents.last_step import LastStep
+from rl_tui.live.pace.stop_condition import is_optimal
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.history import RECENT
 from rl_tui.screen.draw import numbers
@@ -22,6 +23,7 @@ SHOWN_BY_KEY: Final = "w h shows"
 ANSWER_KEY: Final = f"{SHOWN_BY_KEY} the exact values"
 ANSWER_KEPT: Final = "the lesson keeps it back for now"
 
+_MOST_JUDGED: Final = 2_500  # pairs
 _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
 
 
@@ -123,6 +125,33 @@ def recent_name(*episodes: int) -> str:
 def lacks_exact(snapshot: Snapshot) -> bool:
     """Return whether the exact answer, or what it earns, is still being worked out."""
     return not snapshot.exact_answer.is_whole
+
+
+def valued_states(snapshot: Snapshot) -> tuple[int, int] | None:
+    """Return of how many states V is another than at the start, and of how many it could be.
+
+    None of a large world, of which a part is known.
+    """
+    agent, first = snapshot.agent, snapshot.world.space.first_pair
+    if agent.part is not None:
+        return None
+    first = first[:-1][first[:-1] < first[1:]]
+    values = np.maximum.reduceat(agent.q, first)
+    return int(np.count_nonzero(values != agent.hyperparameters.initial_q)), len(first)
+
+
+def has_optimal_policy(snapshot: Snapshot) -> bool:
+    """Return whether a greedy policy was learned that is optimal, where that may be told.
+
+    Nothing is claimed where there is no choice, and of worlds too large to look at in every frame.
+    """
+    world, optimum, agent = snapshot.world, snapshot.exact_answer.solution, snapshot.agent
+    counted = valued_states(snapshot) if world.space.pairs <= _MOST_JUDGED else None
+    if world.mdp is None or optimum is None or counted is None or is_secret(snapshot):
+        return False
+    with_value, states = counted
+    has_learned = with_value > 0 and states < world.space.pairs
+    return has_learned and is_optimal(world.mdp, agent.q, agent.hyperparameters.ties, optimum)
 
 
 def passes_too_fast(snapshot: Snapshot) -> bool:

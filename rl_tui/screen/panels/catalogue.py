@@ -6,6 +6,7 @@ from typing import Final
 
 from rl_tui.screen.kit.row import (
     BUDGET,
+    CAPTION,
     CONTROLS,
     CURVE,
     DISCOUNT,
@@ -213,6 +214,17 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "truncated",
             "lambda",
         ),
+    ),
+    PanelRow(
+        CAPTION,
+        "rl_tui.screen.panels.caption:CaptionLine",
+        "Caption",
+        "One sentence below the world says what is learned just now: nothing yet, how far values have "
+        "spread, or that an optimal policy is found. It is there while panels come one by one and below the "
+        "world alone (f); beside a lesson the row of its page is there.",
+        caption="what is learned just now",
+        terms=("state", "value", "reward", "policy", "greedy"),
+        has_border=False,
     ),
     PanelRow(
         MICROSCOPE,

@@ -38,6 +38,7 @@ _SPEED_COLUMNS: Final = (8, 15)  # in short, and in words
 _BETWEEN: Final = " · "
 _KEEPS_UP: Final = 0.8  # from this share of the wanted speed on, the measured one is not shown beside it
 _SPEED_RANK: Final = 3  # above all others
+_SHARE: Final = 0.8  # of a line that has the scale too, with the room of a title
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,24 +60,22 @@ class _Field:
 class StatusLine(Panel):
     """Draws phase, speed, episode under way and steps of the newest snapshot; a message takes the whole row.
 
-    ``is_manual`` says that a person takes the steps.
+    ``is_manual`` says that a person takes the steps, ``is_captioned`` that a caption says what is waited for.
     """
 
-    is_manual = False
-    _title = ""
+    is_manual = is_captioned = False
+    title = ""
+    """That of the scenario, until the first snapshot says it."""
+    unanswered = 0
+    """For how many seconds the environment has not answered, where that is long."""
     _session = ""
-    _unanswered = 0
 
     def show_unanswered(self, seconds: float) -> None:
         """Say for how many seconds the environment has not answered, if that is long."""
         shown = int(seconds) if seconds >= _WORTH_SHOWING else 0
-        if shown != self._unanswered:
-            self._unanswered = shown
+        if shown != self.unanswered:
+            self.unanswered = shown
             self.redraw()
-
-    def begin_with(self, title: str) -> None:
-        """Name the scenario by its ``title`` until the first snapshot does."""
-        self._title = title
 
     def name_session(self, name: str) -> None:
         """Say what a person called the session; ``name`` is empty without one."""
@@ -91,9 +90,10 @@ class StatusLine(Panel):
             self.look,
             width,
             is_manual=self.is_manual,
-            unanswered=self._unanswered,
+            is_captioned=self.is_captioned,
+            unanswered=self.unanswered,
             session=self._session,
-            scenario=self._title,
+            scenario=self.title,
         )
         return strips_of([line], width, height, self.look)
 
@@ -104,15 +104,51 @@ def status_line(
     width: int,
     *,
     is_manual: bool = False,
+    is_captioned: bool = False,
     unanswered: int = 0,
     session: str = "",
     scenario: str = "",
 ) -> Line:
     """Return the row for ``width`` cells; ``is_manual`` says that a person takes the steps.
 
-    ``unanswered`` is for how many seconds the environment has not answered, 0 where it does. ``session`` is
-    the name of the session, empty without one: it stands there where there is room. ``scenario`` is the title
-    to show while there is no snapshot.
+    With ``is_captioned`` a caption says what is waited for. ``session`` is the name of the session, empty
+    without one: it stands there where there is room. For the rest see :func:`waiting_line`.
+    """
+    palette = look.palette
+    waits = waiting_line(snapshot, look, width, unanswered=unanswered, scenario=scenario)
+    if waits is not None or snapshot is None:
+        return waits or []
+    margin = 2 if width >= WIDE else 1
+    fields = _fields(snapshot, look, width, is_manual=is_manual, is_captioned=is_captioned)
+    fields = _fitting(fields, width - 2 * margin)
+    right = [piece for field in fields for piece in _pieces(field, look)]
+    room = max(0, width - 2 * margin - length(right))
+    name = _title(snapshot, look, room, session)
+    if room < _LEAST_TITLE and name[0].text.endswith(look.glyphs.ellipsis):
+        name = []
+    blanks = Piece(" " * (room - length(name)), palette.text)
+    return [Piece(" " * margin, palette.text), *name, blanks, *right]
+
+
+def how_far(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> tuple[Piece, ...]:
+    """Return what the run does and how far it has come, in little more than half of ``width`` cells.
+
+    It is empty where :func:`waiting_line` says more.
+    """
+    if waiting_line(snapshot, look, width) is not None:
+        return ()
+    fields = _fields(snapshot, look, width, is_manual=is_manual, is_captioned=True)[1:]
+    fields = _fitting(fields, round(_SHARE * width))
+    return tuple(piece for field in fields for piece in _pieces(field, look))
+
+
+def waiting_line(
+    snapshot: Snapshot | None, look: Look, width: int, *, unanswered: int = 0, scenario: str = ""
+) -> Line | None:
+    """Return the row that says why a run has stopped or what it waits for; None where it does neither.
+
+    ``unanswered`` is for how many seconds the environment has not answered, 0 where it does. ``scenario`` is
+    the title to show while there is no snapshot.
     """
     palette, glyphs = look.palette, look.glyphs
     if unanswered:
@@ -142,15 +178,7 @@ def status_line(
     waits = snapshot.editor.rebuilding or snapshot.playback.phase is Phase.SEEKING
     if waits and snapshot.playback.message:
         return _waiting(snapshot, snapshot.playback.message, look, width)
-    margin = 2 if width >= WIDE else 1
-    fields = _fitting(_fields(snapshot, look, width, is_manual=is_manual), width - 2 * margin)
-    right = [piece for field in fields for piece in _pieces(field, look)]
-    room = max(0, width - 2 * margin - length(right))
-    name = _title(snapshot, look, room, session)
-    if room < _LEAST_TITLE and name[0].text.endswith(glyphs.ellipsis):
-        name = []
-    blanks = Piece(" " * (room - length(name)), palette.text)
-    return [Piece(" " * margin, palette.text), *name, blanks, *right]
+    return None
 
 
 def _pieces(field: _Field, look: Look) -> list[Piece]:
@@ -214,7 +242,9 @@ def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
     return [Piece(" ", palette.text), *title, Piece(" " * _GAP + message, palette.strong)]
 
 
-def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> list[_Field]:
+def _fields(
+    snapshot: Snapshot, look: Look, width: int, *, is_manual: bool, is_captioned: bool
+) -> list[_Field]:
     """Return the measured speed, the state and the progress, whatever learns and wherever in its time.
 
     In the past the end of the branch has the place of the speed.
@@ -231,7 +261,8 @@ def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> l
             _counted("step", snapshot.counters.step, 10 if wide else 9 if width > SMALL else 7, look, rank=1),
         ]
     speed = (_end if in_past else _speed)(snapshot, look, wide=wide)
-    return [speed, _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual), *progress]
+    doing = _doing(snapshot, look, is_manual=is_manual, is_captioned=is_captioned)
+    return [speed, _state(look, width - 1 - _GAP, doing), *progress]
 
 
 def _pull(bandit: BanditFigures, look: Look) -> _Field:
@@ -267,8 +298,8 @@ def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
     return speed >= _KEEPS_UP * snapshot.playback.speed
 
 
-def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Field:
-    sign, text, is_mode = _doing(snapshot, look, is_manual=is_manual)
+def _state(look: Look, most: int, doing: tuple[str, str, bool]) -> _Field:
+    sign, text, is_mode = doing
     style = look.palette.you if is_mode else look.palette.strong
     shown = to_ascii(f"{sign} {text}", look.glyphs)
     shown = shortened(shown, max(_CHIP, most) - 2, look.glyphs.ellipsis)
@@ -277,7 +308,7 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Fi
     return _Field(f" {shown} ", max(_CHIP, columns), style, after=max(0, _CHIP - columns))
 
 
-def _doing(snapshot: Snapshot, look: Look, *, is_manual: bool) -> tuple[str, str, bool]:
+def _doing(snapshot: Snapshot, look: Look, *, is_manual: bool, is_captioned: bool) -> tuple[str, str, bool]:
     """Return a sign and words for what the run does, and whether a person takes its steps."""
     glyphs, playback, in_past = look.glyphs, snapshot.playback, snapshot.timeline.in_past
     is_program = snapshot.program is not None
@@ -296,7 +327,7 @@ def _doing(snapshot: Snapshot, look: Look, *, is_manual: bool) -> tuple[str, str
     if in_past:
         return glyphs.running, "replaying", False
     if playback.watching:
-        return glyphs.running, f"watching: {playback.watching}", False
+        return glyphs.running, "watching" if is_captioned else f"watching: {playback.watching}", False
     if playback.interpreted and playback.speed is None:
         return glyphs.running, IN_PYTHON if playback.stays_interpreted else COMPILING, False
     return glyphs.running, speed_text(playback.speed), False

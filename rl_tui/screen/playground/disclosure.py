@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,60 +10,71 @@ import numpy as np
 from rl_tui.lessons.file.view import LessonRecord
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, TABLE, TIMELINE, WORLD
+from rl_tui.screen.kit.row import BUDGET, CAPTION, CONTROLS, CURVE, LAST_STEP, TABLE, TIMELINE, WORLD
+from rl_tui.screen.kit.snapshot_facts import has_optimal_policy
 
 _CHANGES_AGENT: Final = ("agent", "menus.open('a')")
 """What the commands begin with after which the settings are in view."""
-_FIRST: Final = frozenset({WORLD})
+FIRST_PANELS: Final = frozenset({WORLD, CAPTION})
+"""With these a run begins whose panels come one by one."""
+_LATER: Final = frozenset({TABLE, CURVE, TIMELINE, BUDGET, LAST_STEP, CONTROLS})
 _ONCE_LEARNED: Final = frozenset({TABLE, LAST_STEP})
 
 
-def first_panels(lesson: LessonRecord | None, *, is_gradual: bool, shows_all: bool) -> frozenset[str] | None:
-    """Return the ids of the panels with which a run, or the open page of ``lesson``, begins; None: all."""
+def panels_in_view(
+    lesson: LessonRecord | None, so_far: frozenset[str] | None, *, shows_all: bool
+) -> frozenset[str] | None:
+    """Return the ids of the panels in view, of the open page of ``lesson`` or those ``so_far``; None: all."""
     if shows_all:
         return None
-    if lesson is not None:
-        return lesson.lesson.panels_of(lesson.page)
-    return _FIRST if is_gradual else None
+    return so_far if lesson is None else lesson.lesson.panels_of(lesson.page)
 
 
+@dataclass(eq=False)
 class Disclosure(Subject):
-    """Adds a panel once it means something, where a run began with ``is_gradual``; none ever goes again.
+    """Has the panels ``so_far`` in view, None: all; more where they come to mean something. None goes again.
 
-    The panels in view are a function of what was run and done. A person may ask for all of them.
+    A run that ``is_gradual`` adds panels by itself. The panels in view are a function of what was run and
+    done. A person may ask for all of them.
     """
 
-    is_gradual = False
-    _so_far: frozenset[str] = _FIRST
+    so_far: frozenset[str] | None
+    is_gradual: bool
 
     @property
     def in_view(self) -> frozenset[str] | None:
         """The ids of the panels in view, None: all."""
         shows_all = self.board.legends.shows_all_panels
-        named = first_panels(self.link.wanted.lesson, is_gradual=self.is_gradual, shows_all=shows_all)
-        return self._so_far if named is _FIRST else named
+        return panels_in_view(self.link.wanted.lesson, self.so_far, shows_all=shows_all)
+
+    @property
+    def hides_some(self) -> bool:
+        """Whether a panel is out of view that is there in a run of all panels."""
+        return self.in_view is not None and not self.in_view >= _LATER
 
     def follow(self, snapshot: Snapshot) -> None:
         """Bring into view what means something in ``snapshot``."""
-        if self.is_gradual:
-            self._so_far |= self._meaningful(snapshot)
+        if self.is_gradual and self.so_far is not None:
+            self.so_far |= self._meaningful(snapshot, self.so_far)
         self.board.reshape(shown=self.in_view)
 
-    def _meaningful(self, snapshot: Snapshot) -> frozenset[str]:
+    def _meaningful(self, snapshot: Snapshot, so_far: frozenset[str]) -> frozenset[str]:
         agent, found = snapshot.agent, set[str]()
         if snapshot.counters.episodes:
-            found |= {CURVE, TIMELINE}
-        is_looked_for = not self._so_far >= _ONCE_LEARNED
+            found |= {CURVE, TIMELINE, BUDGET}
+        is_looked_for = not so_far >= _ONCE_LEARNED
         if is_looked_for and np.any(agent.q[agent.visits > 0] != snapshot.recipe.hyperparameters.initial_q):
-            if TABLE in self._so_far and snapshot.playback.phase is Phase.PAUSED:
+            if TABLE in so_far and snapshot.playback.phase is Phase.PAUSED:
                 found.add(LAST_STEP)
             found.add(TABLE)
+        if CONTROLS not in so_far and has_optimal_policy(snapshot):
+            found.add(CONTROLS)
         return frozenset(found)
 
     def note(self, command: str) -> None:
         """Bring the settings into view before ``command`` goes to them."""
         if command.startswith(_CHANGES_AGENT):
-            self._so_far |= {CONTROLS}
+            self.so_far = None if self.so_far is None else self.so_far | {CONTROLS}
             self.board.reshape(shown=self.in_view)
 
     def turn(self) -> None:
@@ -71,6 +83,7 @@ class Disclosure(Subject):
         is_all = self.board.legends.shows_all_panels
         self.screen.tell("All panels." if is_all else "Only panels that mean something so far. m p: all.")
         self.board.reshape(shown=self.in_view)
+        self.board.post_message(self.board.Toggled())
 
     def why_not(self, deed: str) -> str:
         """Return why no panel is left out."""

@@ -37,7 +37,7 @@ from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.pointing import Pointed, Touched
-from rl_tui.screen.kit.row import MICROSCOPE, PanelRow
+from rl_tui.screen.kit.row import CAPTION, MICROSCOPE, WORLD, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider, key_hints
 from rl_tui.screen.panels.discount import DiscountPanel
@@ -77,7 +77,9 @@ class Playground(ActionScreen):
 
     What may be done is with the objects made in the constructor, one for each subject: a row of the registry
     names one of them and its method. What is kept besides the newest snapshot is all in ``wanted``. Where it
-    ``watches``, the run begins by itself, at a speed that goes by what is learned.
+    ``watches``, the run begins by itself, at a speed that goes by what is learned. It begins with the panels
+    ``so_far``, None: all; where it ``is_gradual`` the others come once they mean something. ``is_big``: the
+    world has the whole screen at first.
     """
 
     CSS_PATH = "playground.tcss"
@@ -127,15 +129,18 @@ class Playground(ActionScreen):
         shape: Shape,
         *,
         watches: bool,
+        so_far: frozenset[str] | None,
         is_gradual: bool,
+        is_big: bool,
     ) -> None:
         super().__init__(look, panels)
         self.legends = legends
         self.player = player
         self.wanted = Wanted(recipe, speed, lesson)
         self.status = StatusLine(look, id="status")
-        self.status.begin_with(recipe.scenario.title if lesson is None else lesson.lesson.title)
+        self.status.title = recipe.scenario.title if lesson is None else lesson.lesson.title
         self.board = Board(look, self.wanted, self.legends, shape, panels)
+        self.board.caption.title = self.status.title
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
         self.scenario = ScenarioActions(*of, resumed is None, self._reopen, self._go_by)
@@ -157,15 +162,14 @@ class Playground(ActionScreen):
         self.export = ExportActions(*of)
         self.program = ProgramActions(*of)
         self.menus = MenuActions(*of)
-        self.panels = Disclosure(*of)
-        self.panels.is_gradual = is_gradual
+        self.panels = Disclosure(*of, so_far, is_gradual)
         self.kept_back = KeptBack(*of)
         self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
         self._by_command = {each.command or each.id: each for each in self.known_actions}
         self._told_keys = set[str]()  # ids of actions whose old key was pressed
         self._moment: object = None
         self.leaving = Leaving(*of, self.session, self.modes, lambda: self.lesson.is_over, self._leave)
-        self._watches = watches
+        self._watches, self._is_big = watches, is_big
         self.frames = Frames(self, fps)
         self._settling = Settling(
             self.link, self.board, self.view.look_at, self.session.named, self.frames.painted
@@ -241,7 +245,7 @@ class Playground(ActionScreen):
         else:
             if self.wanted.lesson is not None:
                 self.kept_back.show_world_for(command)
-            if self.panels.is_gradual:
+            if self.panels.so_far is not None:
                 self.panels.note(command)
             super().action_do(command)
 
@@ -295,16 +299,19 @@ class Playground(ActionScreen):
     @on(Slider.TypingChanged)
     @on(DescendantFocus)
     @on(DescendantBlur)
+    @on(Board.Toggled)
     def show_key_hints(self) -> None:
         """Show on the key line what keys do now: those of a mode, else first those of the slider in focus."""
         snapshot = self.snapshot
         if snapshot is not None:
             self.modes.show(snapshot)
         keys = self.query_one(KeyLine)
-        keys.first = key_hints(self.focused) or self.editing.offered
+        keys.first = key_hints(self.focused) or self.editing.offered or self.view.way_back
         keys.is_running = self.run.is_under_way
+        keys.names_all = self.legends.names_all_keys
         refused = (each.id for each in self.known_actions if each.rank is not None and self.why_not(each))
-        keys.idle = self.lesson.idle_keys.union(refused)
+        hidden = () if self.panels.hides_some else ("panels.turn",)
+        keys.idle = self.lesson.idle_keys.union(refused, hidden)
 
     def _moment_of(self, snapshot: Snapshot) -> object:
         """Return what decides, apart from the focus, which keys do something and if flips are asked for."""
@@ -313,6 +320,7 @@ class Playground(ActionScreen):
             *(snapshot.playback.phase, snapshot.world, snapshot.program is None, snapshot.agent.algorithm),
             *(answers.flips, answers.is_hidden, answers.kept_back, bool(snapshot.run_group.lanes)),
             *(self.modes.current, self.board.opened, wanted.recipe.algorithm, wanted.lesson and snapshot),
+            *(self.board.shown, self.legends.names_all_keys),
         )
 
     @on(DescendantFocus)
@@ -358,8 +366,14 @@ class Playground(ActionScreen):
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
         self.show_key_hints()
         self.call_after_refresh(self._start_to_follow)
-        self.set_interval(_CHECKS_ENVIRONMENT, lambda: self.status.show_unanswered(self.player.unanswered))
+        self.set_interval(_CHECKS_ENVIRONMENT, self._show_unanswered)
         self.session.listen()
+        if self._is_big:
+            self.board.zoom(WORLD)
+
+    def _show_unanswered(self) -> None:
+        for line in (self.status, self.board.caption):
+            line.show_unanswered(self.player.unanswered)
 
     def on_unmount(self) -> None:
         """Let the player's thread end, without waiting for it."""
@@ -421,8 +435,11 @@ class Playground(ActionScreen):
             return
         if self.board.opened == MICROSCOPE:
             self.microscope.follow_update()
+        if snapshot.counters.episodes and snapshot.playback.phase is Phase.PAUSED:
+            self.legends.names_all_keys = True
         with self.app.batch_update():
             self.session.show_name()
+            self.status.is_captioned = CAPTION in (self.board.shown or ())
             self.status.show(snapshot)
             self.modes.show(snapshot)
             if self.panels.is_gradual or self.wanted.lesson is not None:

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import pkgutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 from pydantic import Field
 
 from rl_tui.common.errors import Fault, ScenarioError, UserError
-from rl_tui.common.findings import Finding, in_file_order, is_plain, one_line, place, shown
+from rl_tui.common.findings import Finding, Location, in_file_order, is_plain, near, one_line, place, shown
 from rl_tui.common.limits import MOST_FINDINGS
 from rl_tui.common.streams import streams
 from rl_tui.common.text_file import UnreadableError, read_text
@@ -51,9 +51,15 @@ WORLD_KINDS: Final[Mapping[str, str]] = {
 
 LONGEST_TITLE: Final = 80
 MOST_PREVIEW_STEPS: Final = 100_000
+PANEL_IDS: Final = ("world", "table", "curve", "timeline", "budget", "controls", "last_step")
+"""The ids of the panels that no key opens: what a scenario or a page of a lesson may begin with."""
 HIDDEN: Final = "hidden"
 ANSWERS: Final = (HIDDEN, "shown")
 _USUAL_ANSWERS: Final = {"bandit": HIDDEN}  # of every other kind it is shown
+
+
+def _are_texts(value: object) -> bool:
+    return isinstance(value, list) and len(value) > 0 and all(isinstance(each, str) for each in value)
 
 
 class ScenarioHead(FileSection):
@@ -65,6 +71,7 @@ class ScenarioHead(FileSection):
     see: Annotated[str, text(200)] = ""
     try_this: Annotated[str, text(200), Field(alias="try")] = ""
     preview_steps: Annotated[int | None, whole_number(1, MOST_PREVIEW_STEPS)] = None
+    panels: Annotated[list[str] | None, Expect("a list of ids of panels", _are_texts)] = None
     notes: Annotated[str, markdown(20_000)] = ""
     order: Annotated[int, whole_number(0, 1_000_000)] = 1_000_000
     answer: Annotated[str | None, Expect(" or ".join(ANSWERS), lambda value: value in ANSWERS)] = None
@@ -79,7 +86,8 @@ class Scenario:
     (what its values may be is known to the agents). ``order`` says where it stands among its neighbours in
     the catalogue. ``text`` is the file as it was read, empty where there is none. ``hides_answer`` says that
     the exact answer is hidden until a person asks for it. The start screen shows ``guess`` (a question),
-    ``see`` and ``try_this``, and runs ``preview_steps`` steps in its picture, None for the usual number.
+    ``see`` and ``try_this``, and runs ``preview_steps`` steps in its picture, None for the usual number. The
+    playground begins with ``panels``, None: with all.
     """
 
     id: str
@@ -97,6 +105,7 @@ class Scenario:
     see: str = ""
     try_this: str = ""
     preview_steps: int | None = None
+    panels: frozenset[str] | None = None
 
     def build(self, generator: Generator) -> World:
         """Return the world. What is random about it (a bandit's arms, a random map) is drawn first from
@@ -166,6 +175,7 @@ def scenario_of(text: str, path: Path, *, ask_environment: bool = True) -> Scena
         see=head.see,
         try_this=head.try_this,
         preview_steps=head.preview_steps,
+        panels=None if head.panels is None else frozenset(head.panels),
     )
 
 
@@ -183,7 +193,20 @@ def _read_head(raw: Mapping[str, Any]) -> tuple[ScenarioHead | None, list[Findin
     head, findings = parsed(ScenarioHead, {key: value for key, value in raw.items() if key in keys})
     unknown = (unknown_key((key,), known) for key in raw if key not in known)
     findings += islice(unknown, MOST_FINDINGS)
+    if head is not None and head.panels is not None:
+        findings += islice(unknown_panels(("panels",), head.panels), MOST_FINDINGS)
     return head, findings
+
+
+def unknown_panels(
+    location: Location, panels: Iterable[str], known: Sequence[str] = PANEL_IDS
+) -> Iterator[Finding]:
+    """Yield the findings for those of ``panels`` that are no ids of ``known`` ones."""
+    for panel in panels:
+        if panel not in known:
+            yield Finding(
+                location, shown(panel), f"the id of a panel: {', '.join(known)}{near(panel, known)}"
+            )
 
 
 def _read_world(kind: str, raw: object, ask_environment: bool) -> tuple[WorldSection | None, list[Finding]]:

@@ -43,8 +43,11 @@ from rl_tui.screen.panels.curve.area import (
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, episode_axis, is_decided, unit_of
 from rl_tui.screen.panels.curve.seed_band import seed_cells, seed_remark, with_room_for
 from rl_tui.screen.panels.curve.text import (
+    AGENT,
+    BEST_ARM,
     GREEDY,
     LEFT,
+    OPTIMAL,
     TITLES,
     LineLabel,
     PlotColumns,
@@ -149,6 +152,7 @@ def _mark(codes: _LaneCodes, line: _LaneCodes, there: npt.NDArray[np.bool_]) -> 
 LEAST_WIDTH: Final = 14
 LEAST_HEIGHT: Final = 2
 LEAST_IN_FULL: Final = 7  # rows of a plot with three numbers at the left
+_LEAST_WITH_NAMES: Final = 60  # columns of the curve in one row
 _EXACT: Final = 1e-6  # of the axis: the most that rounding may take off a number at the left
 _ARROWS_APART: Final = 8  # columns between the signs of a line that stays below the axis
 _CHANGES_APART: Final = 8  # columns: of more changes of the world the lines would hide the curve
@@ -409,8 +413,7 @@ class ReturnCurve(Panel, can_focus=True):
         data = curve_data(snapshot)
         scale = self._settled(data, snapshot)
         if height == 1:
-            line = spark_line(data, scale, self.look, width, self._brief(data, decimals_of_labels(scale)))
-            return strips_of([line], width, 1, self.look)
+            return strips_of([self._row(data, scale, width)], width, 1, self.look)
         columns = plot_columns(snapshot, self.look, width)
         plot = Plot(columns.left, columns.columns, max(1, height), data.axis.right, scale)
         key = plot, bool(data.lanes), data.seeds, data.is_of_steps
@@ -462,10 +465,22 @@ class ReturnCurve(Panel, can_focus=True):
             head = self.fitting([f"{head} · {form}" for form in note], width) or head
         return head
 
-    def _brief(self, data: CurveData, decimals: int) -> str:
+    def _row(self, data: CurveData, scale: Scale, width: int) -> Line:
+        """Return the curve in one row, with its title and all names where there is room."""
+        decimals, look = decimals_of_labels(scale), self.look
+        if width < _LEAST_WITH_NAMES:
+            return spark_line(data, scale, look, width, self._brief(data, decimals))
+        title = f"{heads(data, has_band=False)[-1]}  "
+        words = self._brief(data, decimals, has_names=True) or " ".join(empty_words(data.unit))
+        line = spark_line(data, scale, look, width - len(title), words)
+        return [Piece(title, look.palette.strong), *line]
+
+    def _brief(self, data: CurveData, decimals: int, *, has_names: bool = False) -> str:
         """Return the newest numbers in a few words: of each run, else of the agent and its greedy policy."""
         numbered = [(f"{lane.number} ", lane.value) for lane in data.lanes]
-        numbered = numbered or [("", data.mean_now), (f"{GREEDY} ", data.greedy_now)]
+        agent, optimum = (f"{AGENT} ", data.optimum) if has_names else ("", None)
+        best = (f"{BEST_ARM[1] if data.is_bandit else OPTIMAL} ", optimum)
+        numbered = numbered or [(agent, data.mean_now), (f"{GREEDY} ", data.greedy_now), best]
         glyphs = self.look.glyphs
         return "  ".join(f"{name}{amount(x, decimals, glyphs)}" for name, x in numbered if x is not None)
 

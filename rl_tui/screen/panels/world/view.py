@@ -13,7 +13,7 @@ from textual.strip import Strip
 from rl_tui.live.last_step.step_report import story_of
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import Cells
-from rl_tui.screen.draw.canvas import Canvas, Line, Piece, length, shortened, strips_of
+from rl_tui.screen.draw.canvas import Canvas, Line, Piece, length, shortened, spelled, strips_of
 from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.bindings import binding
@@ -24,6 +24,7 @@ from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
 from rl_tui.screen.kit.value_scale import Ramp, SteadyScale, ValueScale
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
+from rl_tui.screen.panels.status_line import how_far
 from rl_tui.screen.panels.world.drawn_picture import DrawnPicture
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
 from rl_tui.screen.panels.world.scale_line import (
@@ -83,6 +84,8 @@ class WorldView(DrawnPicture, can_focus=True):
     free_columns = 0
     """The empty columns right of the picture."""
     note: tuple[str, ...] = ()
+    replaces_header = False
+    """Whether the line below the picture ends with what the run does and how far it has come."""
     is_manual = False
     """Whether a person takes the actions."""
     wanted_layer = Layer.Q
@@ -98,6 +101,8 @@ class WorldView(DrawnPicture, can_focus=True):
     shows_actions = False
     """Whether the cells of a map show Q of every action, where they have room, in place of V."""
     _is_named_beside = False
+    _stands_at: tuple[Piece, ...] = ()
+    _taken = 0  # cells of the line that these have
     _said = "", ""  # a mode or a lane, and what is said with it, in one line
 
     def __init__(self, world: World, look: Look, **options: Any) -> None:
@@ -259,6 +264,11 @@ class WorldView(DrawnPicture, can_focus=True):
         if snapshot is None:
             return self._waiting(width, height)
         has_line = self.cell is not None and height > 1
+        if self.replaces_header:
+            self._stands_at = how_far(snapshot, self.look, width, is_manual=self.is_manual)
+        else:
+            self._stands_at = ()
+        self._taken = length(spelled(self._stands_at, self.look))
         rows = height - has_line
         self.drawn_layer = layer = self._layer_of(snapshot, self.wanted_layer)
         self.veils = layer is Layer.OPTIMAL and veils_exact(snapshot)
@@ -319,7 +329,7 @@ class WorldView(DrawnPicture, can_focus=True):
         """Set the first of ``headings`` and ``footings`` that fit, and the first pair that fits a line."""
         self.heading, self.footing = self.fitting(headings, width), self.fitting(footings, width)
         pairs = ((heading, footing) for heading in headings for footing in footings)
-        room = width - (4 if self.title else 2)  # blanks around a mode, before what is said with it
+        room = width - self._taken - (4 if self.title else 2)  # blanks around a mode, before what it says
         fitting = (pair for pair in pairs if sum(map(cell_len, pair)) <= room)
         self._said = next(fitting, (self.heading, ""))
 
@@ -342,7 +352,14 @@ class WorldView(DrawnPicture, can_focus=True):
         if footing:
             said += [Piece("  " if said else "", palette.text), Piece(footing, palette.dim)]
         signs = self.legend(snapshot) if self.is_explained else ()
-        return scale_line(tuple(said), self.named_scale, signs, width, self.look)
+        line = scale_line(tuple(said), self.named_scale, signs, width - self._taken, self.look)
+        if not self._taken:
+            return line
+        return Strip.join((line, strips_of([self._stands_at], self._taken, 1, self.look)[0]))
+
+    def fitting(self, titles: Iterable[str], width: int) -> str:
+        """Return the first of ``titles`` that fits into the line below a picture of ``width`` cells."""
+        return super().fitting(titles, width - self._taken)
 
     @property
     def named_scale(self) -> NamedScale | None:

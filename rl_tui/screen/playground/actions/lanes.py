@@ -97,7 +97,7 @@ class LaneActions(Subject):
 
     def one_lane(self) -> None:
         """Show the run that is controlled alone, or two side by side."""
-        self.board.is_one_lane = self.board.is_paired
+        self.board.turn_lanes()
         if self.board.is_one_lane:
             self.screen.tell("One run alone. c l: the next run, c o: two side by side.")
         elif not self.board.is_paired:

@@ -7,6 +7,7 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.flip_answer import FlipState
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.dialog import ModelScreen
+from rl_tui.screen.frame.key_line import Hints
 from rl_tui.screen.kit.layers import ACTION_LAYERS, Layer
 from rl_tui.screen.kit.row import DISCOUNT, WORLD, WORLD_CHECK
 from rl_tui.screen.kit.snapshot_facts import is_secret
@@ -133,6 +134,11 @@ class ViewActions(Subject):
         if self.board.world is not None:
             self.board.bring_into_view(WORLD)
             self.board.world.focus()
+
+    @property
+    def way_back(self) -> tuple[Hints, ...]:
+        """The key that shows all panels again, where one is alone."""
+        return ((("f", "all panels"),),) if self.board.zoomed else ()
 
     def zoom(self) -> None:
         """Show one panel alone, or all again."""

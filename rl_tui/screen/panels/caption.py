@@ -1,0 +1,56 @@
+"""The caption: one sentence that says what is happening to what is learned."""
+
+from __future__ import annotations
+
+from textual.strip import Strip
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw.canvas import Piece, shortened, strips_of
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.snapshot_facts import has_estimates, has_optimal_policy, valued_states
+from rl_tui.screen.panels.status_line import StatusLine, waiting_line
+from rl_tui.worlds.drawing import Arms
+
+
+class CaptionLine(StatusLine):
+    """Says in one row what is learned just now; where it ``replaces_header``, why nothing goes on too."""
+
+    replaces_header = is_in_view = False
+
+    def depends_on(self, snapshot: Snapshot) -> object:
+        """Return nothing that changes while it is out of view: what it says is dear to find out."""
+        return None if self.is_in_view else ()
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the row, and blank ones below it."""
+        look, line = self.look, None
+        if self.replaces_header:
+            line = waiting_line(snapshot, look, width, unanswered=self.unanswered, scenario=self.title)
+        if line is None and snapshot is not None:
+            text = to_ascii(caption(snapshot), look.glyphs)
+            line = [Piece(shortened(text, width, look.glyphs.ellipsis), look.palette.text)]
+        return strips_of([line or []], width, height, look)
+
+
+def caption(snapshot: Snapshot) -> str:
+    """Return what is happening to what is learned in ``snapshot``, as a sentence."""
+    if not snapshot.counters.step:
+        return "Nothing is learned yet: no step was taken."
+    if not has_estimates(snapshot):
+        return "What your program learns is not known: no table was found in it yet."
+    if isinstance(snapshot.world.drawing, Arms):
+        return "Each pull moves the estimate of its arm towards what it paid."
+    if has_optimal_policy(snapshot):
+        return "An optimal policy is found: no other is worth more."
+    counted = valued_states(snapshot)
+    if counted is None:
+        return "Values spread over the map."  # of which a part is known here
+    with_value, states = counted
+    agent = snapshot.agent
+    if not with_value and (agent.q == agent.hyperparameters.initial_q).all():
+        return "Nothing is learned yet: that begins with the first reward."
+    if not with_value:
+        return "First estimates have changed, the best of no state yet."
+    if with_value < states:
+        return f"Values spread: {with_value:,} of {states:,} states have one so far."
+    return f"Values settle: all {states:,} states have one."
