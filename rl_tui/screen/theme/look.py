@@ -74,34 +74,6 @@ class Look:
 
 
 # Colour depth and characters
-#
-# Textual hands rich styles to the terminal through its line filters and then ``Console(color_system=…)``,
-# which rounds RGB to what the terminal has. Two things must be known:
-#
-# * Unless the app was made with ``ansi_color=True``, a filter turns every named and numbered colour, the
-#   default ones included, into RGB (``App.ansi_theme_dark`` and ``_light`` say which) and ``dim`` into a
-#   mixed colour. For 256 colours this is harmless: the way back leads to the same number for all that our
-#   palettes use. For the 16 it is not: the nearest colour is guessed, and the terminal's own background is
-#   painted over. So 16 and none need ``ansi_color=True``.
-# * NO_COLOR is read when an App is made, whatever its value. With ``ansi_color`` it removes all colours and
-#   keeps bold, dim, underline and reverse; without, it only turns them grey. ``TEXTUAL_COLOR_SYSTEM`` beats
-#   detection and is read when textual is imported (``none`` crashes): the command line removes it before
-#   that.
-#
-# An app on a terminal therefore does::
-#
-#     depth = depth_of(colors, os.environ)
-#     with environment_for(depth):
-#         super().__init__(ansi_color=is_native(depth))
-#     for theme in themes_for(depth):
-#         self.register_theme(theme)
-#
-# and takes its palette from ``palette_for(depth, self.current_theme.dark)``, again when the theme changes.
-#
-# Rich exports SVG in truecolor whatever the console says, and draws default colours on a dark background of
-# its own. So for pictures everything must be RGB already: ``ansi_color=False``,
-# ``themes_for(depth, picture=True)``, and ``self.ansi_theme_dark, self.ansi_theme_light = PICTURE_DARK,
-# PICTURE_LIGHT``. There ``auto`` is truecolor, for no terminal is asked.
 
 
 _TRUECOLOR_TERMS: Final = ("alacritty", "foot", "xterm-ghostty", "xterm-kitty", "wezterm")
