@@ -59,7 +59,8 @@ class Plot(NamedTuple):
 
     def halves(self, line: Steps) -> IntArray:
         """Return which half of a cell ``line`` takes, [rows, columns]: 1 the upper, 2 the lower, 3 both."""
-        return _of_cells(self.line_dots(line, self.columns, 2 * self.rows))
+        halves = self.line_dots(line, self.columns, 2 * self.rows).astype(np.int64)
+        return halves[::2] + 2 * halves[1::2]
 
     def below(self, line: Steps) -> BoolArray:
         """Return the columns, [columns], in which ``line`` goes below the axis."""
@@ -87,9 +88,3 @@ class Plot(NamedTuple):
     def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:
         low, high = braille.decimated(line, self.right, columns)
         return braille.span(low, high, self.scale.low, self.top, rows)
-
-
-def _of_cells(halves: BoolArray) -> IntArray:
-    """Return for each cell, [rows, columns], which of its ``halves``, [2 rows, columns], are there."""
-    upper, lower = halves[::2].astype(np.int64), halves[1::2].astype(np.int64)
-    return upper + 2 * lower

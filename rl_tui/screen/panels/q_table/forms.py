@@ -223,13 +223,12 @@ class ListForm:
     def entry(self, entry: int, is_first: bool) -> Pieces:
         """Return the row of a pair; the state is named in its first row and in the first of all."""
         world, pair = self.scene.world, self._pair_of(entry)
-        is_new = is_first or entry == int(world.space.first_pair[world.space.state_of(pair)])
+        is_new = is_first or entry == world.siblings(pair).start
         return [segment for column in self.columns for segment in column.draw(pair, is_new)]
 
     def pairs_in(self, entry: int) -> range:
         """Return the pairs of the state of the row, among them that of the row."""
-        space = self.scene.world.space
-        return space.pairs_of(space.state_of(entry))
+        return self.scene.world.siblings(entry)
 
     def entry_of(self, state: int) -> int:
         """Return the row of the first pair of ``state``."""
@@ -239,8 +238,7 @@ class ListForm:
     def entry_of_pair(self, pair: int) -> int:
         """Return the row of ``pair``: states are listed in their order."""
         world = self.scene.world
-        state = world.space.state_of(pair)
-        return int(world.space.first_pair[state]) + world.pairs_shown(state).index(pair)
+        return world.siblings(pair).start + world.pairs_shown(world.space.state_of(pair)).index(pair)
 
     def moved(self, pair: int, rows: int, columns: int) -> int:
         """Return the pair so many rows below."""
@@ -253,7 +251,7 @@ class ListForm:
     def _pair_of(self, entry: int) -> int:
         world = self.scene.world
         state = world.space.state_of(entry)  # its rows are as many as its pairs, and in the same place
-        return world.pairs_shown(state)[entry - int(world.space.first_pair[state])]
+        return world.pairs_shown(state)[entry - world.siblings(entry).start]
 
 
 def list_form(scene: Scene, width: int) -> ListForm:
@@ -303,7 +301,7 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
 
     def state_name(pair: int, is_new: bool) -> Pieces:
         name = world.state_name(world.space.state_of(pair), state) if is_new else ""
-        pointed = bool(name) and scene.is_pointed(world.space.pairs_of(world.space.state_of(pair)))
+        pointed = bool(name) and scene.is_pointed(world.siblings(pair))
         style = look.palette.focus if pointed else look.palette.strong
         blank = padded("", state + gap - cell_len(name))
         differs = scene.mark_behind(world.space.state_of(pair)) if name else None
@@ -334,9 +332,10 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
         exact = [layer for layer in exact if layer is in_force]
 
     def last(pair: int, _: bool) -> Pieces:
-        if pair == scene.last_pair:
-            return [Segment(look.glyphs.agent, look.palette.agent)]
-        return [Segment(" ", look.palette.text)]
+        is_last = pair == scene.last_pair
+        return [
+            Segment(look.glyphs.agent, look.palette.agent) if is_last else Segment(" ", look.palette.text)
+        ]
 
     def arm(pair: int, _: bool) -> Pieces:
         name = aligned_right(world.action_names[world.action_of(pair)], label)
@@ -371,15 +370,9 @@ def _beside(layer: Layer) -> list[Layer]:
 
     What is exact comes only then: else the answer would stand beside the estimates before the first step.
     """
-    match layer:
-        case Layer.OPTIMAL:
-            return [Layer.Q, Layer.OPTIMAL]
-        case Layer.ERROR:
-            return [Layer.Q, Layer.OPTIMAL, Layer.ERROR]
-        case Layer.LANES | Layer.POLICY:
-            return [Layer.Q, layer]
-        case _:
-            return [Layer.Q]
+    if layer is Layer.ERROR:
+        return [Layer.Q, Layer.OPTIMAL, layer]
+    return [Layer.Q, layer] if layer in (Layer.OPTIMAL, Layer.LANES, Layer.POLICY) else [Layer.Q]
 
 
 def _shared(first: int, second: int, room: int) -> tuple[int, int]:
@@ -403,10 +396,9 @@ def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
     While visits are in force they have them.
     """
     _share_form(scene, layers)
-    main = (
-        scene.shown.layer if scene.shown.layer in LEARNED_NOT and scene.shown.layer in layers else layers[0]
-    )
-    counts = scene.shown.layer is Layer.VISITS
+    in_force = scene.shown.layer
+    main = in_force if in_force in LEARNED_NOT and in_force in layers else layers[0]
+    counts = in_force is Layer.VISITS
     shown = replace(scene, cursor=None) if counts else scene
     columns = []
     for layer in layers:
@@ -430,12 +422,8 @@ def _value(scene: Scene, layer: Layer, is_main: bool, has_frames: bool) -> Draw:
 
     def draw(pair: int, _: bool) -> Pieces:
         if is_main or layer is scene.shown.layer:
-            greedy = (
-                is_main
-                and has_frames
-                and pair in figures.framed(world.space.pairs_of(world.space.state_of(pair)))
-            )
-            return boxed(scene, figures, pair, DIGITS, DIGITS, greedy)
+            is_framed = is_main and has_frames and pair in figures.framed(world.siblings(pair))
+            return boxed(scene, figures, pair, DIGITS, DIGITS, is_framed)
         return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.style(pair, is_tinted=False))]
 
     return draw
@@ -448,8 +436,7 @@ def _count_column(scene: Scene) -> Column:
     def draw(pair: int, _: bool) -> Pieces:
         number = figures.text(pair, COUNT - 2).rjust(COUNT - 2)
         if is_shown:
-            greedy = figures.framed(world.space.pairs_of(world.space.state_of(pair)))
-            return framed(scene, figures, pair, number, pair in greedy)
+            return framed(scene, figures, pair, number, pair in figures.framed(world.siblings(pair)))
         return [Segment(" ", text), Segment(number, figures.style(pair, is_tinted=False)), Segment(" ", text)]
 
     return Column("N", COUNT, 0 if is_shown else 3, draw, _right)

@@ -27,7 +27,6 @@ from rl_tui.screen.draw.names import action_name, with_minus
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.layers import Layer
-from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.world.edit_marks import marks_of
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -102,6 +101,10 @@ class TableWorld:
         """Return the action of ``pair``."""
         return int(self.space.pair_action[pair])
 
+    def siblings(self, pair: int) -> range:
+        """Return the pairs of the state that owns ``pair``."""
+        return self.space.pairs_of(self.space.state_of(pair))
+
     def pairs_shown(self, state: int) -> list[int]:
         """Return the pairs of ``state`` in the order in which their actions are shown."""
         return shown_pairs(self.world, self.space.pairs_of(state))
@@ -139,8 +142,6 @@ def _brief(name: str) -> str:
 
 
 Pieces = list[Segment]
-NO_BREAKPOINTS: Final = Breakpoints()
-NOBODY_DRAWS: Final = EditorView()
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,10 +164,10 @@ class Scene:
     hides_means: bool
     look: Look
     forms: SteadyForms
-    breakpoints: Breakpoints = NO_BREAKPOINTS
-    pointed: range = NOWHERE
-    differing: frozenset[int] = frozenset()
-    editor: EditorView = NOBODY_DRAWS
+    breakpoints: Breakpoints
+    pointed: range
+    differing: frozenset[int]
+    editor: EditorView
 
     def state_mark(self, state: int) -> Segment:
         """Return the mark before a state: of the agent, of a breakpoint, or of both, or a blank."""
