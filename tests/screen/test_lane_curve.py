@@ -183,7 +183,7 @@ def test_a_lane_that_has_only_begun_has_no_line_and_no_name_at_its_end() -> None
     nothing = tuple(without_episodes(lane) for lane in (first, second))
     empty = Curve(nothing[0].results.curve.episode, *(np.array([]),) * 4)
     start = changed(side_by_side(2), lanes=nothing, episodes=0, curve=empty, return_last_100=None)
-    assert words.NO_EPISODE_YET[0] in "\n".join(drawn(start)[0])
+    assert words.NOTHING_YET["episode"][0] in "\n".join(drawn(start)[0])
 
 
 def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:

@@ -137,7 +137,7 @@ def _columns(
     recent = [lane.results.return_last_100 for lane in lanes]
     greedy = [lane.results.greedy_return for lane in lanes]
     sizes = [abs(each) for each in (*recent, *greedy) if each is not None]
-    decimals = decimals_for(0.0, max(sizes, default=0.0))
+    decimals = decimals_for(max(sizes, default=0.0))
 
     def returns(values: Sequence[float | None]) -> list[str]:
         return [_dash(look) if x is None else amount(x, decimals, look.glyphs) for x in values]
@@ -170,7 +170,7 @@ def _columns(
         ]
     exact = [_dash(look)] * len(lanes) if hidden else returns(greedy)
     ends = [None if hidden else lane.results.greedy_ends for lane in lanes]
-    exact = [text if end is None else no_end(end, short=True) for text, end in zip(exact, ends, strict=True)]
+    exact = [text if end is None else no_end(end) for text, end in zip(exact, ends, strict=True)]
     return [*columns, _Column("greedy", exact, of_seeds(GREEDY, secret=hidden), 5)]
 
 

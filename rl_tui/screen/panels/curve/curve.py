@@ -12,7 +12,6 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
@@ -45,6 +44,7 @@ from rl_tui.screen.panels.curve.seed_band import seed_cells, seed_remark, with_r
 from rl_tui.screen.panels.curve.text import (
     GREEDY,
     LEFT,
+    NOTHING_YET,
     TITLES,
     LineLabel,
     PlotColumns,
@@ -52,7 +52,6 @@ from rl_tui.screen.panels.curve.text import (
     barren_words,
     below_note,
     decimals_of_labels,
-    empty_words,
     gap_note,
     heads,
     labels,
@@ -65,14 +64,13 @@ from rl_tui.screen.panels.curve.text import (
 )
 from rl_tui.screen.panels.policies.studied import studied_answer
 from rl_tui.screen.theme.look import Look, Palette
-from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 # The lines of several runs, which areas would hide, and of one run over the band of many seeds
 
 
 _TURN: Final = 2  # columns in which one of several lines in the same cells is seen
 _MARKS_APART: Final = 16  # columns from one number on a line to the next
-_LaneCodes = npt.NDArray[np.int64]
 
 
 class LaneCells(NamedTuple):
@@ -81,15 +79,24 @@ class LaneCells(NamedTuple):
     ``line`` tells whose it is: −1 no line's, 0 the greedy line's, n that of run n.
     """
 
-    codes: _LaneCodes
-    line: _LaneCodes
+    codes: IntArray
+    line: IntArray
 
 
 def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
     """Return the mean of every run, and of the run shown the greedy line."""
-    layers = _in_braille(plot, data) if look.glyphs.braille else _in_ascii(plot, data)
+    if look.glyphs.braille:
+        layers = np.stack([plot.braille_line(line) for line in data.lines])
+        layers[layers == braille.BLANK] = 0
+    else:
+        dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in data.lines])
+        signs = [ord("o"), *(ord(str(number)) for number in range(1, len(data.lines)))]
+        layers = dots * np.array(signs)[:, None, None]
     there = layers > 0
-    line = _whose(_with_greedy_behind(there))
+    in_front = there.copy()
+    # where the greedy line goes up and down through many policies, it would cover the runs
+    in_front[0] &= ~(there[1:].any(axis=0) & (there[0].sum(axis=0) > 1))
+    line = _whose(in_front)
     codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
     codes[line < 0] = 0
     if data.lanes and look.glyphs.braille and not look.palette.tells_lanes_apart:
@@ -97,30 +104,7 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
     return LaneCells(codes, line)
 
 
-def _in_braille(plot: Plot, data: CurveData) -> _LaneCodes:
-    """Return the characters of greedy line and runs, [1 + runs, rows, columns]."""
-    codes = np.stack([plot.braille_line(line) for line in data.lines])
-    return np.where(codes > braille.BLANK, codes, 0)
-
-
-def _in_ascii(plot: Plot, data: CurveData) -> _LaneCodes:
-    """Return a letter for the greedy line and for each run its number."""
-    dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in data.lines])
-    signs = np.array([ord("o"), *(ord(str(number)) for number in range(1, len(data.lines)))])
-    return np.asarray(dots * signs[:, None, None])
-
-
-def _with_greedy_behind(there: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Return the cells of lines, [lines, rows, columns], where the greedy one goes behind the runs.
-
-    That is where it goes up and down: passing through many policies, it would cover all else.
-    """
-    goes_up_or_down = there[0].sum(axis=0) > 1
-    behind = there[1:].any(axis=0) & goes_up_or_down
-    return np.concatenate(((there[0] & ~behind)[None], there[1:]))
-
-
-def _whose(there: npt.NDArray[np.bool_]) -> _LaneCodes:
+def _whose(there: BoolArray) -> IntArray:
     """Return which of the lines that are ``there``, [lines, rows, columns], each cell shows; −1: none.
 
     Lines that share cells take turns, so that none hides another.
@@ -132,7 +116,7 @@ def _whose(there: npt.NDArray[np.bool_]) -> _LaneCodes:
     return np.where(count > 0, chosen.argmax(axis=0), -1)
 
 
-def _mark(codes: _LaneCodes, line: _LaneCodes, there: npt.NDArray[np.bool_]) -> None:
+def _mark(codes: IntArray, line: IntArray, there: BoolArray) -> None:
     """Write the number of each run on its line now and then, in columns of its own."""
     lanes = len(there) - 1
     for number in range(1, lanes + 1):
@@ -175,7 +159,7 @@ def draw_chart(
         else:
             _draw_area(canvas, plot, data, look, has_band=has_band)
     else:
-        _put_message(canvas, plot, empty_words(data.unit), look)
+        _put_message(canvas, plot, NOTHING_YET[data.unit], look)
     for label, row in _rows_of(names[: plot.rows], plot):
         canvas.put(width - columns.labels + label.gap, row, label.text, label.style)
     if (data.barren or data.unlearned) and not data.lanes:
@@ -386,12 +370,8 @@ class ReturnCurve(Panel, can_focus=True):
             *(snapshot.exact_answer.expected_return, snapshot.exact_answer.refused),
             *(answers.is_hidden, answers.kept_back, answers.first_update, answers.studied),
             *(answers.policies.get(PolicyKind.BEHAVIOUR), studied_answer(snapshot)),
-            *(
-                playback.phase is Phase.SPENT,
-                _runs(snapshot),
-                passes_too_fast(snapshot),
-                snapshot.run_group.shown,
-            ),
+            *(playback.phase is Phase.SPENT, _runs(snapshot), passes_too_fast(snapshot)),
+            snapshot.run_group.shown,
             *((each.name, each.algorithm, each.episodes, each.results) for each in lanes),
         )
 
@@ -415,14 +395,11 @@ class ReturnCurve(Panel, can_focus=True):
         plot = Plot(columns.left, columns.columns, max(1, height), data.axis.right, scale)
         key = plot, bool(data.lanes), data.seeds, data.is_of_steps
         if self._band[0] != key or not _runs(snapshot):
-            self._band = key, self._has_middle_half(data, plot)
+            is_plain = data.lanes or data.seeds or data.is_of_steps or data.is_bandit or not data.furthest
+            has_band = not is_plain and says_something(plot, data.curve, data.mean, self.look)
+            self._band = key, has_band
         self.heading = self._headed(snapshot, data, plot, columns, width)
         return draw_chart(data, plot, columns, self.look, (width, height), has_band=self._band[1])
-
-    def _has_middle_half(self, data: CurveData, plot: Plot) -> bool:
-        if not data.furthest or data.lanes or data.seeds or data.is_of_steps or data.is_bandit:
-            return False
-        return says_something(plot, data.curve, data.mean, self.look)
 
     def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
         """Return the vertical axis: steady in a run, in the past as in the present, else what fits best."""

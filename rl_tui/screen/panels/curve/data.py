@@ -267,7 +267,7 @@ class CurveData:
             highs.append(self.optimum)
         known = np.array([each for each in exact if each is not None])
         if not late:  # only planners
-            known = np.concatenate((known, *(_known(line.low) for line in self.lines)))
+            known = np.concatenate((known, *(line.low[~np.isnan(line.low)] for line in self.lines)))
         if not lows and not len(known):
             return 0.0, 0.0
         high = max(*highs, float(known.max(initial=-np.inf)), -np.inf)
@@ -276,14 +276,9 @@ class CurveData:
         return (0.0 if 0.0 < low < _COST_OF_ZERO * high else low), high
 
 
-def _known(values: FloatArray) -> FloatArray:
-    return np.asarray(values[~np.isnan(values)])
-
-
 def curve_data(snapshot: Snapshot) -> CurveData:
     """Return what there is to draw; what would give the answer away only where it is not hidden."""
-    is_bandit = isinstance(snapshot.world.drawing, Arms)
-    plans = snapshot.agent.row.planner
+    is_bandit, first_update = isinstance(snapshot.world.drawing, Arms), snapshot.answers.first_update
     lanes, results, axis = snapshot.run_group.lanes, snapshot.results, episode_axis(snapshot)
     of_steps = _returns_are_equal([lane.results for lane in lanes] or [results])
     curve = results.curve
@@ -301,11 +296,11 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         optimum=None if hides_optimum or of_steps else snapshot.exact_answer.expected_return,
         is_of_steps=of_steps,
         is_bandit=is_bandit,
-        unit=unit_of(plans=plans, is_bandit=is_bandit),
+        unit=unit_of(plans=snapshot.agent.row.planner, is_bandit=is_bandit),
         hides_optimum=hides_optimum,
         has_key=not keeps_back(snapshot, "answer"),
         barren=_barren(snapshot),
-        unlearned=_is_unlearned(snapshot),
+        unlearned=first_update is not None and first_update.is_long and not keeps_back(snapshot, "why"),
         is_decided=is_decided(snapshot),
         greedy_ends=None if hidden else results.greedy_ends,
         acting_now=_acting(snapshot),
@@ -340,11 +335,6 @@ def _mean_now(results: RunResults, mean: MovingMean, *, of_steps: bool) -> float
 def unit_of(*, plans: bool, is_bandit: bool) -> str:
     """Return what the horizontal axis counts."""
     return "sweep" if plans else "pull" if is_bandit else "episode"
-
-
-def _is_unlearned(snapshot: Snapshot) -> bool:
-    first = snapshot.answers.first_update
-    return first is not None and first.is_long and not keeps_back(snapshot, "why")
 
 
 def _acting(snapshot: Snapshot) -> float | None:

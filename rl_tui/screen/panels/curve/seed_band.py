@@ -12,7 +12,6 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.chart_plot import Plot
-from rl_tui.screen.kit.panel import LegendSign
 from rl_tui.screen.kit.snapshot_facts import current_study, episodes_reached
 from rl_tui.screen.panels.seed_figures import LAST_100, decimals_of, estimate_text, last_100_of, until_of
 from rl_tui.screen.theme.look import Look
@@ -110,15 +109,11 @@ def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntAr
 
 def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
     """Return what the bands are, with the mean and its error of each run; the longest form first."""
-    estimates = [each.last_100 for each in seeds if each.last_100 is not None]
-    decimals = decimals_of(estimates)
-    texts = [
-        f"{each.number}) {estimate_text(each.last_100, decimals, look.glyphs)}"
-        for each in seeds
-        if each.last_100 is not None
-    ]
-    sign, meaning, *_ = seed_sign(seeds, look)
-    band = f"{sign} {meaning}"
+    estimates = {each.number: each.last_100 for each in seeds if each.last_100 is not None}
+    decimals = decimals_of([*estimates.values()])
+    texts = [f"{number}) {estimate_text(each, decimals, look.glyphs)}" for number, each in estimates.items()]
+    sign = chr(_FULL) if look.glyphs.braille else "="
+    band = f"{sign} {seeds[0].seeds} seeds: mean ± 2 errors"
     if not texts:
         return (band,)
     means, which = ", ".join(texts), f"{sign} {seeds[0].seeds} seeds{seeds[0].until}"
@@ -129,9 +124,3 @@ def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
         f"{which}: {means}",
         band,
     )
-
-
-def seed_sign(seeds: Sequence[SeedBand], look: Look) -> LegendSign:
-    """Return the entry of the legend."""
-    sign = chr(_FULL) if look.glyphs.braille else "="
-    return LegendSign(sign, f"{seeds[0].seeds} seeds: mean ± 2 errors", look.palette.dim)

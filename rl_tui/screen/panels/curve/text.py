@@ -56,9 +56,12 @@ NO_LINE_WITHOUT_END: Final = (
     f"gap in greedy: {MAY_NEVER_END}",
 )
 
-NO_SWEEP_YET: Final = ("no sweep has ended:", "space: run · e: sweep")
-NO_PULL_YET: Final = ("no arm was pulled:", "space: run · s: pull")
-NO_EPISODE_YET: Final = ("no episode has ended:", "space: run · e: episode")
+NOTHING_YET: Final = {
+    "sweep": ("no sweep has ended:", "space: run · e: sweep"),
+    "pull": ("no arm was pulled:", "space: run · s: pull"),
+    "episode": ("no episode has ended:", "space: run · e: episode"),
+}
+"""What to do before the first has ended, by what the horizontal axis counts."""
 NOTHING_LEARNED: Final = "nothing learned"
 NO_REWARD: Final = "no reward yet"
 
@@ -85,19 +88,19 @@ class LineLabel:
     gap: int
 
 
-def decimals_for(low: float, high: float) -> int:
-    """Return the decimals that tell values on an axis from ``low`` to ``high`` apart: 2 on 0 .. 1.
+def decimals_for(extent: float) -> int:
+    """Return the decimals that tell values on an axis of ``extent`` apart: 2 on 0 .. 1.
 
     More than 5 are too many to be written: then all have exponents.
     """
-    extent = max(high - low, numbers.NEGLIGIBLE)
+    extent = max(extent, numbers.NEGLIGIBLE)
     decimals = max(0, 2 - math.floor(math.log10(extent)))
     return min(_MOST_DECIMALS, decimals) if extent >= _LEAST_FIXED else decimals
 
 
 def decimals_of_labels(scale: Scale) -> int:
     """Return the decimals of the labels right of the plot: two digits tell them apart."""
-    return decimals_for(0.0, _TWO_DIGITS * (scale.high - scale.low))
+    return decimals_for(_TWO_DIGITS * (scale.high - scale.low))
 
 
 def amount(x: float, decimals: int, glyphs: Glyphs, width: int = NUMBER) -> str:
@@ -114,12 +117,9 @@ def amount(x: float, decimals: int, glyphs: Glyphs, width: int = NUMBER) -> str:
     return numbers.whole(x, glyphs) if text.removeprefix(glyphs.minus).isdigit() else text
 
 
-def no_end(ends: float, *, short: bool = False) -> str:
+def no_end(ends: float) -> str:
     """Return what stands in place of the return of a policy that has none: it ``ends`` so likely (0 to 1)."""
-    if ends > 0.0:
-        share = numbers.percent(ends)
-        return f"{share} end" if short else f"ends in {share}"
-    return NO_END if short else "never ends"
+    return f"{numbers.percent(ends)} end" if ends > 0.0 else NO_END
 
 
 def label_gap(columns: int) -> int:
@@ -156,7 +156,7 @@ def labels(
             found.append(LineLabel(_in_room(name, number, room), value, style, gap))
     if not greedy or data.greedy_ends is None:
         return found
-    text = no_end(data.greedy_ends, short=True)
+    text = no_end(data.greedy_ends)
     if len(GREEDY) + 1 + len(text) <= room:
         text = _in_room(GREEDY, text, room)
     return [LineLabel(text, -math.inf, palette.greedy_line, gap), *found]
@@ -256,15 +256,6 @@ def _has_learned(data: CurveData) -> bool:
     return data.greedy_now >= least and bool((recent >= least).all())
 
 
-def empty_words(unit: str) -> tuple[str, ...]:
-    """Return what to do before the first pull, sweep or episode has ended."""
-    if unit == "sweep":
-        return NO_SWEEP_YET
-    if unit == "pull":
-        return NO_PULL_YET
-    return NO_EPISODE_YET
-
-
 def barren_words(data: CurveData) -> tuple[str, ...]:
     """Return that no estimate has moved, and by which key to ask why, or that nothing was ever earned."""
     if data.unlearned:
@@ -308,11 +299,12 @@ def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> lis
         return []
     shown = _names(names, look, form.name)
     lanes = sorted(zip(data.lanes, shown, strict=True), key=lambda each: not each[0].shown)
-    found = [
-        LineLabel(_said(lane, name, form, decimals, look.glyphs), _place(lane), _style(lane, look), _GAP)
-        for lane, name in lanes
-        if lane.value is not None or (lane.is_exact and lane.greedy_ends is not None)
-    ]
+    found = []
+    for lane, name in lanes:
+        if lane.value is not None or (lane.is_exact and lane.greedy_ends is not None):
+            value, ink = -math.inf if lane.value is None else lane.value, look.palette.lanes[lane.number - 1]
+            style = ink + Style(bold=True) if lane.shown else ink
+            found.append(LineLabel(_said(lane, name, form, decimals, look.glyphs), value, style, _GAP))
     has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
     return [*found, *labels(data, look, decimals, min(columns, _OTHERS), greedy=has_greedy, mean=False)]
 
@@ -399,16 +391,7 @@ def _figure(value: float | None, ends: float | None, decimals: int, glyphs: Glyp
     """Return a return, or that a policy has none because it may never end; empty if neither is known."""
     if value is not None:
         return amount(value, decimals, glyphs)
-    return "" if ends is None else no_end(ends, short=True)
-
-
-def _place(lane: LaneLine) -> float:
-    return -math.inf if lane.value is None else lane.value
-
-
-def _style(lane: LaneLine, look: Look) -> Style:
-    style = look.palette.lanes[lane.number - 1]
-    return style + Style(bold=True) if lane.shown else style
+    return "" if ends is None else no_end(ends)
 
 
 # The columns of the plot
