@@ -40,12 +40,8 @@ class Setting:
     rank: int
 
 
-def settings_of(snapshot: Snapshot) -> tuple[Setting, ...]:
-    """Return what is in force, for algorithm and policy in force."""
-    return tuple(_settings(snapshot))
-
-
-def _settings(snapshot: Snapshot) -> Iterator[Setting]:
+def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
+    """Yield what is in force, for algorithm and policy in force."""
     values = snapshot.agent.hyperparameters
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
@@ -168,7 +164,7 @@ class AgentSettings(Widget):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw the settings in force."""
-        settings = settings_of(snapshot)
+        settings = tuple(settings_of(snapshot))
         if settings != self._settings:
             self._settings = settings
             self.refresh()

@@ -192,7 +192,7 @@ class Slider(Draggable, can_focus=True):
         """Take what belongs to a value; any other key ends the typing, and then does what it does."""
         if self._state.typed is not None:
             self._take_key(event, self._state.typed)
-        elif event.character is not None and self._begins_typing(event.character):
+        elif event.character in _BEGINS_TYPING or (event.character and self._is_sign(event.character)):
             event.stop()
             self._type(event.character)
 
@@ -226,9 +226,6 @@ class Slider(Draggable, can_focus=True):
         elif event.key == "enter":
             event.stop()
             self.action_release()
-
-    def _begins_typing(self, character: str) -> bool:
-        return character in _BEGINS_TYPING or self._is_sign(character)
 
     def _is_sign(self, character: str) -> bool:
         return character == _SIGN and self.parameter.range is not None and self.parameter.range.low < 0

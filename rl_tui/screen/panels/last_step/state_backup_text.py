@@ -171,14 +171,10 @@ class _Writer:
             worked = self._worked_out(first.place)
             return (worked,) if worked else ()
         share = names.chance(float(self._backup.chance[first.place]), self._glyphs)
-        added, more = [self._added(each.q) for each in others], f" + {self._glyphs.ellipsis}"
+        minus, more = self._glyphs.minus, f" + {self._glyphs.ellipsis}"
+        added = [f" + {each.q}".replace(f"+ {minus}", f"{minus} ") for each in others]
         sums = ("".join(added), *((more + added[-1],) if len(added) > 1 else ()), more)
         return [f"{share}{self._glyphs.times}({first.q}{each})" for each in sums]
-
-    def _added(self, number: str) -> str:
-        """Return ``number`` as a sum goes on with it: `` + .06``, `` − 2``."""
-        minus = self._glyphs.minus
-        return f" {minus} {number.removeprefix(minus)}" if number.startswith(minus) else f" + {number}"
 
     def _best(self, of: str) -> Sequence[str]:
         gap, between = ("", " ") if self._are_directions else (" ", ", ")
@@ -189,12 +185,8 @@ class _Writer:
 
     def _elided(self, signed: Sequence[str], between: str) -> Iterator[str]:
         """Yield ``signed`` without the least of them, then without more, until one of the best is left."""
-
-        def rank(number: int) -> tuple[bool, float]:
-            estimate = self._estimates[number]
-            return not estimate.counts, -float(self._backup.q[estimate.place])
-
-        best_first = sorted(range(len(signed)), key=rank)
+        ranks = [(not each.counts, -float(self._backup.q[each.place])) for each in self._estimates]
+        best_first = sorted(range(len(signed)), key=ranks.__getitem__)
         for count in range(len(signed) - 1, 0, -1):
             kept = sorted(best_first[:count])
             yield between.join((*(signed[each] for each in kept), self._glyphs.ellipsis))

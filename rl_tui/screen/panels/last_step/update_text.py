@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from rl_tui.agents.last_step import LastStep
 from rl_tui.screen.draw import numbers
@@ -36,8 +35,7 @@ class UpdateText:
     after: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Rounding:
+class _Rounding(NamedTuple):
     """How many decimals the terms of the right-hand side and the results get."""
 
     terms: int
@@ -56,7 +54,8 @@ def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstrap
     most = _DIGITS - magnitude(_largest(last))
     fewest = min(_decimals_that_show(last), most)
     longest = most + _FINER
-    for rounding in _roundings(fewest, most):
+    finer = range(_FINER + 1)
+    for rounding in (_Rounding(each + more, each) for each in range(fewest, most + 1) for more in finer):
         text = _written(last, alpha, glyphs, rounding, bootstraps=bootstraps)
         if closest and (rounding.results > fewest + _CLOSER or rounding.terms > longest):
             break
@@ -111,21 +110,11 @@ def setting(x: float, glyphs: Glyphs) -> str:
     return numbers.brief(x, glyphs)
 
 
-def step_size_text(step_size: float, alpha: float | str, glyphs: Glyphs) -> str:
-    """Return ``1/842`` where the step was the sample average's, otherwise the number."""
-    visits = _visits(step_size, alpha)
-    return f"1/{visits}" if visits else setting(step_size, glyphs)
-
-
-def _visits(step_size: float, alpha: float | str) -> int:
-    """Return the N of a step of 1/N that is not the step size in force; 0 where it is no such step."""
-    visits = round(1.0 / step_size) if step_size > 0.0 else 0
-    return visits if step_size != alpha and abs(step_size * visits - 1.0) < 1e-12 else 0
-
-
 def _step_size(last: LastStep, alpha: float | str, decimals: int, glyphs: Glyphs) -> str:
-    if _visits(last.step_size, alpha):
-        return step_size_text(last.step_size, alpha, glyphs)
+    """Return the step size, a step of 1/N that is not the one in force as a fraction: ``1/842``."""
+    visits = round(1.0 / last.step_size) if last.step_size > 0.0 else 0
+    if last.step_size != alpha and visits and abs(last.step_size * visits - 1.0) < 1e-12:
+        return f"1/{visits}"
     return _factor(last.step_size, last.td_error, decimals, glyphs)
 
 
@@ -141,12 +130,6 @@ def _factor(x: float, factor: float, decimals: int, glyphs: Glyphs) -> str:
 def _largest(last: LastStep) -> float:
     """Return the size of the largest term; what is far smaller is what rounding errors left."""
     return max(map(abs, (last.before, last.gathered, last.discount * last.bootstrap)))
-
-
-def _roundings(fewest: int, most: int) -> Iterator[_Rounding]:
-    for results in range(fewest, most + 1):
-        for terms in range(results, results + _FINER + 1):
-            yield _Rounding(terms, results)
 
 
 def _decimals_that_show(last: LastStep) -> int:

@@ -97,12 +97,13 @@ class StepWords:
 @lru_cache(maxsize=1)
 def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
     """Return the words of ``story``; they are kept, since all panels of a frame show the same."""
-    world, last = story.world, story.last
+    world, last, others = story.world, story.last, f"{story.last.others:,}"
     if story.has_equation:
         update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
     else:
         update = _change_text(last, glyphs)
     reward = numbers.brief(last.reward, glyphs, decimals=4)
+    estimate = f"Q{_TABLES[last.table]}({names.pair_name(world, last.updated_pair, glyphs)})"
 
     def action(number: int | None) -> str:
         return "" if number is None else names.action_name(world, number, glyphs)
@@ -120,11 +121,11 @@ def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
         next_state="" if story.is_bandit else names.state_name(world, last.next_state, glyphs),
         landmark=names.landmark(world, last.next_state),
         endings=_endings(story),
-        estimate=f"Q{_TABLES[last.table]}({names.pair_name(world, last.updated_pair, glyphs)})"
-        if last.learned
-        else "",
+        estimate=estimate if last.learned else "",
         bootstrap=_bootstrap(story, glyphs),
-        others=_others(story),
+        others=(f"and {others} {story.terms.others}", f"and {others} more", f"+{others}")
+        if last.others and story.has_equation
+        else (),
         update=update,
         backup=None if story.state_backup is None else backup_text(world, story.state_backup, glyphs),
         why_no_equation=() if story.has_equation else _why_no_equation(story),
@@ -153,13 +154,6 @@ def _endings(story: StepStory) -> Sequence[str]:
     if story.last.truncated:
         return "truncated by the time limit: still bootstraps", "truncated, still bootstraps", "time limit"
     return ()
-
-
-def _others(story: StepStory) -> Sequence[str]:
-    count = f"{story.last.others:,}"
-    if not story.last.others or not story.has_equation:
-        return ()
-    return f"and {count} {story.terms.others}", f"and {count} more", f"+{count}"
 
 
 def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
