@@ -52,8 +52,9 @@ def _box_size(step: int) -> tuple[int, int]:
     return wide, max(_LEAST_HEIGHT, 2 * wide // 3 | 1)
 
 
-def chain_boxes(chain: tuple[int, ...], width: int, height: int) -> tuple[Box, ...] | None:
-    """Return the boxes of ``chain`` in the order of the states; None where they do not fit."""
+@lru_cache(maxsize=32)
+def chain_layout(chain: tuple[int, ...], width: int, height: int) -> GraphLayout | None:
+    """Return the layout of ``chain``, which has no edges; None where its boxes do not fit."""
     step = width // len(chain)
     if step < _LEAST_STEP or height < 1:
         return None
@@ -62,14 +63,7 @@ def chain_boxes(chain: tuple[int, ...], width: int, height: int) -> tuple[Box, .
     top = max(0, (height - high - _AROUND) // 2) + (height > 1)
     left = (width - step * (len(chain) - 1) - wide) // 2
     boxes = {state: Box(left + place * step, top, wide, high) for place, state in enumerate(chain)}
-    return tuple(boxes[state] for state in range(len(chain)))
-
-
-@lru_cache(maxsize=32)
-def chain_layout(chain: tuple[int, ...], width: int, height: int) -> GraphLayout | None:
-    """Return the layout of ``chain``, which has no edges; None where its boxes do not fit."""
-    boxes = chain_boxes(chain, width, height)
-    return None if boxes is None else GraphLayout(boxes, (), (), (), ())
+    return GraphLayout(tuple(boxes[state] for state in range(len(chain))), (), (), (), ())
 
 
 # Ends
@@ -265,11 +259,9 @@ class ChainPicture:
 
     def _put_agent(self) -> None:
         box, sign = self.boxes[self.scene.signs.agent], self.look.glyphs.agent
-        x = box.x + (box.width - 1) // 2
-        if box.width >= 3:
-            self.canvas.put(x - 1, max(0, box.y - 1), f" {sign} ", self.look.palette.agent)
-        else:
-            self.canvas.put(x, max(0, box.y - 1), sign, self.look.palette.agent)
+        text = f" {sign} " if box.width >= 3 else sign
+        x = box.x + (box.width - 1) // 2 - len(text) // 2
+        self.canvas.put(x, max(0, box.y - 1), text, self.look.palette.agent)
 
     def _put_exact(self) -> None:
         scene, look = self.scene, self.look

@@ -179,15 +179,10 @@ def _wants(shape: GraphShape, columns: int) -> tuple[list[bool], list[int]]:
             if branch.target == action.source:
                 wants[first + 1] = max(wants[first + 1], len(branch.label or action.label) + 4)
             elif first == last:
-                side = first if first == 0 else first + 1
-                wants[side] = max(wants[side], _in_two_lines(_label(action)))
+                side, words = first if first == 0 else first + 1, _label(action).split()
+                broken = ((" ".join(words[:place]), " ".join(words[place:])) for place in range(len(words)))
+                wants[side] = max(wants[side], min(max(map(len, lines)) for lines in broken))
     return across, wants
-
-
-def _in_two_lines(text: str) -> int:
-    """Return the width of ``text`` broken once at the best blank."""
-    words = text.split()
-    return min(max(len(" ".join(words[:place])), len(" ".join(words[place:]))) for place in range(len(words)))
 
 
 def _label(action: GraphAction) -> str:
@@ -371,11 +366,8 @@ class _Drawing:
 
     def _ports(self, action: GraphAction, target: int) -> tuple[dict[Port, float], dict[Port, float]]:
         """Return where the line of ``action`` may leave its box and where it may enter that of ``target``."""
-        centres = self._centres(action.source, target, action)
-        starts = {
-            Port(port.cell, reverse(port.direction)): cost
-            for port, cost in self._ends(action.source, centres).items()
-        }
+        leaving = self._ends(action.source, self._centres(action.source, target, action))
+        starts = {Port(port.cell, reverse(port.direction)): cost for port, cost in leaving.items()}
         return starts, self._ends(target, self._centres(target, action.source, action))
 
     def _loop(self, state: int) -> Route | None:
@@ -417,16 +409,13 @@ class _Drawing:
         box = self._boxes[state]
         share = 0.5
         if other is not None and action is not None:
-            between = list(self._between(state, other))
+            nodes = self._shape.nodes
+            between = [
+                each
+                for each in self._shape.actions
+                if {each.source, self._branches(each)[0].target} == {state, other}
+            ]
+            # those that go up or left come first
+            between.sort(key=lambda each: (-nodes[each.source].row, -nodes[each.source].column))
             share = (between.index(action) + 1) / (len(between) + 1)
         return dict.fromkeys((UP, DOWN), box.x + round(share * (box.width - 1)))
-
-    def _between(self, state: int, other: int) -> Iterator[GraphAction]:
-        """Yield the actions whose main line joins two boxes, those that go up or left first."""
-        nodes = self._shape.nodes
-        joining = [
-            action
-            for action in self._shape.actions
-            if {action.source, self._branches(action)[0].target} == {state, other}
-        ]
-        yield from sorted(joining, key=lambda each: (-nodes[each.source].row, -nodes[each.source].column))

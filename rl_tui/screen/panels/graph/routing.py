@@ -106,12 +106,6 @@ class RoutingSheet:
         for costs in self._entry_costs:
             costs.clear()
 
-    def crossable(self, cell: Cell, direction: int) -> bool:
-        """Return whether a line going in ``direction`` may cross the one that runs through ``cell``."""
-        arms = self.lines[cell]
-        across = {UP, DOWN} if direction in HORIZONTAL else {LEFT, RIGHT}
-        return cell not in self.barred and arms == across
-
     def entry_cost(self, cell: Cell, direction: int) -> float:
         """Return the cost of going on into ``cell``, infinite where it is taken."""
         known = self._entry_costs[direction]
@@ -126,7 +120,7 @@ class RoutingSheet:
             return math.inf
         cost = _LENGTH[direction]
         if cell in self.lines:
-            if not self.crossable(cell, direction):
+            if self.lines[cell] != ({UP, DOWN} if direction in HORIZONTAL else {LEFT, RIGHT}):
                 return math.inf
             cost += _CROSSING
         for side in _TURNS[direction][1:]:

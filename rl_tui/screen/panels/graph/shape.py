@@ -69,10 +69,6 @@ class GraphShape:
     actions: tuple[GraphAction, ...]
 
 
-NO_BREAKPOINTS: Final = Breakpoints()
-NOBODY_DRAWS: Final = EditorView()
-
-
 class Signs(NamedTuple):
     """What is marked in a graph besides its values: the states of agent and cursor, and the breakpoints.
 
@@ -81,10 +77,10 @@ class Signs(NamedTuple):
     """
 
     agent: int
-    cursor: int | None = None
-    breakpoints: Breakpoints = NO_BREAKPOINTS
-    differing: frozenset[int] = frozenset()
-    editor: EditorView = NOBODY_DRAWS
+    cursor: int | None
+    breakpoints: Breakpoints
+    differing: frozenset[int]
+    editor: EditorView
 
 
 class GraphScene(NamedTuple):
@@ -101,11 +97,10 @@ def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = F
     Where the model ``is_kept`` back, it does not depend on the probabilities.
     """
     space, mdp = world.space, world.mdp
+    places = zip(space.state_names, on_grid(graph.places), strict=True)
     nodes = tuple(
-        Node(to_ascii(name, glyphs), column, row, not space.pairs_of(state))
-        for state, (name, (column, row)) in enumerate(
-            zip(space.state_names, on_grid(graph.places), strict=True)
-        )
+        Node(to_ascii(name, glyphs), *place, not space.pairs_of(state))
+        for state, (name, place) in enumerate(places)
     )
     actions = tuple(
         graph_action(
@@ -153,19 +148,12 @@ def graph_action(
         texts = dict.fromkeys(texts, "")
     else:
         label = name
-    branches = tuple(
-        GraphBranch(
-            each.next_state,
-            each.probability,
-            f"{_chance_text(each)} {texts[each.next_state]}".strip() if len(targets) > 1 else "",
-        )
-        for each in targets
-    )
-    return GraphAction(pair, state, name, label, branches)
-
-
-def _chance_text(prospect: Prospect) -> str:
-    return DEPENDS if prospect.probability is None else probability_text(prospect.probability)
+    branches = []
+    for each in targets:
+        chance = DEPENDS if each.probability is None else probability_text(each.probability)
+        said = f"{chance} {texts[each.next_state]}".strip() if len(targets) > 1 else ""
+        branches.append(GraphBranch(each.next_state, each.probability, said))
+    return GraphAction(pair, state, name, label, tuple(branches))
 
 
 def _rewards_text(rewards: Sequence[float], glyphs: Glyphs) -> str:
