@@ -15,11 +15,13 @@ from textual.widgets import Static
 from rl_tui.common.errors import UserError
 from rl_tui.common.files import new_path
 from rl_tui.common.words import counted
+from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.training.seeded_runs import OnProgress
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms
 
 COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
 POLICY: Final = "policy"
@@ -36,40 +38,31 @@ _KINDS: Final = {
 _LOOKS_AT_PROGRESS: Final = 0.1
 
 
-def export_choice(
-    glyphs: Glyphs,
-    *,
-    bandit: bool,
-    no_returns: str,
-    has_drawing: bool,
-    lane: str = "",
-    branch: str = "",
-    episodes: int = 0,
-) -> Choice:
-    """Return the choice of what to write; with ``has_drawing`` the drawn policy is among it.
+def lane_shown(snapshot: Snapshot) -> str:
+    """Return which lane of how many is shown, such as ``1 of 2``; empty where there is one run."""
+    group = snapshot.run_group
+    return f"{group.shown + 1} of {len(group.lanes)}" if group.lanes else ""
 
-    For a ``bandit`` the script shows what is hidden from the agent; the dialog warns of that. ``no_returns``
-    says why there are no returns, empty if there are. ``lane`` (``1 of 2``) and ``branch`` (``branch 2``) are
-    those that are written, empty where there are no others. So many ``episodes`` have ended.
-    """
-    only = [part for part in (f"run {lane}" if lane else "", branch) if part]
-    run = f"Only {' and '.join(only)}; the others are left out." if only else ""
+
+def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
+    """Return the choice of what to write of ``snapshot``, with what is left out of it."""
+    lane, timeline, row = lane_shown(snapshot), snapshot.timeline, snapshot.agent.row
+    branch = timeline.current.name if len(timeline.branches) > 1 else ""
+    only = " and ".join(filter(None, (lane and f"run {lane}", branch)))
+    run = f"Only {only}; the others are left out." if only else ""
     left_out = {
-        RETURNS: f"{counted(episodes, 'episode')}; one that is under way is left out.",
+        RETURNS: f"{counted(snapshot.counters.episodes, 'episode')}; one that is under way is left out.",
         Q_ARRAY: "Visits are left out.",
-        SCRIPT: _SECRET if bandit else "",
+        SCRIPT: _SECRET if isinstance(snapshot.world.drawing, Arms) else "",
     }
-    refused = {RETURNS: no_returns} if no_returns else {}
-    candidates = (
-        Candidate(
-            what,
-            name,
-            tuple(filter(None, (sentence, left_out.get(what), "" if what == PICTURE else run))),
-            refused.get(what, ""),
-        )
-        for what, (name, sentence) in _KINDS.items()
-        if what != POLICY or has_drawing
-    )
+    refused = {}
+    if not len(snapshot.results.curve.episode):
+        refused[RETURNS] = f"{row.name} plays no episodes" if row.planner else "no episode is finished yet"
+    candidates = []
+    for what, (name, sentence) in _KINDS.items():
+        if what != POLICY or snapshot.answers.drawn.choices:
+            about = filter(None, (sentence, left_out.get(what), "" if what == PICTURE else run))
+            candidates.append(Candidate(what, name, tuple(about), refused.get(what, "")))
     return Choice(f"Export · run {lane}" if lane else "Export", candidates, "", glyphs)
 
 

@@ -77,10 +77,6 @@ class SettingChoice(Form):
         """Answer the setting ``name``."""
         self.dismiss(name)
 
-    def refresh_values(self) -> None:
-        """Show the current values; the cursor stays on its setting."""
-        self.set_rows(self._rows())
-
     def _rows(self) -> list[Candidate]:
         recipe = self._recipe()
         names = sorted(
@@ -105,7 +101,7 @@ class Options(SettingChoice):
 
     def on_screen_resume(self) -> None:
         """Show the current values, one of which may have changed."""
-        self.refresh_values()
+        self.set_rows(self._rows())
 
     def chosen(self, name: str) -> None:
         """Ask for another value of the setting; the list stays open."""

@@ -28,8 +28,8 @@ from rl_tui.screen.dialogs.export import (
     Working,
     ask_new_file,
     export_choice,
+    lane_shown,
 )
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.world import World
 
@@ -49,17 +49,7 @@ class ExportActions(Subject):
         snapshot = self.snapshot
         if snapshot is None:
             return
-        is_bandit = isinstance(snapshot.world.drawing, Arms)
-        choice = export_choice(
-            self.glyphs,
-            bandit=is_bandit,
-            no_returns=_without_returns(snapshot),
-            has_drawing=bool(snapshot.answers.drawn.choices),
-            lane=_lane(snapshot),
-            branch=snapshot.timeline.current.name if len(snapshot.timeline.branches) > 1 else "",
-            episodes=snapshot.counters.episodes,
-        )
-        self.ask(choice, partial(self._export, snapshot))
+        self.ask(export_choice(snapshot, self.glyphs), partial(self._export, snapshot))
 
     def _export(self, snapshot: Snapshot, what: str) -> None:
         export = {
@@ -77,8 +67,13 @@ class ExportActions(Subject):
             self._say_fault(str(fault))
 
     def _export_command(self, snapshot: Snapshot) -> None:
-        line = recipe_line(*_run_of(snapshot), _first_actions(snapshot))
-        self._ask_command(snapshot, line, _about_command(snapshot))
+        world = _first_world(snapshot) or begin(snapshot.recipe).world
+        line = recipe_line(*_run_of(snapshot), world.space.action_names)
+        step = snapshot.counters.step
+        again = f"It does this run again, bit for bit, up to step {step:,}."
+        self._ask_command(
+            snapshot, line, again if step else "It trains this agent as long as the scenario says."
+        )
 
     def _export_script(self, snapshot: Snapshot) -> None:
         self._ask_file(snapshot, "Python script", ".py", partial(write_new, text=script_of(snapshot)))
@@ -202,20 +197,8 @@ def script_of(snapshot: Snapshot) -> str:
         snapshot.world,
         changed=bool(changes),
         episodes_of_run=snapshot.counters.episodes,
-        lane=_lane(snapshot),
+        lane=lane_shown(snapshot),
     )
-
-
-def _lane(snapshot: Snapshot) -> str:
-    """Return which lane of how many is shown, such as ``1 of 2``; empty where there is one run."""
-    group = snapshot.run_group
-    return f"{group.shown + 1} of {len(group.lanes)}" if group.lanes else ""
-
-
-def _about_command(snapshot: Snapshot) -> str:
-    if snapshot.counters.step == 0:
-        return "It trains this agent as long as the scenario says."
-    return f"It does this run again, bit for bit, up to step {snapshot.counters.step:,}."
 
 
 def _run_of(snapshot: Snapshot) -> tuple[Recipe, Sequence[JournalEntry], int]:
@@ -227,12 +210,6 @@ def _first_world(snapshot: Snapshot) -> World | None:
     return None if snapshot.world_changes else snapshot.world
 
 
-def _first_actions(snapshot: Snapshot) -> Sequence[str]:
-    """Return the names of the actions of the world that the run began in."""
-    world = _first_world(snapshot) or begin(snapshot.recipe).world
-    return world.space.action_names
-
-
 def _estimates(snapshot: Snapshot, on_progress: OnProgress) -> tuple[FloatArray, IntArray]:
     """Return Q and visits; of a large world a snapshot holds only what is in view: the run is done again."""
     from rl_tui.runs.export.tables import estimates_again
@@ -240,11 +217,3 @@ def _estimates(snapshot: Snapshot, on_progress: OnProgress) -> tuple[FloatArray,
     if snapshot.agent.part is None:
         return snapshot.agent.q, snapshot.agent.visits
     return estimates_again(*_run_of(snapshot), _first_world(snapshot), on_progress)
-
-
-def _without_returns(snapshot: Snapshot) -> str:
-    """Return why there are no returns to write; empty if there are."""
-    if len(snapshot.results.curve.episode):
-        return ""
-    algorithm = snapshot.agent.row
-    return f"{algorithm.name} plays no episodes" if algorithm.planner else "no episode is finished yet"

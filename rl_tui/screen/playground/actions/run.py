@@ -73,17 +73,18 @@ class ScenarioActions(Subject):
         except ScenarioError as error:
             more = f"; and {len(error.faults) - 1} more" if len(error.faults) > 1 else ""
             fault = f"the file has changed, and the old world stays: {error.faults[0]}{more}"
-        if scenario is not None and scenario.text != self._declined and not self._is_on_screen(scenario):
+        now = self.snapshot
+        if (
+            scenario is None
+            or scenario.text == self._declined
+            # it was saved from here
+            or (now is not None and is_on_screen(scenario, now.recipe, now.world.mdp))
+        ):
+            start_again()
+            if fault:
+                self._warn(fault)
+        else:
             self._ask(scenario, start_again)
-            return
-        start_again()
-        if fault:
-            self._warn(fault)
-
-    def _is_on_screen(self, scenario: Scenario) -> bool:
-        """Return whether the file says no more than what is on screen: it was saved from here."""
-        snapshot = self.snapshot
-        return snapshot is not None and is_on_screen(scenario, snapshot.recipe, snapshot.world.mdp)
 
     def _ask(self, scenario: Scenario, start_again: Callable[[], None]) -> None:
         def answer(chosen: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass
+from functools import partial
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
@@ -37,15 +38,13 @@ class SessionActions(Subject):
 
     def listen(self) -> None:
         """Show from now on what there is to know about the session; it comes from any thread."""
+        notify = partial(self.screen.notify, severity="warning", timeout=15, markup=False)
 
         def listen(notice: str) -> None:
-            self.screen.call_later(self._show_notice, notice)
+            self.screen.call_later(notify, notice)
 
         if self.autosave is not None:
             self.autosave.listen(listen)
-
-    def _show_notice(self, notice: str) -> None:
-        self.screen.notify(notice, severity="warning", timeout=15, markup=False)
 
     def named(self, fault: UserError) -> UserError:
         """Return ``fault`` with the file of the session where that could not be gone on with."""

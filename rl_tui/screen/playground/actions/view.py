@@ -119,8 +119,8 @@ class ViewActions(Subject):
             return
         legends = self.board.legends
         legends.shows_actions = not legends.shows_actions
-        has_actions = self.board.wanted_layer in ACTION_LAYERS or not legends.shows_actions
-        self.board.wanted_layer = self.board.wanted_layer if has_actions else Layer.Q
+        if legends.shows_actions and self.board.wanted_layer not in ACTION_LAYERS:
+            self.board.wanted_layer = Layer.Q
         self.board.apply_switches()
         if view.lacks_room:
             width, height = self.board.size
@@ -168,13 +168,10 @@ class ViewActions(Subject):
         if pair is None and last is not None and (last.learned or not last.planned):
             pair = last.updated_pair if last.planned else last.pair
         self._model = ModelScreen(
-            self.screen.look,
-            self.snapshot,
-            pair,
-            on_scrolled=self.look_at,
-            hide_answer=self.hide_answer,
+            self.screen.look, self.snapshot, pair, on_scrolled=self.look_at, hide_answer=self.hide_answer
         )
-        self.screen.app.push_screen(self._model, self._model_closed)
 
-    def _model_closed(self, _: None) -> None:
-        self._model = None
+        def close(_: None) -> None:
+            self._model = None
+
+        self.screen.app.push_screen(self._model, close)
