@@ -17,7 +17,7 @@ from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.live.sessions.session import SessionError, StoredSession
 from rl_tui.screen.catalogue.facts import Prose, blocks_of, faults_text, size_line
 from rl_tui.screen.catalogue.scenario_list import Heading, Hit
-from rl_tui.screen.catalogue.session_text import own_sessions_text, session_facts, session_fault
+from rl_tui.screen.catalogue.session_text import own_sessions_text, session_facts
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
@@ -100,9 +100,11 @@ class Details(VerticalScroll):
         elif isinstance(entry, Hit):
             self._tell(entry.title, "")
         elif isinstance(entry, ScenarioError):
-            self._tell("Errors", faults_text(entry, self._look))
+            what = "This file cannot be played until it is fixed."
+            self._tell("Errors", faults_text(what, entry.faults, self._look))
         elif isinstance(entry, SessionError):
-            self._tell("Errors", session_fault(entry, self._look))
+            what = "This file cannot be resumed. It is left as it is."
+            self._tell("Errors", faults_text(what, [entry], self._look))
         elif isinstance(entry, StoredSession):
             self._tell(f"Session: {entry.title}", session_facts(entry, now, self._look))
         else:

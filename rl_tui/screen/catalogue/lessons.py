@@ -35,7 +35,7 @@ from rl_tui.live.sessions.progress import (
     start_of,
 )
 from rl_tui.live.sessions.session import StoredSession
-from rl_tui.screen.catalogue.facts import CORE, bullets, labelled, minutes_of_page
+from rl_tui.screen.catalogue.facts import CORE, faults_text, labelled, minutes_of_page
 from rl_tui.screen.catalogue.scenario_list import FAULTY, Heading, ListRow, RowList
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
@@ -72,11 +72,13 @@ def lesson_details(entry: LessonEntry, following: str, look: Look) -> Group:
     """Return the details of a lesson; ``following`` is the lesson after it, or empty."""
     lesson, palette = entry.lesson, look.palette
     lines = {"then": following} if following else {}
-    rows = {label: Text(separated(line, look.glyphs)) for label, line in (_lines(entry) | lines).items()}
+    rows = [(label, Text(separated(line, look.glyphs))) for label, line in (_lines(entry) | lines).items()]
+    goals = [f"{goal[0].lower()}{goal[1:]}" for goal in lesson.goals]
+    dash = Text(to_ascii("–", look.glyphs))
     return Group(
         Text(to_ascii(lesson.summary, look.glyphs), palette.text),
         Text("\nYou will be able to", palette.strong),
-        bullets([f"{goal[0].lower()}{goal[1:]}" for goal in lesson.goals], look),
+        labelled([(dash, Text(to_ascii(goal, look.glyphs))) for goal in goals], look),
         Text(""),
         Text(_pages(entry, look), palette.text),
         labelled(rows, look),
@@ -119,14 +121,6 @@ def progress_line(found: LessonEntries) -> str:
     finished = f"{found.finished} of {len(found.entries)} finished"
     predictions = f" · {right} of {counted(made, 'prediction')} right" if made else ""
     return f"{finished}{predictions}{core}"
-
-
-def lesson_faults(error: ScenarioError, look: Look) -> Text:
-    """Return every error of a lesson file, a paragraph each."""
-    text = Text("This lesson cannot be taken until its file is fixed.\n", look.palette.text)
-    for fault in error.faults:
-        text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)
-    return text
 
 
 def _lines(entry: LessonEntry) -> dict[str, str]:
@@ -235,12 +229,6 @@ class LessonsScreen(ActionScreen):
     class ListClosed(Message):
         """The user goes back to the start screen."""
 
-    @dataclass
-    class EntriesRead(Message):
-        """The files of the lessons, and of the sessions, are read."""
-
-        found: LessonEntries
-
     def __init__(
         self,
         look: Look,
@@ -284,14 +272,11 @@ class LessonsScreen(ActionScreen):
         Thread(target=self._read_lessons, name="read lessons", daemon=True).start()
 
     def _read_lessons(self) -> None:
-        """In the thread: only messages leave it."""
-        found = lesson_entries(self._sessions)
+        found = lesson_entries(self._sessions)  # in the thread: only what is called later leaves it
         with suppress(RuntimeError):  # the program has ended meanwhile
-            self.post_message(self.EntriesRead(found))
+            self.call_later(self._list_lessons, found)
 
-    def on_lessons_screen_entries_read(self, event: EntriesRead) -> None:
-        """List the lessons."""
-        found = event.found
+    def _list_lessons(self, found: LessonEntries) -> None:
         self.query_one("#progress", Static).update(f" {separated(progress_line(found), self.look.glyphs)}")
         self.query_one(LessonList).show([*found.entries, *found.broken], self._start_at or found.goes_on_at)
         self.show_current()
@@ -329,7 +314,8 @@ class LessonsScreen(ActionScreen):
             title = entry.lesson.title
             text = lesson_details(entry, self.query_one(LessonList).following, self.look)
         elif isinstance(entry, ScenarioError):
-            title, text = "Errors", lesson_faults(entry, self.look)
+            what = "This lesson cannot be taken until its file is fixed."
+            title, text = "Errors", faults_text(what, entry.faults, self.look)
         self.query_one("#heading", Static).update(Heading(title, self.look))
         about.update(text)
         draw = partial(self._draw, entry)  # not the coroutine: of several in a row only the last one begins

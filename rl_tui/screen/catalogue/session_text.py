@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Final
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
-from rich.measure import Measurement
 from rich.text import Text
 from textual.message import Message
 from textual.widgets.option_list import Option
@@ -26,7 +25,7 @@ from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import SessionError, StoredSession, files_in, remove, sessions_in
 from rl_tui.runs.timeline.run_names import feature_text, features_of
-from rl_tui.screen.catalogue.facts import labelled
+from rl_tui.screen.catalogue.facts import FullWidth, labelled
 from rl_tui.screen.catalogue.scenario_list import RowList
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
@@ -66,17 +65,14 @@ def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
 def settings_of(session: StoredSession) -> list[str]:
     """Return in a few words each the numbers in force in ``session`` that a slider sets."""
     features = _features(session)
-    return [feature_text(name, features[name]) for name in features if _has_slider(name)]
+    sliders = [name for name in features if name in PARAMETERS and PARAMETERS[name].slide is not None]
+    return [feature_text(name, features[name]) for name in sliders]
 
 
 def _usual(sessions: Sequence[_Features]) -> _Features:
     names = dict.fromkeys(name for features in sessions for name in features)
     values = {name: [features[name] for features in sessions if name in features] for name in names}
     return {name: max(there, key=there.count) for name, there in values.items()}
-
-
-def _has_slider(name: str) -> bool:
-    return name in PARAMETERS and PARAMETERS[name].slide is not None
 
 
 def _features(session: StoredSession) -> _Features:
@@ -110,7 +106,7 @@ _LONGEST_PATH: Final = 1_000
 _MOST_OWN: Final = 4
 
 
-class SessionRow:
+class SessionRow(FullWidth):
     """Two lines of the list: title and age; then the step, what is ``different``, and the algorithm.
 
     Most others of its title have what is ``different`` otherwise. ``number`` counts those that share title,
@@ -142,9 +138,6 @@ class SessionRow:
         yield Text(f"{title}{gap}{self._age}", no_wrap=True)
         yield Text(shortened(separated(self._line, glyphs), width, glyphs.ellipsis), no_wrap=True)
 
-    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        return Measurement(1, options.max_width)
-
 
 def session_facts(session: StoredSession, now: datetime, look: Look) -> RenderableType:
     """Return the details of ``session``: its world, what was done in it, and its step."""
@@ -166,10 +159,10 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
         "settings": " · ".join(settings_of(session)) or "none",
         "stands at": stands,
         "changes": f"{session.changes:,}" if session.changes else "none so far",
-        "saved": f"{long_age(now - session.saved)} · {_local(session.saved)}",
+        "saved": f"{long_age(now - session.saved)} · {session.saved.astimezone():%Y-%m-%d %H:%M}",
         "file": one_line(str(session.path), _LONGEST_PATH),
     }
-    rows = {label: Text(separated(line, glyphs), overflow="fold") for label, line in lines.items()}
+    rows = [(label, Text(separated(line, glyphs), overflow="fold")) for label, line in lines.items()]
     return Group(labelled(rows, look), Text(""), Text(_how_long(session), palette.dim))
 
 
@@ -189,13 +182,6 @@ def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Lo
         line = f"{age:<6} {algorithm_name(session.algorithm)} · step {session.step:,}"
         lines.append(Text(separated(line, look.glyphs), look.palette.text, no_wrap=True, overflow="crop"))
     return Group(*lines)
-
-
-def session_fault(error: SessionError, look: Look) -> Text:
-    """Return what is wrong with a file that gives no session."""
-    text = Text("This file cannot be resumed. It is left as it is.\n", look.palette.text)
-    text.append(to_ascii(f"\n{error}\n", look.glyphs), look.palette.bad)
-    return text
 
 
 def algorithm_name(algorithm: str) -> str:
@@ -219,10 +205,6 @@ def long_age(age: timedelta) -> str:
         if seconds >= length:
             return f"{counted(seconds // length, word)} ago"
     return "less than a minute ago"
-
-
-def _local(moment: datetime) -> str:
-    return moment.astimezone().strftime("%Y-%m-%d %H:%M")
 
 
 # The list of sessions
@@ -294,12 +276,6 @@ class SavedSessions(ActionScreen):
         session: StoredSession
         record: Record
 
-    @dataclass
-    class SessionsRead(Message):
-        """The files of the sessions are read."""
-
-        entries: list[StoredSession | SessionError]
-
     def __init__(self, look: Look, sessions: Path | None) -> None:
         super().__init__(look)
         self._sessions = sessions
@@ -343,16 +319,14 @@ class SavedSessions(ActionScreen):
         Thread(target=self._read, args=(self._sessions,), name="read sessions", daemon=True).start()
 
     def _read(self, folder: Path) -> None:
-        """In the thread: only messages leave it."""
-        sound, broken = sessions_in(folder)
+        sound, broken = sessions_in(folder)  # in the thread: only what is called later leaves it
         with suppress(RuntimeError):  # the program has ended meanwhile
-            self.post_message(self.SessionsRead([*sound, *broken]))
+            self.call_later(self._list_sessions, [*sound, *broken])
 
-    def on_saved_sessions_sessions_read(self, event: SessionsRead) -> None:
-        """List the sessions."""
+    def _list_sessions(self, entries: Sequence[Entry]) -> None:
         sessions = self.query_one(SessionList)
-        sessions.show(event.entries, datetime.now(UTC))
-        if sessions.has_focus and not event.entries:
+        sessions.show(entries, datetime.now(UTC))
+        if sessions.has_focus and not entries:
             self.query_one("#scenarios").focus()
         self.show_sessions(sessions.sound)
         self._sessions_read.set()
