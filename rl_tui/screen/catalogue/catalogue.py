@@ -75,9 +75,8 @@ _Turn = IntEnum("_Turn", ["END", "PICTURE", "WORLD", "OPTIMUM", "REST"])  # most
 class CatalogueScreen(SavedSessions):
     """Above four doors, left the scenarios or the sessions, right what is known of the one under the cursor.
 
-    Lessons are read in a thread after the first paint, and worlds built: the first, and then, once all that
-    is needed to play it is there, the others, those of Gymnasium last. The same thread makes the runs that
-    the picture shows. ``sessions`` is the folder of sessions, None where none are kept.
+    A thread reads lessons after the first paint, builds the worlds, those of Gymnasium last, and makes the
+    runs of the picture. ``sessions`` is the folder of sessions, None where none are kept.
     """
 
     CSS_PATH = "catalogue.tcss"

@@ -136,7 +136,6 @@ class Details(VerticalScroll):
             drawing.mount(Static(f"preparing {self._look.glyphs.ellipsis}", classes="hint"))
 
     def _stop_picture(self) -> None:
-        """Hide the picture of the entry before, in the frame in which the title changes."""
         for timer in (self._rest, self._pace):
             if timer is not None:
                 timer.stop()
@@ -181,7 +180,6 @@ class Details(VerticalScroll):
             self._play(self._view, moments)
 
     def _play(self, view: WorldView, moments: Sequence[Snapshot]) -> None:
-        """Show ``moments`` in ``view`` one after the other, or where nothing is to move the last of them."""
         if self._pace is not None:
             self._pace.stop()
         self._show_moment(view, moments[0 if self._moves else -1])
@@ -206,12 +204,10 @@ class Details(VerticalScroll):
 
     @property
     def _has_room(self) -> bool:
-        """Whether there is room below the picture."""
         return self.screen.has_class("-tall")
 
     @property
     def _moves(self) -> bool:
-        """Whether the picture runs: nowhere where pictures do not move, and not in ASCII."""
         is_plain = self._look.glyphs.name == "ascii"
         app = self.app
         return isinstance(app, LinkedApp) and app.ticks > 0 and not app.has_slow_link and not is_plain

@@ -126,7 +126,6 @@ class Doors(Widget, can_focus=True):
             self.post_message(self.DoorOpened(at))
 
     def _edge(self, number: int) -> int:
-        """Return where the door of that number ends; in one row each has what its title takes."""
         if self.size.height > _LOW:
             return self.size.width * number // len(self._doors)
         titles = [len(self._title(each)) + 3 for each in range(1, number + 1)]
@@ -200,10 +199,7 @@ _IMPORTS: Final = re.compile(r"\s*(?:import|from)\s+gymnasium\b")
 
 
 def scripts_here(folder: Path | None = None) -> list[Path]:
-    """Return the scripts in ``folder``, else the current one, that import Gymnasium, by their first lines.
-
-    Nothing is run, and what cannot be read is left out.
-    """
+    """Return the scripts in ``folder``, else the current one, whose first lines import Gymnasium."""
     try:
         files = sorted(islice((folder or Path(os.curdir)).glob("*.py"), _MOST_FILES))
     except OSError:

@@ -93,7 +93,6 @@ class Prose(Widget):
         return strip.apply_style(self.rich_style)
 
     def _lines(self, width: int, most: int, *, inline: bool) -> list[list[Piece]]:
-        """Return the rows of as many blocks as fit; ``inline`` has headings before the text, in its row."""
         width, palette = max(1, min(width, LONGEST_LINE)), self._look.palette
         lines: list[list[Piece]] = []
         for heading, text in self._blocks:

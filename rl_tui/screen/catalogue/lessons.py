@@ -102,7 +102,6 @@ def pages_done(entry: LessonEntry) -> int:
 
 
 def _pages(entry: LessonEntry, look: Look) -> str:
-    """Return a sign for each page: done, open, to come."""
     done, glyphs = pages_done(entry), look.glyphs
     here = glyphs.progress[0] if entry.progress is not None and not entry.is_at_end else ""
     to_come = glyphs.untried * (len(entry.lesson.pages) - done - len(here))
@@ -211,8 +210,7 @@ def _world_of_page(lesson: Lesson, page: str) -> Snapshot:
 class LessonsScreen(ActionScreen):
     """Left the lessons, right what is known of the one under the cursor.
 
-    They are read in a thread after the first paint; keys typed before wait for them. ``sessions`` is the
-    folder of sessions, which say how far one has come, None where none are kept.
+    A thread reads them after the first paint; keys typed before wait. ``sessions`` is the folder of sessions.
     """
 
     CSS_PATH = "lessons.tcss"
@@ -322,7 +320,6 @@ class LessonsScreen(ActionScreen):
         self.run_worker(draw, name="draw", exclusive=True, group=_DRAWING)  # type: ignore[arg-type]
 
     async def _draw(self, entry: Entry | None) -> None:
-        """Draw the world of the page that is open, or of the first one, once it is built."""
         drawing = self.query_one("#preview")
         drawing.remove_children()  # no await here: cancelled, it would leave half behind
         if not isinstance(entry, LessonEntry):

@@ -86,10 +86,7 @@ class Mark(IntEnum):
 
 
 def marks_of(sessions: Iterable[StoredSession]) -> dict[str, Mark]:
-    """Return marks by the ids of scenarios, as far as documents show: run on means an episode ended.
-
-    Sessions of lessons do not count: there a page chose the world.
-    """
+    """Return marks by the ids of scenarios; sessions of lessons do not count."""
     marks = dict[str, Mark]()
     for session in sessions:
         document = session.document
@@ -181,7 +178,6 @@ class ScenarioList(RowList):
             self.screen.focus_previous()
 
     def _rows(self, words: str, hits: Sequence[Hit]) -> Iterator[tuple[Option, Entry | None]]:
-        """Yield each row with what it stands for, None for a heading, which the cursor passes over."""
         group = ""
         for scenario in self._catalogue.scenarios:
             own = group_of(scenario)

@@ -46,10 +46,9 @@ _Features = Mapping[str, float | str]
 
 
 def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
-    """Return, for each of ``sessions``, in a few words each what it has otherwise than most of its title.
+    """Return in a few words what each of ``sessions`` has otherwise than most of its title.
 
-    Scenario, algorithm, settings in force, seed and lanes count, in this order; the step is not among them.
-    Of two that are equally common the one of the session that stands last is the usual one.
+    Of two equally common values, that of the last session is the usual one.
     """
     by_title = defaultdict[str, list[_Features]](list)
     every = [_features(session) for session in sessions]
@@ -109,8 +108,7 @@ _MOST_OWN: Final = 4
 class SessionRow(FullWidth):
     """Two lines of the list: title and age; then the step, what is ``different``, and the algorithm.
 
-    Most others of its title have what is ``different`` otherwise. ``number`` counts those that share title,
-    age and step, from 1.
+    ``number`` counts those that share title, age and step, from 1.
     """
 
     def __init__(
@@ -264,10 +262,7 @@ class SessionList(RowList):
 
 
 class SavedSessions(ActionScreen):
-    """A screen with a list of sessions, which are read in a thread. Subclasses put the list somewhere.
-
-    ``sessions`` is their folder, None where none are kept.
-    """
+    """A screen with a list of sessions, read in a thread from the folder ``sessions``, if any."""
 
     @dataclass
     class Resumed(Message):

@@ -80,10 +80,7 @@ def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
 
 
 class CommandLine(Dialog[str]):
-    """The command to read and copy. Answers it where it shall be written to a file.
-
-    ``hint`` says what it does.
-    """
+    """The command to read and copy, with a ``hint``. Answers it where it shall be written to a file."""
 
     CSS = """
     #command { height: auto; max-height: 60vh; }
@@ -130,10 +127,10 @@ Work = Callable[[OnProgress], None]
 
 
 class Working(Dialog[str]):
-    """Something that takes its time, with how far it has come; escape breaks it off.
+    """Work in a thread, with its progress; escape breaks it off.
 
-    Answers what went wrong, in a line, empty if nothing did, None where it was broken off. ``work`` runs in a
-    thread of its own and calls what it is given often; that raises where it shall end.
+    Answers what went wrong, empty if nothing did, None where it was broken off. ``work`` often calls what it
+    is given; that raises where it shall end.
     """
 
     def __init__(self, title: str, work: Work) -> None:

@@ -1,7 +1,4 @@
-"""The dialog "run until": every condition that can stop a run, in words that fit its agent.
-
-A bandit speaks of pulls and a planner of sweeps. The dialog also lists the breakpoints.
-"""
+"""The dialog "run until": all conditions in words that fit the agent, and the breakpoints."""
 
 from __future__ import annotations
 
@@ -45,10 +42,9 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class UntilOption:
-    """Something to run until: ``name`` in the list, ``hint`` a sentence about it.
+    """Something to run until: ``name`` in the list, ``hint`` a sentence about it, or why it is ``refused``.
 
-    ``id`` is the same for what is alike in other runs. ``refused`` says why it is not possible here, empty
-    if it is. ``pair`` is that of a value, −1 otherwise.
+    ``id`` is the same for what is alike in other runs. ``pair`` is that of a value, −1 otherwise.
     """
 
     id: str
@@ -123,7 +119,6 @@ def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
 
 
 def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[UntilOption]:
-    """Return the options on values: that under the cursor, and the one updated last."""
     step = snapshot.counters.last_step
     last = step.updated_pair if step is not None and step.learned else None
     found = []
@@ -199,11 +194,9 @@ _KEYS: Final = "del: take away"
 
 
 class UntilChoice(Form):
-    """What a run can be run until, and the breakpoints below. Answers the option that was chosen.
+    """Conditions to run until, and the breakpoints, which ``toggle`` changes. Answers the chosen condition.
 
-    ``place`` is the state, or the pair of a bandit, under a cursor: a switch sets a breakpoint there, None
-    without one. The cursor starts on the option whose id is ``remembered``, if it is there. ``toggle`` sets a
-    breakpoint or takes it away.
+    ``place`` is what is under a cursor. The cursor starts on the option ``remembered``, if it is there.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -267,7 +260,6 @@ class UntilChoice(Form):
         return rows
 
     def _switch(self, snapshot: Snapshot, glyphs: Glyphs) -> Candidate:
-        """Return the row that sets a breakpoint where the cursor is, or takes it away."""
         place = self._place
         if place is None:
             return Candidate(_SWITCH, "the cell under the cursor is reached", refused="no cell is chosen")

@@ -1,8 +1,7 @@
 """The order in which the screen shows actions: the same in every world that has directions.
 
-Every world counts its actions in an order of its own: lakes ← ↓ → ↑, the cliff ↑ → ↓ ←. Files, ties and
-exports keep that. On screen, directions come clockwise from the top, ↑ → ↓ ← and then ↗ ↘ ↙ ↖, after them
-staying, and last all other actions, in the world's own order. The numbers of actions do not change.
+Every world numbers its actions in its own order: lakes ← ↓ → ↑, the cliff ↑ → ↓ ←. Files and ties keep that.
+The screen shows ↑ → ↓ ←, then ↗ ↘ ↙ ↖, then staying, then all other actions.
 """
 
 from __future__ import annotations

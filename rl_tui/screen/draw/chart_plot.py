@@ -24,11 +24,7 @@ class Plot(NamedTuple):
 
     @property
     def top(self) -> float:
-        """The value of the uppermost dot.
-
-        The highest label has the lowest dots of its row: a line somewhat below it then has a row of its own.
-        Where there is one row only, that holds the lowest value too.
-        """
+        """The value of the uppermost dot; the highest label has the lowest dots of its row."""
         above = braille.DOTS_DOWN - 1 if self.rows > 1 else 0
         per_dot = (self.scale.high - self.scale.low) / (self.rows * braille.DOTS_DOWN - 1 - above)
         return self.scale.high + above * per_dot
@@ -44,10 +40,7 @@ class Plot(NamedTuple):
         return np.where(edges[:-1] < finished, ends, np.nan)
 
     def row(self, value: float) -> int:
-        """Return the row of ``value``, placed as dots are, so that labels stand beside their lines.
-
-        What is below the axis, −∞ too, has the last row.
-        """
+        """Return the row of ``value``, the last one for all below the axis."""
         last = self.rows * braille.DOTS_DOWN - 1
         dot = round((self.top - max(value, self.scale.low)) / (self.top - self.scale.low) * last)
         return min(max(dot, 0), last) // braille.DOTS_DOWN

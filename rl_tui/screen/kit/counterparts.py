@@ -19,7 +19,7 @@ Found = TypeVar("Found")
 
 
 def _kept(find: Callable[[World, World], Found]) -> Callable[[World, World], Found]:
-    """Let what was found of two worlds be known as long as both are there; it keeps neither in memory."""
+    """Remember what was found of two worlds as long as both are there."""
     known = WeakKeyDictionary[World, WeakKeyDictionary[World, Found]]()
 
     @wraps(find)
@@ -51,10 +51,7 @@ def _have_same_numbers(world: World, other: World) -> bool:
 
 @_kept
 def in_common(world: World, other: World) -> Carried:
-    """Return for each state, [S], and each pair, [P], of ``world`` what it is in ``other``, NEW for nothing.
-
-    Maps of different sizes have nothing in common, nor have bandits with another number of arms.
-    """
+    """Return what each state, [S], and each pair, [P], of ``world`` is in ``other``, NEW for nothing."""
     if not are_same_size(world, other):
         space = world.space
         return Carried(np.full(space.states, NEW), np.full(space.pairs, NEW))

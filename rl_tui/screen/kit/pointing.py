@@ -18,10 +18,7 @@ class Touched(Message):
 
 @dataclass
 class Pointed(Touched):
-    """The cursor of ``panel`` was moved to what ``pairs`` are: those of a state, or one by itself.
-
-    They are empty where there is no cursor any more, or where it stands on no pair.
-    """
+    """The cursor of ``panel`` was moved to ``pairs``, those of a state or one; none without a cursor."""
 
     panel: Widget
     pairs: range
@@ -36,10 +33,7 @@ class Moved(Message):
 
 @dataclass
 class PartPointed(Touched):
-    """The place under the cursor of ``panel`` was clicked again.
-
-    ``step`` says in which part of it, as a step (rows down, columns right) towards there; None: the middle.
-    """
+    """The place under the cursor was clicked again, in its middle (None) or ``step`` from there."""
 
     panel: Widget
     step: tuple[int, int] | None

@@ -28,8 +28,7 @@ class Scrolled(Message):
 def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
     """Return the first of ``shown`` lines out of ``total``, near ``first``, that has ``place`` in view.
 
-    It stays as it is while ``place`` (None: nothing to follow) is one line off the edge; otherwise ``place``
-    comes to the middle.
+    It stays while ``place`` is one line off the edge, else ``place`` comes to the middle.
     """
     if place is not None:
         margin = 1 if shown > 2 else 0
@@ -78,7 +77,7 @@ class ScrolledPanel(Panel, can_focus=True):
     """Shows as many of its rows as there is room for, with a bar at the right where there are more.
 
     Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`, and :meth:`keys` or
-    :meth:`hints` for the lower border.
+    :meth:`hints`.
     """
 
     title: ClassVar[str]
@@ -130,7 +129,6 @@ class ScrolledPanel(Panel, can_focus=True):
         return [Strip([*row, end], width) for row, end in zip(shown, bar, strict=True)]
 
     def _fitted(self, snapshot: Snapshot | None, width: int, height: int) -> tuple[list[Strip], bool]:
-        """Return all rows, and whether they need a bar beside them; mostly as it was the last time."""
         for has_bar in (self._has_bar, not self._has_bar):
             rows = self.rows(snapshot, width - 1 if has_bar else width, height)
             self._has_bar = len(rows) > height

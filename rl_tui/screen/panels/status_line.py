@@ -42,11 +42,7 @@ _SPEED_RANK: Final = 3  # above all others
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """A part of fixed width, so that nothing beside it moves while its number grows, behind its ``label``.
-
-    The text is at the right, with ``after`` blanks behind it.
-    Where there is no room for all, those of the highest ``rank`` are left out first.
-    """
+    """A part of fixed width, so that nothing moves; the highest ``rank`` is left out first."""
 
     text: str
     columns: int
@@ -57,10 +53,7 @@ class _Field:
 
 
 class StatusLine(Panel):
-    """Draws phase, speed, episode under way and steps of the newest snapshot; a message takes the whole row.
-
-    ``is_manual`` says that a person takes the steps.
-    """
+    """Draws phase, speed, episode and step of the newest snapshot; a message takes the whole row."""
 
     is_manual = False
     _title = ""
@@ -108,11 +101,9 @@ def status_line(
     session: str = "",
     scenario: str = "",
 ) -> Line:
-    """Return the row for ``width`` cells; ``is_manual`` says that a person takes the steps.
+    """Return the row for ``width`` cells, with ``scenario`` while there is no snapshot.
 
-    ``unanswered`` is for how many seconds the environment has not answered, 0 where it does. ``session`` is
-    the name of the session, empty without one: it stands there where there is room. ``scenario`` is the title
-    to show while there is no snapshot.
+    ``unanswered`` is for how many seconds the environment has not answered, 0 where it does.
     """
     palette, glyphs = look.palette, look.glyphs
     if unanswered:
@@ -162,11 +153,7 @@ def _pieces(field: _Field, look: Look) -> list[Piece]:
 
 
 def _fitting(fields: list[_Field], width: int) -> list[_Field]:
-    """Return those of ``fields`` that fit beside a title.
-
-    A long state, which says what the run waits for or why it paused, is worth more than the title, though
-    not the speed.
-    """
+    """Return the ``fields`` that fit beside a title; a long state is worth more than that, the speed most."""
 
     def room_beside(kept: list[_Field]) -> int:
         return width - sum(field.columns + _GAP for field in kept)
@@ -215,10 +202,6 @@ def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
 
 
 def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> list[_Field]:
-    """Return the measured speed, the state and the progress, whatever learns and wherever in its time.
-
-    In the past the end of the branch has the place of the speed.
-    """
     wide, bandit = width >= WIDE, snapshot.results.bandit
     in_past = snapshot.timeline.in_past and snapshot.playback.phase is not Phase.RUNNING
     plans = snapshot.agent.row.planner
@@ -261,7 +244,6 @@ def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
 
 
 def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
-    """Return whether the state names a wanted speed that the measured ``speed`` comes up to."""
     if snapshot.playback.speed is None or snapshot.playback.until or snapshot.timeline.in_past:
         return False
     return speed >= _KEEPS_UP * snapshot.playback.speed

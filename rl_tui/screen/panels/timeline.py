@@ -1,7 +1,4 @@
-"""The timeline: one row below the curve, on the same axis of episodes, with a handle that goes to any step.
-
-Marks show events: the first reward, changes of the greedy policy, what a person changed, and the branch.
-"""
+"""The timeline: a row below the curve, with marks of events and a handle that goes to any step."""
 
 from __future__ import annotations
 
@@ -164,7 +161,6 @@ def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) 
 
 
 def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[str, Style]]:
-    """Return what is marked in which cell; of several events in one the last of these."""
     palette, glyphs, snapshot = look.palette, look.glyphs, state.snapshot
     branch, results = snapshot.timeline.current, state.known.results
     gold = Style(color=palette.goal.color, bold=True)
@@ -191,10 +187,7 @@ def _cells(branch: Branch, kind: type | UnionType, track: Track) -> set[int]:
 
 
 def first_reward(curve: Curve) -> float | None:
-    """Return after which episode the first return above 0 came, None before that and where it means little.
-
-    That is where returns fall below 0, and where every episode has a reward.
-    """
+    """Return after which episode the first reward came; None where none has, or where that means little."""
     rewarded = np.flatnonzero(curve.return_high > NEGLIGIBLE)
     if not len(rewarded) or curve.return_low.min() < -NEGLIGIBLE:
         return None
@@ -228,10 +221,7 @@ HINTS: Final = (
 
 
 class TimelineBar(Draggable, Panel, can_focus=True):
-    """Shows the branch in force from step 0 to its end; keys, click and drag ask for another moment.
-
-    The handle goes at once to where it is asked for, and stays there as long as ``sought`` says so.
-    """
+    """Shows the current branch; keys, click and drag move the handle to another moment."""
 
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [

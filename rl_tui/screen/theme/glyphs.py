@@ -13,10 +13,7 @@ def _in(unicode: Any, ascii: Any) -> Any:  # noqa: A002
 
 @dataclass(frozen=True, slots=True)
 class Glyphs:
-    """Every special character that a widget may draw: in Unicode by default, and in ASCII.
-
-    Each is one column wide unless a comment says otherwise.
-    """
+    """Every special character of a widget; one column wide, unless a comment says otherwise."""
 
     name: str = _in("unicode", "ascii")
     left: str = _in("←", "<")
@@ -123,10 +120,10 @@ _PUT_THERE_BY_PYTHON: Final = "C.UTF-8"
 
 
 def encoding_of(environ: Mapping[str, str], encoding: str | None, *, utf8_mode: bool) -> str | None:
-    """Return the encoding that the locale names, or ``encoding``, that of Python's output, if it names none.
+    """Return the encoding that the locale names, else ``encoding``, that of Python's output.
 
-    Python writes UTF-8 in the locales C and POSIX whatever the terminal takes (``utf8_mode``), and sets
-    LC_CTYPE to say so: PEP 538 and 540. A person who asks for C asks for ASCII.
+    Python writes UTF-8 in the locales C and POSIX (``utf8_mode``: PEP 538 and 540); who asks for C wants
+    ASCII.
     """
     character_type = environ.get("LC_CTYPE", "")
     if utf8_mode and character_type == _PUT_THERE_BY_PYTHON:

@@ -99,10 +99,7 @@ def choose_look(
 
 
 def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Depth:
-    """Return the colour depth: the one asked for, else what the environment says of the terminal.
-
-    OpenSSH passes TERM on but not COLORTERM, so that 256 is the normal case there.
-    """
+    """Return the colour depth asked for, else that of the environment; OpenSSH does not pass COLORTERM on."""
     if colors != "auto":
         return colors
     term = environ.get("TERM", "").lower()

@@ -29,7 +29,6 @@ def contrast(one: Color, other: Color) -> float:
 
 
 def _luminance(color: ColorTriplet) -> float:
-    """Return the relative luminance of WCAG 2.2, 0 to 1."""
     red, green, blue = (
         channel / 12.92 if channel <= 0.04045 else ((channel + 0.055) / 1.055) ** 2.4
         for channel in color.normalized
@@ -47,10 +46,9 @@ def with_ink(style: Style, *inks: str) -> Style:
 
 @lru_cache(4_096)
 def paled(style: Style, share: float) -> Style:
-    """Return ``style`` with its ink so pale that ``share`` (0 to 1) of its contrast above 3 is left.
+    """Return ``style`` with an ink that has ``share`` (0 to 1) of its contrast above 3.
 
-    The 16 colours of a terminal have no paler ones: they stay as they are. Where there is no background, ink
-    is dim, usual or bold.
+    Without a background the ink is dim, usual or bold; the 16 colours of a terminal stay as they are.
     """
     ink, ground = style.color, style.bgcolor
     if ink is None or ground is None:
@@ -68,10 +66,7 @@ def paled(style: Style, share: float) -> Style:
 
 @lru_cache(4_096)
 def faded(style: Style, share: float) -> Style:
-    """Return ``style`` with an ink of which a ``share`` (0 to 1) is left, the rest is its ground.
-
-    The 16 colours of a terminal cannot be mixed: they stay as they are, as does ink without a ground.
-    """
+    """Return ``style`` with a ``share`` (0 to 1) of its ink, the rest is its ground, if they can be mixed."""
     ink, ground = style.color, style.bgcolor
     if ink is None or ground is None or ink.type not in _MIXABLE:
         return style
@@ -89,17 +84,13 @@ class Palette:
     """The styles of one colour depth on a dark or a light background. None of them is empty.
 
     One colour has one meaning: ``press`` can be pressed, ``best`` looks best, ``you`` (``focus`` where a
-    cursor stands) is what a person does, white on ink is the ``agent``, ``source`` is where an update's
-    estimate came from, ``good`` and ``bad`` are the signs of its error.
+    cursor stands) is what a person does, ``source`` is where an update's estimate came from, ``good`` and
+    ``bad`` are the signs of its error.
 
-    ``values`` goes from low to high and is for values alone, ``signed`` (of odd length) from negative through
-    a grey 0 to positive, ``visits`` from few to many; all have a background and a readable foreground where
-    the depth has colours for it. ``unvisited`` is for estimates that were never updated, and the floor of a
-    map, which must not look like a zero. ``agent``, ``updated``, ``source``, ``breakpoint``, ``focus`` and
-    what ends an episode bring their own background, so that they may be laid over any cell; the other roles
-    are foregrounds for the background of the panel. That is the colour of ``page``, by which cells are kept
-    apart; the foreground of ``wall`` is its lit upper edge. ``lane_1`` to ``lane_4`` are those of the lines
-    of runs side by side.
+    ``values``, ``signed`` (through a grey 0, of odd length) and ``visits`` go from low to high, with a
+    background where the depth has colours. ``unvisited`` must not look like a zero. ``agent``, ``updated``,
+    ``source``, ``breakpoint``, ``focus`` and what ends an episode have a background and may be laid over any
+    cell. Other roles are inks for the ``page``.
     """
 
     name: str
@@ -186,10 +177,9 @@ def dark_and_light(
     visits: Sequence[tuple[str, str]],
     **roles: tuple[str, str],
 ) -> tuple[Palette, Palette]:
-    """Return the palettes of ``depth`` for a dark and a light background.
+    """Return the palettes of ``depth``; each role has the style of the dark one, then of the light one.
 
-    In every row of every role the style of the dark one stands first, then that of the light one. What has a
-    background alone gets the better one of ``inks``.
+    A style with a background alone gets the more readable one of ``inks``.
     """
 
     def palette(name: str, column: int) -> Palette:

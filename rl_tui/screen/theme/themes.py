@@ -16,10 +16,7 @@ from rl_tui.screen.theme.look import Depth
 def _dark_and_light(
     *, variables: Mapping[str, tuple[str, str]], ansi: bool = False, **colours: tuple[str, str]
 ) -> tuple[Theme, Theme]:
-    """Return the two themes out of rows that have the colour of the dark one, then that of the light one.
-
-    Borders have the primary colour. Colours that are ``ansi`` are those of the terminal, by their names.
-    """
+    """Return two themes; each colour is that of the dark one, then of the light one."""
 
     def theme(name: str, column: int) -> Theme:
         chosen: dict[str, Any] = {role: row[column] for role, row in colours.items()}

@@ -28,10 +28,7 @@ _KEYED: Final = frozenset({"policy", "ties", "initial_q"})  # have a key and an 
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One setting: the key that changes it, its label, its value, the action behind it.
-
-    Where there is no room for all, those of the highest ``rank`` are left out first.
-    """
+    """A setting with its key and action; the one of the highest ``rank`` is left out first."""
 
     key: str
     label: str
@@ -71,7 +68,6 @@ def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
 
 
 def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int) -> Iterator[Setting]:
-    """Yield what schedules have made of α and ε by now, where they change them."""
     alpha = values.alpha_at(episode)
     if "alpha_decay" in parameters and alpha is not None and alpha_moves(values):
         yield Setting("", "α now", f"{alpha:.3f}", "", 8)

@@ -24,10 +24,9 @@ _NOISE: Final = 12  # decimals; what lies beyond is left over from adding steps
 
 @dataclass(frozen=True, slots=True)
 class SliderScale:
-    """A finite range, walked in steps of a hundredth; ``fine`` is a tenth of a step, ``coarse`` ten.
+    """A finite range in hundredths; ``fine`` is a tenth of a step, ``coarse`` ten.
 
-    A ``logarithmic`` one is walked in equal ratios: its steps are shares of the way from end to end. One of
-    ``whole`` numbers has none that is smaller than 1.
+    A ``logarithmic`` one has equal ratios. One of ``whole`` numbers has no step below 1.
     """
 
     range: Range
@@ -108,7 +107,6 @@ class SliderScale:
         return (value - self.range.low) / self.span
 
     def _by_ratio(self, value: float, by: float) -> float:
-        """Return ``value`` moved by a share of the way, rounded as fine as it was moved."""
         return _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
 
 
@@ -128,10 +126,7 @@ def _significant(value: float, digits: int) -> float:
 
 
 def parsed(text: str, parameter: Parameter) -> float | str:
-    """Return what ``text`` means: a number, or a word of ``parameter``, the start of one, or ``1/N``.
-
-    Raises ValueError where it is neither, or out of range.
-    """
+    """Return the number or word that ``text`` means. Raises ValueError if there is none in range."""
     text = text.strip().lower()
     words = [word for word in parameter.words if text and word.startswith(text)]
     words += [word for form, word in _SHORT_FORMS.items() if text == form and word in parameter.words]
@@ -157,10 +152,7 @@ _WORDS: Final = {SAMPLE_AVERAGE: ("1/N  sample average", "1/N sample average", "
 
 @dataclass(frozen=True, slots=True)
 class SliderMark:
-    """A mark on the track at ``value``; the values ``below`` and ``above`` are beyond it on either side.
-
-    One that ``stands_out`` hides another in the same cell.
-    """
+    """A mark at ``value``, with the values beyond it; one that ``stands_out`` hides others in its cell."""
 
     value: float
     below: float
@@ -170,11 +162,7 @@ class SliderMark:
 
 @dataclass(frozen=True, slots=True)
 class SliderState:
-    """What a slider shows. ``typed`` is the text being typed, else None; ``refused``: it was not accepted.
-
-    Behind its symbol stands its ``name``, where there is room. The label takes at least so many
-    ``label_columns``, those of others above and below it. ``is_pointed_at`` says that a lesson points here.
-    """
+    """What a slider shows; ``typed`` is the text being typed, else None."""
 
     value: float | str
     typed: str | None = None
@@ -248,7 +236,6 @@ def slider_strip(
 
 
 def _track(scale: SliderScale, state: SliderState, value: float, cells: int, look: Look) -> list[Segment]:
-    """Return a segment for each cell of the track: the thumb covers marks, and they the track."""
     palette, glyphs = look.palette, look.glyphs
     thumb = scale.cell_of(value, cells)
     track = [Segment(glyphs.track_done, palette.slider_done)] * thumb

@@ -1,7 +1,6 @@
-"""Return per episode: what was earned, what the greedy policy is worth, and the best there is.
+"""Return per episode: an area for one run, lines for several, with exact levels and labels.
 
-Numbers stand at the left of the plot and labels in columns of their own. All cell arrays are [rows, columns].
-A single run is an area; several runs are lines in their colours.
+All cell arrays are [rows, columns].
 """
 
 from __future__ import annotations
@@ -74,10 +73,7 @@ _MARKS_APART: Final = 16  # columns from one number on a line to the next
 
 
 class LaneCells(NamedTuple):
-    """What is in each cell, [rows, columns]: the code of its character, 0 for none.
-
-    ``line`` tells whose it is: −1 no line's, 0 the greedy line's, n that of run n.
-    """
+    """Codes of characters, 0 for none, and whose they are: −1 nobody's, 0 the greedy line's, n run n's."""
 
     codes: IntArray
     line: IntArray
@@ -105,10 +101,7 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
 
 
 def _whose(there: BoolArray) -> IntArray:
-    """Return which of the lines that are ``there``, [lines, rows, columns], each cell shows; −1: none.
-
-    Lines that share cells take turns, so that none hides another.
-    """
+    """Return which line each cell shows, −1 for none; lines that share cells take turns."""
     among = np.cumsum(there, axis=0)
     count = among[-1]
     turn = np.arange(there.shape[2]) // _TURN % np.maximum(count, 1)
@@ -117,7 +110,6 @@ def _whose(there: BoolArray) -> IntArray:
 
 
 def _mark(codes: IntArray, line: IntArray, there: BoolArray) -> None:
-    """Write the number of each run on its line now and then, in columns of its own."""
     lanes = len(there) - 1
     for number in range(1, lanes + 1):
         first = (number - 1) * _MARKS_APART // lanes + 1
@@ -227,10 +219,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
 
 
 def _put_behind(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData, look: Look) -> None:
-    """Put the level of the optimum, and lines where the world changed, where nothing is yet.
-
-    The level of the policy that is studied is put there in any case.
-    """
+    """Put the level of the optimum and changes of the world where nothing is yet, and the studied policy."""
     if data.optimum is not None:
         row, along = _level(plot, data, data.optimum)
         free = np.flatnonzero(kind[row] == _NOTHING)
@@ -247,13 +236,11 @@ def _put_behind(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData, lo
 
 
 def _level(plot: Plot, data: CurveData, value: float) -> tuple[int, slice]:
-    """Return the row of a level, and its columns over the episodes in the present world."""
     end = min(plot.column(data.furthest) + 1, plot.columns)
     return plot.row(value), slice(plot.column(data.world_since), end)
 
 
 def _put_outliers(codes: IntArray, kind: IntArray, plot: Plot, line: Steps, own: int, look: Look) -> None:
-    """Put a sign into the lowest row where ``line`` leaves the axis, and now and then while it is away."""
     away = plot.below(line)
     if not away.any():
         return
@@ -280,7 +267,6 @@ def _put_cells(
     ground: IntArray,
     styles: Sequence[Sequence[Style]],
 ) -> None:
-    """Write ``codes``, 0 for none, each in that of ``styles`` of its kind on its ``ground``."""
     text = np.where(codes > 0, codes, ord(" ")).astype("<u4").tobytes().decode("utf-32-le")
     for row, (kinds, grounds) in enumerate(zip(kind.tolist(), ground.tolist(), strict=True)):
         line = text[row * plot.columns : (row + 1) * plot.columns]
@@ -300,10 +286,7 @@ def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look) -
 
 
 def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, int]]:
-    """Return ``names`` with a row each: that of their value; names without one give way to them.
-
-    Of equals the optimum, which comes last, is above.
-    """
+    """Return ``names`` with the rows of their values; those without a value give way."""
     downwards = [label for _, label in sorted(enumerate(names), key=lambda each: (-each[1].value, -each[0]))]
     with_value = [label for label in downwards if label.value > -math.inf]
     rows = apart([plot.row(label.value) for label in with_value], plot.rows)
@@ -330,9 +313,9 @@ Words = tuple[str, ...]
 
 
 class ReturnCurve(Panel, can_focus=True):
-    """The curve of a run. Its vertical axis changes in steps only, and starts afresh with a new run.
+    """The curve of a run; its vertical axis changes in steps only.
 
-    ``hints`` are ways to write keys, the longest first, which take the place of the caption.
+    ``hints`` are keys, the longest form first, in place of the caption.
     """
 
     scale: Scale | None = None
@@ -402,7 +385,6 @@ class ReturnCurve(Panel, can_focus=True):
         return draw_chart(data, plot, columns, self.look, (width, height), has_band=self._band[1])
 
     def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
-        """Return the vertical axis: steady in a run, in the past as in the present, else what fits best."""
         if data.is_of_steps is not self._is_of_steps:
             self.scale, self._is_of_steps = None, data.is_of_steps
         if snapshot.timeline.in_past and self.scale is not None:
@@ -440,7 +422,6 @@ class ReturnCurve(Panel, can_focus=True):
         return head
 
     def _brief(self, data: CurveData, decimals: int) -> str:
-        """Return the newest numbers in a few words: of each run, else of the agent and its greedy policy."""
         numbered = [(f"{lane.number} ", lane.value) for lane in data.lanes]
         numbered = numbered or [("", data.mean_now), (f"{GREEDY} ", data.greedy_now)]
         glyphs = self.look.glyphs

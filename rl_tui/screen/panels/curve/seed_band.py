@@ -42,9 +42,7 @@ _LATE: Final = 0.25  # of the bins: from here on the axis makes room for the ban
 class SeedBand:
     """One run under ``seeds`` seeds: two standard errors on either side of their mean return.
 
-    ``number`` is that of its lane, from 1. ``last_100`` is the mean return of the last 100 episodes, None
-    where that is not known; ``recent`` is what it is called, and ``until`` says at which episode the seeds
-    end, empty where that is where the runs are.
+    ``last_100`` is None where unknown, and called ``recent``; ``until`` is where the seeds end, if not here.
     """
 
     number: int
@@ -90,10 +88,7 @@ def with_room_for(known: tuple[float, float], seeds: Sequence[SeedBand]) -> tupl
 
 
 def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntArray, IntArray]:
-    """Return the characters of the bands, 0 where there are none, and whose they are, [rows, columns] each.
-
-    A band takes at least one dot, however certain its mean is. The last band lies over the others.
-    """
+    """Return the characters of the bands, 0 for none, and whose they are, [rows, columns] each."""
     codes = np.zeros((plot.rows, plot.columns), dtype=np.int64)
     whose = np.zeros_like(codes)
     for each in seeds:

@@ -89,10 +89,7 @@ class LineLabel:
 
 
 def decimals_for(extent: float) -> int:
-    """Return the decimals that tell values on an axis of ``extent`` apart: 2 on 0 .. 1.
-
-    More than 5 are too many to be written: then all have exponents.
-    """
+    """Return the decimals that tell values on an axis of ``extent`` apart; more than 5 mean exponents."""
     extent = max(extent, numbers.NEGLIGIBLE)
     decimals = max(0, 2 - math.floor(math.log10(extent)))
     return min(_MOST_DECIMALS, decimals) if extent >= _LEAST_FIXED else decimals
@@ -130,10 +127,7 @@ def label_gap(columns: int) -> int:
 def labels(
     data: CurveData, look: Look, decimals: int, columns: int, *, greedy: bool = True, mean: bool = True
 ) -> list[LineLabel]:
-    """Return the labels in so many ``columns``, the most important first; none without room.
-
-    ``greedy`` and ``mean`` say whether the greedy line and the mean of the episodes have one.
-    """
+    """Return the labels in so many ``columns``, the most important first; none without room."""
     if not columns:
         return []
     palette, gap = look.palette, label_gap(columns)
@@ -207,7 +201,6 @@ def remark(
 
 
 def _gap(data: CurveData, last_100: float | None, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
-    """Return the gap between greedy policy and the last 100 episodes, if the cost of exploring is unknown."""
     if data.greedy_now is None or last_100 is None or not _has_learned(data):
         return ()
     gap = data.greedy_now - last_100
@@ -241,11 +234,9 @@ def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
 
 
 def _has_learned(data: CurveData) -> bool:
-    """Return whether the gap may be laid to exploring rather than to what is not known yet.
+    """Return whether the gap comes from exploring, and not from what is not learned yet.
 
-    That is claimed only of a greedy policy that is more than ties and that, over all the episodes whose mean
-    is shown, falls short of the optimum by no more than a third of the optimum's size: .5 and up of .75, −16
-    and up of −12.
+    It does where the greedy policy has no ties everywhere, and stays within a third of the optimum.
     """
     if data.greedy_now is None or data.optimum is None or data.barren or not data.is_decided:
         return False
@@ -275,7 +266,7 @@ _OTHERS: Final = 16  # columns of the labels that are no run's
 
 
 class _Form(NamedTuple):
-    """How much is said of a lane where its line ends: ``name`` is the cells of the longest name."""
+    """How much the label of a run says; ``name`` is the cells of the longest name."""
 
     name: int
     number: bool
@@ -310,10 +301,7 @@ def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> lis
 
 
 def lane_columns(names: Sequence[str], look: Look, room: int) -> int:
-    """Return how many of ``room`` columns the labels of runs with these ``names`` take.
-
-    They take the fullest form that leaves the lines their share, else the shortest; none if it is small.
-    """
+    """Return how many of ``room`` columns the labels of runs with these ``names`` take."""
     if room < _ROOM_FOR_NAMES:
         return 0
     widths = [_columns(names, look, form) for form in _FORMS]
@@ -330,10 +318,7 @@ def lane_heads(data: CurveData, usual: Sequence[str], glyphs: Glyphs) -> tuple[s
 
 
 def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tuple[str, ...]:
-    """Return what the numbers of the labels are, and of how many seeds, the longest form first.
-
-    ``counts_seeds`` says that many seeds do for these runs.
-    """
+    """Return what the numbers of the labels are, and of how many seeds, the longest form first."""
     if not data.furthest:
         return ()
     if data.seeds:
@@ -361,7 +346,6 @@ def _columns(names: Sequence[str], look: Look, form: _Form) -> int:
 
 
 def _names(names: Sequence[str], look: Look, width: int) -> list[str]:
-    """Return the names in at most ``width`` cells, with their numbers where they would not tell enough."""
     glyphs = look.glyphs
     names = [to_ascii(name, glyphs) for name in names]
     is_enough = look.palette.tells_lanes_apart and glyphs.braille
@@ -388,7 +372,6 @@ def _said(lane: LaneLine, name: str, form: _Form, decimals: int, glyphs: Glyphs)
 
 
 def _figure(value: float | None, ends: float | None, decimals: int, glyphs: Glyphs) -> str:
-    """Return a return, or that a policy has none because it may never end; empty if neither is known."""
     if value is not None:
         return amount(value, decimals, glyphs)
     return "" if ends is None else no_end(ends)

@@ -80,11 +80,7 @@ def end_rewards(mdp: TabularMDP) -> Mapping[int, float | None]:
 
 
 class ChainScene(NamedTuple):
-    """What a chain looks like at one moment.
-
-    ``rewards`` are those of :func:`end_rewards`, ``exact`` is that of :func:`exact_v`.
-    ``updated`` is the state of the last update, with the sign of its error.
-    """
+    """What a chain shows at one moment; ``updated`` has the sign of the error of the last update."""
 
     values: StateValues
     form: NumberForm
@@ -217,7 +213,6 @@ class ChainPicture:
         return len({each.name for each in self.shape.actions}) > 1
 
     def _numbers(self, box: Box) -> Mapping[str, tuple[str, ...]]:
-        """Return the values in blocks; empty if the box is too small for them."""
         if box.height < _BLOCK_NUMBER + _ARROW_ROWS * self._has_choice or not self.look.glyphs.braille:
             return {}
         texts = (

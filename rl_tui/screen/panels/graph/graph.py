@@ -1,7 +1,4 @@
-"""An MDP drawn as a graph: states as boxes with V(s), actions as edges, the greedy ones bold.
-
-A chain is a row of boxes. Where boxes and edges do not fit, a list of the edges takes their place.
-"""
+"""An MDP as a graph of boxes and edges, a chain as a row of boxes, else a list of edges."""
 
 from __future__ import annotations
 
@@ -49,10 +46,9 @@ from rl_tui.worlds.world import Prospect, World
 
 
 def draft_shape(editor: EditorView, world: World, graph: Graph, glyphs: Glyphs) -> GraphShape | None:
-    """Return the shape of what is drawn; states of ``world`` come first and keep their numbers.
+    """Return the shape of what is drawn, None where all of it applies or a state has no place.
 
-    Actions that are not in force are hatched. Their pairs have numbers below 0 where ``world`` has none. None
-    where all that is drawn is in force, or nobody knows where a state stands.
+    States of ``world`` keep their numbers. Actions that do not apply yet are hatched.
     """
     draft, base = editor.draft, editor.base
     if draft is base or not isinstance(draft, GraphDraft) or not isinstance(base, GraphDraft):
@@ -93,7 +89,6 @@ def _action(
     world: World,
     glyphs: Glyphs,
 ) -> GraphAction:
-    """Return the action of ``entry``; its pair is ``missing`` where the world has none of that name."""
     state, name, space = str(entry.get("state")), str(entry.get("action")), world.space
     source = number_of[state]
     pair = None
@@ -197,7 +192,6 @@ class GraphView(WorldView):
         return canvas.strips()
 
     def _take_shape(self, *, is_kept: bool) -> None:
-        """Lay out boxes and edges anew, without probabilities where a lesson keeps them back."""
         self._shape_of, self._is_draft = (self.look.glyphs, is_kept), False
         self._shape = graph_shape(self.world, self._graph, self.look.glyphs, is_kept=is_kept)
 
@@ -219,10 +213,7 @@ class GraphView(WorldView):
         )
 
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the nearest state in that direction, ``place`` itself if there is none.
-
-        In the list of edges it is the state so many places further, of those that are listed.
-        """
+        """Return the nearest state in that direction, in a list the next one, else ``place``."""
         if self._layout is None:
             listed = sorted(
                 {action.source for action in self._shape.actions if self._has(action.source)} | {place}
@@ -246,7 +237,6 @@ class GraphView(WorldView):
         return next(filter(self._has, places), None)
 
     def _has(self, place: int) -> bool:
-        """Return whether a state is in force, and not only drawn."""
         return place < self.world.space.states
 
     def keep_in_view(self, place: int) -> None:
@@ -366,7 +356,6 @@ def _edge_style(greedy: bool, look: Look) -> Style:
 
 
 def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent: int, look: Look) -> None:
-    """Draw all lines; where two meet or cross, their arms are joined, and a bold one gives the style."""
     arms: dict[tuple[int, int], StrokeArms] = {}
     styles: dict[tuple[int, int], Style] = {}
     for stroke in sorted(layout.strokes, key=lambda each: each.pair in values.greedy):

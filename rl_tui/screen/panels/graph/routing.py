@@ -133,11 +133,7 @@ class RoutingSheet:
 
 
 def route(sheet: RoutingSheet, starts: Mapping[Port, float], ends: Mapping[Port, float]) -> Route | None:
-    """Return the cheapest line from one of ``starts`` to one of ``ends`` (port → extra cost), None if none.
-
-    The direction of a start points away from its box, that of an end into its box. A line enters a box from
-    the side on a straight last cell, where its head will stand.
-    """
+    """Return the cheapest line from one of ``starts`` to one of ``ends`` (port → extra cost), if any."""
     order = count()
     queue: list[tuple[float, int, Port, float]] = []
     came_from: dict[Port, Port] = {}
@@ -178,7 +174,6 @@ def route(sheet: RoutingSheet, starts: Mapping[Port, float], ends: Mapping[Port,
 
 
 def _least_cost_to(ends: Iterable[Port]) -> Callable[[int, int], float]:
-    """Return a lower bound of what is left to pay from a cell: the way to the rectangle around all ends."""
     columns = [port.cell[0] for port in ends] or [0]
     rows = [port.cell[1] for port in ends] or [0]
     left, right, top, bottom = min(columns), max(columns), min(rows), max(rows)

@@ -1,4 +1,4 @@
-"""An MDP as labelled nodes and edges, before any layout, and as a list of edges in text.
+"""An MDP as labelled nodes and edges, and as a list of edges in text.
 
 Rewards on edges are r(s, a, s′) (Sutton & Barto, 2nd ed., equation 3.6).
 """
@@ -41,10 +41,7 @@ class Node(NamedTuple):
 
 
 class GraphBranch(NamedTuple):
-    """Where an action may lead. ``label`` is empty where the label of the action says it all.
-
-    ``probability`` is None where it depends on how one came there, or is kept back.
-    """
+    """Where an action may lead; ``probability`` is None where it is hidden or depends on the history."""
 
     target: int
     probability: float | None
@@ -70,11 +67,7 @@ class GraphShape:
 
 
 class Signs(NamedTuple):
-    """What is marked in a graph besides its values: the states of agent and cursor, and the breakpoints.
-
-    ``cursor`` is None where no cursor is to be seen. ``differing`` are the states whose greedy actions are
-    others in the lane beside. ``editor`` knows what a person draws.
-    """
+    """What is marked besides the values; ``differing`` states have other greedy actions in the run beside."""
 
     agent: int
     cursor: int | None
@@ -92,10 +85,7 @@ class GraphScene(NamedTuple):
 
 
 def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = False) -> GraphShape:
-    """Return the shape of ``world``. Columns and rows that ``graph`` leaves empty are left out.
-
-    Where the model ``is_kept`` back, it does not depend on the probabilities.
-    """
+    """Return the shape of ``world`` without empty columns and rows; ``is_kept`` hides probabilities."""
     space, mdp = world.space, world.mdp
     places = zip(space.state_names, on_grid(graph.places), strict=True)
     nodes = tuple(
@@ -124,7 +114,6 @@ def on_grid(places: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
 
 
 def _prospects(mdp: TabularMDP, pair: int, *, is_kept: bool) -> tuple[Prospect, ...]:
-    """Return where ``pair`` leads, each state once, with r(s, a, s′), equation 3.6."""
     probabilities: dict[int, float] = {}
     rewards: dict[int, float] = {}
     for outcome in mdp.outcomes_of(pair):
@@ -157,7 +146,7 @@ def graph_action(
 
 
 def _rewards_text(rewards: Sequence[float], glyphs: Glyphs) -> str:
-    """Return one reward, or the least and the largest, which depend on how one came there: 0..+10?."""
+    """Return one reward, or the least and the largest where they depend on the history: 0..+10?."""
     texts = [reward_text(reward, glyphs) for reward in rewards]
     return texts[0] if len(texts) == 1 else f"{texts[0]}..{texts[-1]}{DEPENDS}"
 
@@ -184,10 +173,7 @@ _LEAST_TEXT: Final = 20  # of an edge, below which names and values are left out
 
 
 def draw_edge_list(canvas: Canvas, shape: GraphShape, scene: GraphScene, look: Look, top: int) -> None:
-    """Draw one line an action from number ``top`` on: state, V, action with its reward, where it may lead.
-
-    In narrow panels V is left out, then the names of the states.
-    """
+    """Draw a line per action from number ``top`` on; narrow panels leave out V, then names."""
     (values, form, signs), width = scene, canvas.width
     names = max((len(shape.nodes[action.source].name) for action in shape.actions), default=0)
     with_values = width >= names + _VALUE_WIDTH + 3 + _LEAST_TEXT
@@ -235,10 +221,7 @@ def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> N
 def edge_text(
     shape: GraphShape, action: GraphAction, greedy: bool, look: Look, *, is_tight: bool = False
 ) -> str:
-    """Return ``─study −2─▶ Pass .8 / Class .2``, with a bold line where the action is greedy.
-
-    Where it ``is_tight``, without the cells that tell nothing: ``─study −2▶Pass .8/Class .2``.
-    """
+    """Return ``─study −2─▶ Pass .8 / Class .2``; where it ``is_tight``, ``─study −2▶Pass .8/Class .2``."""
     line = look.glyphs.bold if greedy else look.glyphs.thin
     targets = (f"{shape.nodes[branch.target].name} {branch.label}".strip() for branch in action.branches)
     if is_tight:

@@ -29,9 +29,7 @@ _LAWS: Final = {
 
 
 class ActionText(NamedTuple):
-    """One action: its sign, ``0 + .99·.34``, empty where that is not known, what it comes to, and whether
-    it is one of those that make the result.
-    """
+    """The sign of an action, its ``0 + .99·.34`` or nothing, the result, and whether that counts."""
 
     sign: str
     worked_out: str
@@ -41,11 +39,7 @@ class ActionText(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class BackupText:
-    """What the panels write of a backup: ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``.
-
-    ``kind`` is what is done, in a word, and ``law`` the equation in symbols. ``left`` is what is given a
-    value, ``right`` how that came about, the longest form first, and ``result`` the value or the actions.
-    """
+    """The texts of a backup: ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``; the longest form of ``right`` first."""
 
     kind: str
     law: str
@@ -62,10 +56,7 @@ class BackupText:
 
 @lru_cache(maxsize=2)
 def backup_text(world: World, backup: StateBackup, glyphs: Glyphs) -> BackupText:
-    """Return the texts of ``backup``, with as few decimals as let the printed arithmetic come out.
-
-    They are kept until those of two others were asked for: all panels of a frame tell the same.
-    """
+    """Return the texts of ``backup``, with as few decimals as let the printed arithmetic come out."""
     fewest = _FEWEST + leading_zeros(backup.value, *backup.q.tolist())
     text = _Writer(world, backup, glyphs, fewest)
     for decimals in range(fewest, fewest + _MOST):
@@ -76,16 +67,12 @@ def backup_text(world: World, backup: StateBackup, glyphs: Glyphs) -> BackupText
 
 
 class _Estimate(NamedTuple):
-    """What is written of an action, by its ``place`` among all; ``counts``: it is taken."""
-
     place: int
     q: str
     counts: bool
 
 
 class _Writer:
-    """Writes a backup with so many decimals."""
-
     def __init__(self, world: World, backup: StateBackup, glyphs: Glyphs, decimals: int) -> None:
         self._world = world
         self._backup = backup
@@ -104,7 +91,7 @@ class _Writer:
 
     @property
     def comes_out(self) -> bool:
-        """Whether working out what is printed gives what is printed, and the best is seen to be the best."""
+        """Whether the printed numbers give the printed result, and the best is seen to be the best."""
         backup = self._backup
         if backup.phase == "evaluation":
             mean = sum(parsed(each.q, self._glyphs) for each in self._taken) / max(1, len(self._taken))
@@ -165,7 +152,6 @@ class _Writer:
         return f"{reward} + {gamma}{self._glyphs.times}{in_brackets(bootstrap, self._glyphs)}"
 
     def _mean(self) -> Sequence[str]:
-        """Return the expectation over the policy, which shares itself out equally."""
         first, *others = self._taken
         if not others:
             worked = self._worked_out(first.place)
@@ -184,7 +170,7 @@ class _Writer:
         return [f"{of}{{{each}}}" for each in forms]
 
     def _elided(self, signed: Sequence[str], between: str) -> Iterator[str]:
-        """Yield ``signed`` without the least of them, then without more, until one of the best is left."""
+        """Yield ``signed`` without the lowest, then without more, until one of the best is left."""
         ranks = [(not each.counts, -float(self._backup.q[each.place])) for each in self._estimates]
         best_first = sorted(range(len(signed)), key=ranks.__getitem__)
         for count in range(len(signed) - 1, 0, -1):

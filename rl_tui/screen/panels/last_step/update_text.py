@@ -36,8 +36,6 @@ class UpdateText:
 
 
 class _Rounding(NamedTuple):
-    """How many decimals the terms of the right-hand side and the results get."""
-
     terms: int
     results: int
 
@@ -45,10 +43,8 @@ class _Rounding(NamedTuple):
 def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
     """Write the numbers of ``last`` with as few decimals as let the printed arithmetic come out.
 
-    What is worked out from the printed terms is what is printed up to half of the last digit; where so few
-    decimals do not do that, up to a whole one. Mostly the printed δ is the printed target less the printed
-    estimate to the last digit: :func:`subtracts` says whether. ``alpha`` is the step size in force: a step of
-    1/N that is not it is written as a fraction. Without ``bootstraps`` the target is what was gathered.
+    It comes out up to half of the last digit, or a whole one where half takes too many decimals. A step of
+    1/N that is not ``alpha`` is a fraction. Without ``bootstraps`` the target is what was gathered.
     """
     closest: dict[float, UpdateText] = {}  # the first one that comes out to so much of the last digit
     most = _DIGITS - magnitude(_largest(last))
@@ -111,7 +107,6 @@ def setting(x: float, glyphs: Glyphs) -> str:
 
 
 def _step_size(last: LastStep, alpha: float | str, decimals: int, glyphs: Glyphs) -> str:
-    """Return the step size, a step of 1/N that is not the one in force as a fraction: ``1/842``."""
     visits = round(1.0 / last.step_size) if last.step_size > 0.0 else 0
     if last.step_size != alpha and visits and abs(last.step_size * visits - 1.0) < 1e-12:
         return f"1/{visits}"
@@ -128,16 +123,11 @@ def _factor(x: float, factor: float, decimals: int, glyphs: Glyphs) -> str:
 
 
 def _largest(last: LastStep) -> float:
-    """Return the size of the largest term; what is far smaller is what rounding errors left."""
     return max(map(abs, (last.before, last.gathered, last.discount * last.bootstrap)))
 
 
 def _decimals_that_show(last: LastStep) -> int:
-    """Return the fewest decimals with which no term looks whole that is not, and the change is seen.
-
-    That is as far as four digits behind the zeros after the point show it. Of δ two digits are seen, so that
-    it is no rough guess.
-    """
+    """Return the fewest decimals that show the change, two digits of δ, and no fraction as a whole."""
     terms = (last.before, last.bootstrap, last.after, last.td_error)
     zeros = leading_zeros(last.before, last.target, last.after)
     most = _MOST_FOR_CHANGE + zeros
@@ -154,7 +144,6 @@ def _decimals_that_show(last: LastStep) -> int:
 def _comes_out(
     last: LastStep, text: UpdateText, rounding: _Rounding, glyphs: Glyphs, *, bootstraps: bool, digits: float
 ) -> bool:
-    """Return whether working out the terms of ``text`` gives what it says, to so much of the last digit."""
     before, gathered, discount, bootstrap = (
         parsed(each, glyphs) for each in (text.before, text.gathered, text.discount, text.bootstrap)
     )

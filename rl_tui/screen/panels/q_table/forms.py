@@ -124,8 +124,7 @@ class MatrixForm:
 def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:
     """Return the form for ``width`` cells and ``lines`` rows of states, None where the columns do not fit.
 
-    Several blocks only where they save all scrolling; no gaps, and names of states in short, only where the
-    columns do not fit otherwise.
+    Several blocks stand side by side only where they save all scrolling.
     """
     needed = -(-len(scene.world.live) // max(1, lines))
     if needed > 1:
@@ -148,11 +147,7 @@ def _form(
 
 
 def _fits_narrow(scene: Scene) -> bool:
-    """Return whether the numbers say enough in three cells: fractions without signs, and nothing above 9.
-
-    What is to come counts too, so that the layout does not change with the first number: a difference has a
-    sign sooner or later, and so have estimates where rewards are negative.
-    """
+    """Return whether three cells say enough: fractions without a sign, now and with any reward to come."""
     figures = scene.shown
     if figures.layer not in (Layer.Q, *LEARNED_NOT) or scene.world.least_reward < 0.0:
         return False
@@ -160,7 +155,6 @@ def _fits_narrow(scene: Scene) -> bool:
 
 
 def _centred(text: str, width: int) -> str:
-    """Return ``text`` with the blanks before it that put it in the middle of ``width`` cells."""
     return " " * (max(0, width - cell_len(text)) // 2) + text
 
 
@@ -183,7 +177,7 @@ Draw = Callable[[int, bool], Pieces]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of ``width`` cells. Of several, the one of the highest ``rank`` is left out first.
+    """A column of ``width`` cells; the one of the highest ``rank`` is left out first.
 
     ``draw`` takes the pair and whether its state was not named above.
     """
@@ -357,19 +351,12 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
 
 
 def _compared(scene: Scene) -> list[Layer]:
-    """Return what estimates of arms are held against: what is exact, and another run if that is asked for.
-
-    A bandit is asked for its means by a key of its own; until then the figures have nothing exact.
-    """
     compared = (*EXACT_LAYERS, Layer.LANES) if scene.shown.layer is Layer.LANES else EXACT_LAYERS
     return [layer for layer in compared if layer in scene.figures]
 
 
 def _beside(layer: Layer) -> list[Layer]:
-    """Return what stands side by side where ``layer`` is asked for: Q, and what it is made of.
-
-    What is exact comes only then: else the answer would stand beside the estimates before the first step.
-    """
+    """Return what stands side by side for ``layer``; nothing exact unless it is asked for."""
     if layer is Layer.ERROR:
         return [Layer.Q, Layer.OPTIMAL, layer]
     return [Layer.Q, layer] if layer in (Layer.OPTIMAL, Layer.LANES, Layer.POLICY) else [Layer.Q]
@@ -386,15 +373,11 @@ def _shared(first: int, second: int, room: int) -> tuple[int, int]:
 
 
 def _widening(wanted: int, room: int) -> int:
-    """Return ``wanted`` cells, or none where they are not there."""
     return wanted if 0 < wanted <= room else 0
 
 
 def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
-    """Return a column a layer. One has the frames and the cursor: what is exact, if it is in force.
-
-    While visits are in force they have them.
-    """
+    """Return a column per layer; one, the exact one if it applies, has the frames and the cursor."""
     _share_form(scene, layers)
     in_force = scene.shown.layer
     main = in_force if in_force in LEARNED_NOT and in_force in layers else layers[0]
@@ -453,5 +436,4 @@ def _share_column(scene: Scene, width: int) -> Column:
 
 
 def _right(text: str, width: int) -> str:
-    """Return ``text`` at the right, a blank after it: above the last digit of a number between marks."""
     return f"{aligned_right(text, width - 1)} "

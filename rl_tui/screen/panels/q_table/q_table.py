@@ -66,12 +66,11 @@ _MOST_CACHED: Final = 512  # rows
 
 
 class QTable(Panel, can_focus=True):
-    """Rows are states and columns actions; a row a pair where few pairs are legal or the columns do not fit.
+    """The table of Q: a row per state and a column per action, or a row per pair.
 
-    It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back to it.
-    ``lights`` lets the cell that was just updated light up, while steps are slow enough to follow;
-    ``sources`` are the pairs that light up because the update looked them up. Beside the table of another
-    lane ``lane`` is the number of its own, and ``differing`` are the states with other greedy actions there.
+    It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back. With
+    ``lights`` the cell updated last is highlighted, and so are the ``sources`` that the update looked up.
+    Beside the table of another run it has the number ``lane`` and marks ``differing`` states.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -313,7 +312,6 @@ class QTable(Panel, can_focus=True):
             self.cursor_pair, self._following, self._first = twin.cursor_pair, twin._following, twin._first
 
     def _translate(self, twin: QTable, theirs: World, own: World) -> None:
-        """Put the cursor where it is in the other world of ``twin``; if led by it, begin with its row."""
         cursor = None if twin.cursor_pair is None else pair_in(twin.cursor_pair, theirs, own)
         if cursor is not None or self.is_led:
             self.cursor_pair = cursor
@@ -340,10 +338,7 @@ class QTable(Panel, can_focus=True):
 
     @property
     def shown_cursor(self) -> int | None:
-        """The pair of the cursor: until it is moved the first of the agent's state, or of the table.
-
-        None before the first snapshot.
-        """
+        """The pair of the cursor, by default the first of the agent's state; None without a snapshot."""
         if self.cursor_pair is not None or self.snapshot is None:
             return self.cursor_pair
         world = self._world_of(self.snapshot)

@@ -162,11 +162,7 @@ _NAMES: Final[tuple[dict[Layer, str], ...]] = (
 
 
 def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> tuple[str, ...]:
-    """Return what ``panel`` is called while it shows ``layer``, the longest form first.
-
-    ``lane`` is the number of the lane where another table stands beside it. Alone, and with runs side by
-    side, it is marked with the number of the shown one.
-    """
+    """Return the titles of ``panel`` for ``layer``, the longest first; ``lane`` is the number of its run."""
     group = snapshot.run_group
     if group.lanes and not lane:
         lane = f"{panel.look.glyphs.cursor}{group.shown + 1}"
@@ -187,10 +183,7 @@ def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> 
 
 
 def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
-    """Return the key and the layers that it goes through, the longest form first, then only ``layer``.
-
-    Behind them stands the key that shows what is exact, where ``hides_exact`` says that this is hidden.
-    """
+    """Return the key and its layers, the longest form first, and the key that shows what is hidden."""
     forms = []
     for names in _NAMES:
         texts = [(each, names.get(each, each)) for each in choices]

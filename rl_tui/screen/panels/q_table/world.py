@@ -1,8 +1,4 @@
-"""The world as a Q-table shows it: the names of states and actions, and the marks on their cells.
-
-Only states with actions have a row. Both forms of the table, a matrix and a list of pairs, draw from
-this.
-"""
+"""The world as a Q-table shows it: names of states and actions, and the marks on their cells."""
 
 from __future__ import annotations
 
@@ -46,10 +42,7 @@ _LEADING_ZERO: Final = re.compile(r"(?<![\d.])0(?=\.\d)")
 
 
 class TableWorld:
-    """A world's states and pairs as the table lists them: live states only, in their order.
-
-    ``shown_actions`` are the numbers of all actions in the order of the columns.
-    """
+    """A world's states with actions, and its pairs, in the order of the table."""
 
     def __init__(self, world: World, glyphs: Glyphs) -> None:
         self.world = world
@@ -82,10 +75,7 @@ class TableWorld:
         return 0.0 if mdp is None else min(0.0, float(mdp.reward.min()))
 
     def _longest(self, form: Callable[[str], str]) -> int:
-        """Return the cells of the longest name; of very many states, those of the last and of a sample.
-
-        A name that the sample overlooks is drawn shortened.
-        """
+        """Return the cells of the longest name; of very many states, those of a sample."""
         names, live = self.space.state_names, self.live
         if isinstance(names, NumberNames):
             live = live[-1:]  # they rise
@@ -134,7 +124,6 @@ def state_followed(snapshot: Snapshot) -> int:
 
 
 def _brief(name: str) -> str:
-    """Return ``-.03,1.8`` for ``-0.03, 1.8``."""
     return _LEADING_ZERO.sub("", name.replace(", ", ","))
 
 
@@ -146,13 +135,10 @@ Pieces = list[Segment]
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What is drawn: the figures of each layer that can be shown, the agent's state and the cursor's pair.
+    """What both forms of the table draw: numbers of each layer, marks, cursor and breakpoints.
 
-    ``shown`` are those of the layer in force.
-    ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen; ``pointed`` are
-    the pairs on which the cursor of another panel stands, or none. ``hides_means`` says that the means of a
-    bandit are hidden. ``differing`` are the states whose greedy actions are others in the lane beside,
-    ``editor`` knows what a person draws.
+    ``shown`` is the current layer. ``cursor`` is None unless it is visible, ``pointed`` are the pairs under
+    the cursor of another panel, ``differing`` the states with other greedy actions in the run beside.
     """
 
     world: TableWorld
@@ -195,11 +181,7 @@ def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is
 
 
 def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bool) -> Pieces:
-    """Return the cell of ``pair``: ``number`` between marks.
-
-    Marks stand on the background of the panel, so that they are seen beside every tint; a breakpoint takes
-    the place of the left one.
-    """
+    """Return the cell of ``pair``: ``number`` between marks on the background of the panel."""
     palette, glyphs = scene.look.palette, scene.look.glyphs
     style = palette.focus if pair == scene.cursor else figures.style(pair, is_tinted=figures is scene.shown)
     left = Segment(glyphs.mark_left if is_greedy else " ", palette.best)
@@ -219,7 +201,7 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
 
 
 def _in_margin(number: str, sign: str, at: int) -> str:
-    """Return ``number`` with ``sign`` in place of the blank at its start (0) or end (−1), if there is one."""
+    """Put ``sign`` in place of a blank at the start (0) or end (−1) of ``number``, if there is one."""
     if number[at : at + 1 or None] != " ":
         return number
     return number[:-1] + sign if at else sign + number[1:]

@@ -1,8 +1,4 @@
-"""The values and actions in a picture of a world, and the policy they belong to.
-
-They are those of the agent, of the policy that a planner keeps, or of the policy being studied (drawn by
-hand, say).
-"""
+"""The values and actions in a picture of a world: the agent's, a planner's, or a studied policy's."""
 
 from __future__ import annotations
 
@@ -41,10 +37,7 @@ def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
 
 
 def drawn_pairs(space: FiniteSpace, snapshot: Snapshot) -> tuple[frozenset[int], frozenset[int]] | None:
-    """Return the pairs drawn, and the states in which none was; None as :func:`drawn_actions`.
-
-    Where a state has a single action, that is its pair.
-    """
+    """Return the pairs drawn, and the states in which none was; None as :func:`drawn_actions`."""
     drawn = drawn_actions(snapshot)
     if drawn is None:
         return None
@@ -156,13 +149,11 @@ _DECIMALS: Final = 2
 
 @dataclass(frozen=True, slots=True)
 class StateValues:
-    """``value[s]`` is max over a of Q(s, a), None where nothing can be done.
+    """``value[s]`` is V(s), None where nothing can be done; ``greedy`` are pairs, all ties.
 
-    ``known`` holds the states about which something was learned: updated, or with estimates that differ;
-    ``greedy`` the greedy pairs of those states, all ties. Where policy iteration keeps a policy, value and
-    pairs are those of that. Where a drawn one is studied, the pairs are those drawn, ``at_random`` has the
-    states in which none was, and ``off_way`` those of them to which it never comes. ``numbers`` are all
-    values that have one form: of two lanes side by side those of both. ``scale`` is that of their tints.
+    ``known`` are the states about which something was learned. Of a drawn policy ``greedy`` are its pairs,
+    ``at_random`` the states without one, and ``off_way`` those that it never reaches. ``numbers`` are all
+    values that share a form, and ``scale`` is that of their tints.
     """
 
     value: tuple[float | None, ...]

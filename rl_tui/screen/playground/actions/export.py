@@ -122,8 +122,6 @@ class ExportActions(Subject):
         self._ask_file(snapshot, "Drawn policy as JSON", "-policy.json", write, is_of_agent=False)
 
     def _ask_command(self, snapshot: Snapshot, line: str, hint: str) -> None:
-        """Show ``line`` to copy, or to write to a file."""
-
         def write(_: str) -> None:
             self._ask_file(snapshot, "Command", ".txt", partial(write_new, text=f"{line}\n"))
 
@@ -145,10 +143,7 @@ class ExportActions(Subject):
         takes_time: bool = False,
         is_of_agent: bool = True,
     ) -> None:
-        """Ask for a new file, offering a name, and have it written: a SlowWrite where it takes time.
-
-        The name has that of the algorithm where the file ``is_of_agent``.
-        """
+        """Ask for a new file, offering a name, and have it written: a SlowWrite where it takes time."""
 
         def write_to(chosen: float | str) -> None:
             path = Path(str(chosen))
@@ -172,7 +167,6 @@ class ExportActions(Subject):
             self._say_written(path, "")
 
     def _say_written(self, path: Path, fault: str | None) -> None:
-        """Show where the file was written, or what went wrong; None: it was broken off."""
         if fault is None:
             self.screen.notify("broken off: nothing was written")
         elif fault:
@@ -206,12 +200,11 @@ def _run_of(snapshot: Snapshot) -> tuple[Recipe, Sequence[JournalEntry], int]:
 
 
 def _first_world(snapshot: Snapshot) -> World | None:
-    """Return the world that the run began in, None where that is not at hand."""
     return None if snapshot.world_changes else snapshot.world
 
 
 def _estimates(snapshot: Snapshot, on_progress: OnProgress) -> tuple[FloatArray, IntArray]:
-    """Return Q and visits; of a large world a snapshot holds only what is in view: the run is done again."""
+    """Return Q and visits; of a large world, of which a snapshot has a part, the run is done again."""
     from rl_tui.runs.export.tables import estimates_again
 
     if snapshot.agent.part is None:

@@ -1,7 +1,4 @@
-"""Control of the run: start, pause, step, speed, and the change to another scenario.
-
-When the file of the scenario changes on disk, the new world is offered.
-"""
+"""Control of the run: start, pause, step, speed, and the change to another scenario."""
 
 from __future__ import annotations
 
@@ -32,12 +29,10 @@ _UNTIL_READ: Final = 15.0
 
 @dataclass(eq=False)
 class ScenarioActions(Subject):
-    """Goes to other scenarios, and offers what the file of this one says now, where that is not on screen.
+    """Goes to other scenarios, and offers the new content of the scenario's file.
 
-    ``is_known`` tells whether the world came from that file: a session brings its own copy. In a lesson the
-    world stays as it is. ``take`` opens
-    another recipe in place of the run; ``go_by`` goes to a scenario that stands so many places further in the
-    catalogue.
+    ``is_known`` says that the world came from that file, ``take`` opens another recipe, ``go_by`` goes so
+    many places further in the catalogue.
     """
 
     is_known: bool
@@ -61,11 +56,7 @@ class ScenarioActions(Subject):
         open_atlas(self, self.take)
 
     def begin_with_old_or_new(self, start_again: Callable[[], None]) -> None:
-        """Ask whether the run is to begin anew with the new content, if there is any.
-
-        ``start_again`` starts it with the old content: where there is no other, or that is the answer, or the
-        new one has faults, which are shown.
-        """
+        """Ask whether to begin with the new content of the file, if there is any; else ``start_again``."""
         scenario, fault = None, ""
         try:
             if self.is_known and self.link.wanted.lesson is None and not self.screen.in_kiosk:
@@ -206,10 +197,7 @@ class RunActions(Subject):
         self.link.send(SetSpeed(slower(self.link.wanted.speed)))
 
     def reset(self) -> None:
-        """Start again with the settings in force and the same seed; ask where the file has changed.
-
-        A program that is watched is started again from its seed.
-        """
+        """Start again with the current settings and seed; a watched program starts from its own."""
         if self.snapshot is not None and self.snapshot.program is not None:
             self.screen.tell("Your program starts again, from its seed.")
             self.link.send(Restart(self.link.wanted.recipe))

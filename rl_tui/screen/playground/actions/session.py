@@ -19,10 +19,7 @@ from rl_tui.screen.panels.status_line import StatusLine
 
 @dataclass(eq=False)
 class SessionActions(Subject):
-    """The session keeps itself by ``autosave``, None where none is kept.
-
-    ``resumed`` is what it went on with, until that has come out as it was saved.
-    """
+    """Saves the session by ``autosave``, if any; ``resumed`` is what it went on with, until compared."""
 
     status: StatusLine
     autosave: Autosave | None
@@ -51,10 +48,7 @@ class SessionActions(Subject):
         return fault if self.resumed is None else SessionError(self.resumed.path, str(fault))
 
     def compare_with_saved(self, snapshot: Snapshot) -> None:
-        """Warn, once the run stands where the session was left, if it came out otherwise than it was saved.
-
-        The file is then left alone, since it holds what was done with other versions.
-        """
+        """Warn, where the session was left, if the run came out otherwise; its file is then left alone."""
         if self.resumed is None or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
             return
         document, self.resumed = self.resumed.document, None

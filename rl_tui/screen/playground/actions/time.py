@@ -107,7 +107,6 @@ class TimeActions(Subject):
 
 
 def _has_forked(before: Snapshot, now: Snapshot) -> bool:
-    """Return whether ``now`` is on a branch that ``before``, a moment of the same run, did not have."""
     is_same_run = before.recipe == now.recipe and before.run_group.shown == now.run_group.shown
     old, new = before.timeline, now.timeline
     return (

@@ -78,7 +78,6 @@ class UntilActions(Subject):
         self.screen.tell(f"no breakpoint on {name} any more" if is_set else stop)
 
     def _breakpoint_here(self, snapshot: Snapshot) -> ToggleBreakpoint | None:
-        """Return what sets a breakpoint where the cursor is, else where the agent is; None: nowhere."""
         focused = self.screen.focused
         if isinstance(focused, QTable | ArmsView):
             pair = focused.shown_cursor if isinstance(focused, QTable) else focused.cursor_place
@@ -106,7 +105,6 @@ class UntilActions(Subject):
             self.ask(ask_number(option, self.snapshot, self.glyphs), run)
 
     def _pair_under_cursor(self) -> int | None:
-        """Return the pair that a cursor was put on, or stands on in focus; None without one."""
         table, world = self.board.table, self.board.world
         if self.screen.focused is table:
             return table.shown_cursor

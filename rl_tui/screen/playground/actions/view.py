@@ -76,10 +76,7 @@ class ViewActions(Subject):
             self.link.send(AskFlips())
 
     def _wants_flips(self, snapshot: Snapshot) -> bool:
-        """Return whether their panel is open or, unless they are hidden, a person is at the slider of γ.
-
-        Where the run goes on by itself, they are wanted for the slider as soon as it rests.
-        """
+        """Return whether flips are wanted: by their panel, or for the slider of γ once the run rests."""
         if self.board.opened == DISCOUNT or is_secret(snapshot):
             return self.board.opened == DISCOUNT
         focused = self.screen.focused
@@ -89,10 +86,7 @@ class ViewActions(Subject):
         return self.link.player.is_automatic and rests and self.board.controls.has_slider(GAMMA)
 
     def next_layer(self) -> None:
-        """Go to the next layer, of those that the world or the table in view has.
-
-        If neither has another one, show only the table.
-        """
+        """Go to the next layer of the world or table in view; if there is none, show only the table."""
         board, order = self.board, list(Layer)
         choices = [layer for layer in board.table.layer_choices if self._is_seen(layer)]
         if len(choices) < 2 and board.zoomed is None:
@@ -106,7 +100,6 @@ class ViewActions(Subject):
         board.show_layer((later or choices)[0])
 
     def _is_seen(self, layer: Layer) -> bool:
-        """Return whether a panel in view shows ``layer``."""
         board, world = self.board, self.board.world
         if layer is not Layer.LANDSCAPE and board.shows(board.table.id or ""):
             return True
