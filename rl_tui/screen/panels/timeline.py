@@ -148,12 +148,12 @@ def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) 
     palette, glyphs = look.palette, look.glyphs
     handle = track.cell_of(state.at)
     in_past = state.at < track.end
-    done = palette.slider_done if in_past else palette.slider_rest
+    done = palette.press if in_past else palette.slider_rest
     canvas.put(track.start, 0, glyphs.track_done * handle, done)
     canvas.put(track.start + handle, 0, glyphs.track_rest * (track.cells - handle), palette.slider_rest)
     for cell, (mark, style) in _marks(state, track, look).items():
         canvas.put(track.start + cell, 0, mark, style)
-    thumb = palette.press if in_past else palette.slider_thumb
+    thumb = palette.press if in_past else palette.strong
     canvas.put(track.start + handle, 0, glyphs.thumb, palette.focus if state.focused else thumb)
 
 

@@ -106,12 +106,8 @@ def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Dep
     if environ.get("NO_COLOR") or term in _COLOURLESS_TERMS:
         return "none"
     says_truecolor = environ.get("COLORTERM", "").lower() in ("truecolor", "24bit")
-    if (
-        says_truecolor
-        or "WT_SESSION" in environ
-        or term.startswith(_TRUECOLOR_TERMS)
-        or term.endswith("-direct")
-    ):
+    is_truecolor = term.startswith(_TRUECOLOR_TERMS) or term.endswith("-direct")
+    if says_truecolor or is_truecolor or "WT_SESSION" in environ:
         return "truecolor"
     return "256" if "256color" in term else "16"
 
@@ -119,7 +115,7 @@ def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Dep
 def can_encode(encoding: str | None) -> bool:
     """Return whether every character of the Unicode set can be written in ``encoding`` (None: not known)."""
     try:
-        _all_characters(UNICODE).encode(encoding or "ascii")
+        "".join(str(getattr(UNICODE, each.name)) for each in fields(UNICODE)).encode(encoding or "ascii")
     except (UnicodeEncodeError, LookupError):
         return False
     return True
@@ -149,7 +145,3 @@ def _set_environment(values: Mapping[str, str | None]) -> None:
             os.environ.pop(name, None)
         else:
             os.environ[name] = value
-
-
-def _all_characters(glyphs: Glyphs) -> str:
-    return "".join(str(getattr(glyphs, field.name)) for field in fields(glyphs))

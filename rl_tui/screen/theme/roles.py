@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final
+from typing import Any, Final
 
 from rich.color import Color, ColorSystem, ColorType, blend_rgb
 from rich.color_triplet import ColorTriplet
@@ -36,12 +36,12 @@ def _luminance(color: ColorTriplet) -> float:
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
-def with_ink(style: Style, *inks: str) -> Style:
-    """Return ``style``; where it has a background alone, with that of ``inks`` which contrasts most."""
-    ground = style.bgcolor
-    if ground is None or style.color is not None:
-        return style
-    return style + Style(color=max(map(Color.parse, inks), key=lambda ink: contrast(ink, ground)))
+def _with_ink(text: str, inks: Sequence[str]) -> Style:
+    """Return the style that ``text`` says; on a colour alone, with that of ``inks`` which contrasts most."""
+    if not text.startswith("#") and not text.isdigit():
+        return Style.parse(text)
+    ground = Color.parse(f"color({text})" if text.isdigit() else text)
+    return Style(color=max(map(Color.parse, inks), key=lambda ink: contrast(ink, ground)), bgcolor=ground)
 
 
 @lru_cache(4_096)
@@ -123,9 +123,7 @@ class Palette:
     lane_4: Style
     good: Style
     bad: Style
-    slider_done: Style
     slider_rest: Style
-    slider_thumb: Style
     focus: Style
     breakpoint: Style
 
@@ -172,27 +170,23 @@ class Palette:
 def dark_and_light(
     depth: str,
     inks: tuple[str, str],
-    values: Sequence[tuple[str, str]],
-    signed: Sequence[tuple[str, str]],
-    visits: Sequence[tuple[str, str]],
+    values: tuple[str, str],
+    signed: tuple[str, str],
+    visits: tuple[str, str],
     **roles: tuple[str, str],
 ) -> tuple[Palette, Palette]:
     """Return the palettes of ``depth``; each role has the style of the dark one, then of the light one.
 
-    A style with a background alone gets the more readable one of ``inks``.
+    A ramp has styles between commas, from low to high; a colour is a background with the better of ``inks``.
     """
 
     def palette(name: str, column: int) -> Palette:
-        def ramp(rows: Sequence[tuple[str, str]]) -> tuple[Style, ...]:
-            return tuple(with_ink(style, *inks) for style in styles(*(row[column] for row in rows)))
-
-        return Palette(
-            name=f"{depth} {name}",
-            values=ramp(values),
-            signed=ramp(signed),
-            visits=ramp(visits),
-            **{role: Style.parse(row[column]) for role, row in roles.items()},
+        low_to_high, around_0, few_to_many = (
+            tuple(_with_ink(text, inks) for text in ramp[column].split(", "))
+            for ramp in (values, signed, visits)
         )
+        others: dict[str, Any] = {role: Style.parse(row[column]) for role, row in roles.items()}
+        return Palette(f"{depth} {name}", low_to_high, around_0, few_to_many, **others)
 
     return palette("dark", 0), palette("light", 1)
 

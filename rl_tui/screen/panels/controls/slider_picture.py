@@ -238,12 +238,12 @@ def slider_strip(
 def _track(scale: SliderScale, state: SliderState, value: float, cells: int, look: Look) -> list[Segment]:
     palette, glyphs = look.palette, look.glyphs
     thumb = scale.cell_of(value, cells)
-    track = [Segment(glyphs.track_done, palette.slider_done)] * thumb
+    track = [Segment(glyphs.track_done, palette.press)] * thumb
     track += [Segment(glyphs.track_rest, palette.slider_rest)] * (cells - thumb)
     for mark in sorted(state.marks, key=lambda mark: mark.stands_out):
         drawn = (glyphs.flip, palette.best) if mark.stands_out else (glyphs.side_flip, palette.dim)
         track[scale.cell_of(mark.value, cells)] = Segment(*drawn)
-    track[thumb] = Segment(glyphs.thumb, palette.press if state.focused else palette.slider_thumb)
+    track[thumb] = Segment(glyphs.thumb, palette.press if state.focused else palette.strong)
     return [
         Segment("".join(each.text for each in run), style)
         for style, run in groupby(track, attrgetter("style"))
