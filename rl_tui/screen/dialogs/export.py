@@ -26,15 +26,25 @@ from rl_tui.worlds.drawing import Arms
 COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
 POLICY: Final = "policy"
 _SECRET: Final = "Careful: the true means of the arms are written in it."
-_KINDS: Final = {
-    COMMAND: ("Command", "The rl-tui train line that does this run again, to read and copy."),
-    SCRIPT: ("Python script", "A plain program with Gymnasium and NumPy only, to read and change."),
-    Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits."),
-    Q_ARRAY: ("Q-table as .npy", "The same for NumPy: states × actions, NaN where one is not possible."),
-    RETURNS: ("Returns as CSV", "Return, undiscounted, and length of every episode; the run is done again."),
-    POLICY: ("Drawn policy as JSON", "The policy you drew, for rl-tui evaluate; the command is shown then."),
-    PICTURE: ("Screen as SVG", "A picture of the screen, without this window."),
+KINDS: Final = {
+    COMMAND: ("Command", "The rl-tui train line that does this run again, to read and copy.", ".txt"),
+    SCRIPT: ("Python script", "A plain program with Gymnasium and NumPy only, to read and change.", ".py"),
+    Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits.", "-q.csv"),
+    Q_ARRAY: (
+        *("Q-table as .npy", "The same for NumPy: states × actions, NaN where one is not possible."),
+        "-q.npy",
+    ),
+    RETURNS: (
+        *("Returns as CSV", "Return, undiscounted, and length of every episode; the run is done again."),
+        "-returns.csv",
+    ),
+    POLICY: (
+        *("Drawn policy as JSON", "The policy you drew, for rl-tui evaluate; the command is shown then."),
+        "-policy.json",
+    ),
+    PICTURE: ("Screen as SVG", "A picture of the screen, without this window.", ".svg"),
 }
+"""The name of each kind, what it is, and how its files end."""
 _LOOKS_AT_PROGRESS: Final = 0.1
 
 
@@ -59,7 +69,7 @@ def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
     if not len(snapshot.results.curve.episode):
         refused[RETURNS] = f"{row.name} plays no episodes" if row.planner else "no episode is finished yet"
     candidates = []
-    for what, (name, sentence) in _KINDS.items():
+    for what, (name, sentence, _) in KINDS.items():
         if what != POLICY or snapshot.answers.drawn.choices:
             about = filter(None, (sentence, left_out.get(what), "" if what == PICTURE else run))
             candidates.append(Candidate(what, name, tuple(about), refused.get(what, "")))
