@@ -75,47 +75,40 @@ def kind_of(snapshot: Snapshot) -> Kind:
 
 def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[UntilOption, ...]:
     """Return all that a run can be run until; ``cursor`` is the pair under a cursor, None without one."""
-    kind = kind_of(snapshot)
-    rewards = "a planner takes no steps in the world, so there are no rewards" if kind is Kind.PLANNER else ""
-    whose = f"A {kind.step} whose reward is not 0."
-    found = [
-        UntilOption("reward", Event.REWARD, "the next reward", whose, rewards),
-        *([] if kind is Kind.BANDIT else [_end(kind)]),
-        UntilOption(
-            "policy",
-            Event.POLICY_CHANGE,
-            "another greedy arm" if kind is Kind.BANDIT else "the next change of the greedy policy",
-            "Another arm has the highest estimate, or one more has."
-            if kind is Kind.BANDIT
-            else "In some state other actions have the highest estimate than before.",
-        ),
-        _optimal(snapshot, kind),
-        UntilOption("step", Event.STEP, f"a {kind.step} by its number …", f"Asks for the {kind.step}."),
-    ]
-    if kind is not Kind.BANDIT:
-        name = f"{'a' if kind is Kind.PLANNER else 'an'} {kind.episode} by its number …"
-        hint = f"Asks for the {kind.episode}, and stops where it begins."
-        found.append(UntilOption("episode", Event.EPISODE, name, hint))
-    return (*found, *_values(snapshot, cursor, glyphs))
-
-
-def _end(kind: Kind) -> UntilOption:
-    backed_up, ended = "Every state was backed up once more.", "A terminal state, or the time limit."
-    hint = backed_up if kind is Kind.PLANNER else ended
-    return UntilOption("end", Event.EPISODE_END, f"the end of the {kind.episode}", hint)
-
-
-def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
+    kind, refused = kind_of(snapshot), snapshot.exact_answer.refused
+    step, episode, plans = kind.step, kind.episode, kind is Kind.PLANNER
+    rewards = "a planner takes no steps in the world, so there are no rewards" if plans else ""
+    unknown = f"no exact values: {refused}" if refused else ""
+    reward = UntilOption(
+        "reward", Event.REWARD, "the next reward", f"A {step} whose reward is not 0.", rewards
+    )
+    number = UntilOption("step", Event.STEP, f"a {step} by its number …", f"Asks for the {step}.")
     if kind is Kind.BANDIT:
-        name = "the greedy arm is the best one"
-        hint = "Compares with the true means without showing them."
+        change = "Another arm has the highest estimate, or one more has."
+        optimal = "Compares with the true means without showing them."
+        found = [
+            reward,
+            UntilOption("policy", Event.POLICY_CHANGE, "another greedy arm", change),
+            UntilOption("optimal", Event.OPTIMAL, "the greedy arm is the best one", optimal, unknown),
+            number,
+        ]
     else:
-        name = "the greedy policy is optimal"
-        hint = "The greedy policy is optimal from the start, for the current γ."
+        end = "Every state was backed up once more." if plans else "A terminal state, or the time limit."
+        change = "In some state other actions have the highest estimate than before."
+        optimal = "The greedy policy is optimal from the start, for the current γ."
         if is_secret(snapshot):
-            hint = "Compares with the exact answer without showing it."
-    refused = f"no exact values: {snapshot.exact_answer.refused}" if snapshot.exact_answer.refused else ""
-    return UntilOption("optimal", Event.OPTIMAL, name, hint, refused)
+            optimal = "Compares with the exact answer without showing it."
+        name = f"{'a' if plans else 'an'} {episode} by its number …"
+        begins = f"Asks for the {episode}, and stops where it begins."
+        found = [
+            reward,
+            UntilOption("end", Event.EPISODE_END, f"the end of the {episode}", end),
+            UntilOption("policy", Event.POLICY_CHANGE, "the next change of the greedy policy", change),
+            UntilOption("optimal", Event.OPTIMAL, "the greedy policy is optimal", optimal, unknown),
+            number,
+            UntilOption("episode", Event.EPISODE, name, begins),
+        ]
+    return (*found, *_values(snapshot, cursor, glyphs))
 
 
 def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[UntilOption]:
