@@ -152,10 +152,8 @@ def learn_door(found: LessonEntries | None) -> Door:
         return Door("Learn", text, "")
     here = next((each for each in found.entries if each.lesson.id == found.goes_on_at), None)
     core = [each for each in found.entries if each.lesson.id in CORE]
-    finished, brief = (
-        f"{found.finished} of {len(found.entries)} done",
-        f"Learn {found.finished}/{len(found.entries)}",
-    )
+    count = len(found.entries)
+    finished, brief = f"{found.finished} of {count} done", f"Learn {found.finished}/{count}"
     if here is None:
         return Door("Learn", text, finished, brief=brief)
     minutes = f"next page {minutes_of_page(here.lesson)} min"

@@ -171,9 +171,9 @@ class LessonList(RowList):
     @property
     def following(self) -> str:
         """The number and title of the lesson after the current one, or nothing."""
-        after = -1 if self.highlighted is None else self.highlighted + 1
-        entry = self._entries[after] if 0 < after < len(self._entries) else None
-        return f"{after + 1} {entry.lesson.title}" if isinstance(entry, LessonEntry) else ""
+        after = len(self._entries) if self.highlighted is None else self.highlighted + 1
+        titles = (each.lesson.title for each in self._entries[after:][:1] if isinstance(each, LessonEntry))
+        return next((f"{after + 1} {title}" for title in titles), "")
 
     def _rows(self) -> Iterator[Option]:
         for number, entry in enumerate(self._entries, start=1):
@@ -303,9 +303,8 @@ class LessonsScreen(ActionScreen):
 
     def show_current(self) -> None:
         """Show the details of the lesson under the cursor."""
-        entry, details = self.query_one(LessonList).current, self.query_one("#details")
-        about = self.query_one("#about", Static)
-        details.scroll_home(animate=False)
+        entry = self.query_one(LessonList).current
+        self.query_one("#details").scroll_home(animate=False)
         title = ""
         text: RenderableType = Text(_NONE, self.look.palette.text)
         if isinstance(entry, LessonEntry):
@@ -315,7 +314,7 @@ class LessonsScreen(ActionScreen):
             what = "This lesson cannot be taken until its file is fixed."
             title, text = "Errors", faults_text(what, entry.faults, self.look)
         self.query_one("#heading", Static).update(Heading(title, self.look))
-        about.update(text)
+        self.query_one("#about", Static).update(text)
         draw = partial(self._draw, entry)  # not the coroutine: of several in a row only the last one begins
         self.run_worker(draw, name="draw", exclusive=True, group=_DRAWING)  # type: ignore[arg-type]
 

@@ -88,9 +88,8 @@ def current_study(snapshot: Snapshot) -> SeedStudy | None:
 
 def shown_lane(study: SeedStudy, snapshot: Snapshot) -> int:
     """Return which lane of ``study`` is on screen now, from 0; where they are others, the one that was."""
-    return (
-        snapshot.run_group.shown if len(snapshot.run_group.lanes or (0,)) == len(study.lanes) else study.shown
-    )
+    is_same = len(snapshot.run_group.lanes or (0,)) == len(study.lanes)
+    return snapshot.run_group.shown if is_same else study.shown
 
 
 def episodes_reached(snapshot: Snapshot) -> tuple[int, ...]:

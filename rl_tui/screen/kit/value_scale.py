@@ -151,14 +151,11 @@ def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piec
     if high <= low:
         return ()
     palette = look.palette
-    ends = [_end_text(end, scale, look) for end in (low, high)]
+    if scale.ramp is Ramp.VISITS:
+        ends = [numbers.count(int(end)) for end in (low, high)]
+    else:
+        ends = [numbers.value(end, _END, look.glyphs, 2) if end else "0" for end in (low, high)]
     if not palette.tints:
         return (Piece(f"{ends[0]} to {ends[1]}", palette.dim),)
     tints = (Piece(" ", style) for style in scale.tints(palette)[::every])
     return Piece(f"{ends[0]} ", palette.dim), *tints, Piece(f" {ends[1]}", palette.dim)
-
-
-def _end_text(end: float, scale: ValueScale, look: Look) -> str:
-    if scale.ramp is Ramp.VISITS:
-        return numbers.count(int(end))
-    return numbers.value(end, _END, look.glyphs, 2) if end else "0"

@@ -11,7 +11,6 @@ from textual.strip import Strip
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.live.snapshot import Phase, Snapshot
-from rl_tui.runs.bandit import BanditFigures
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, length, shortened, strips_of
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
@@ -206,21 +205,20 @@ def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> l
     in_past = snapshot.timeline.in_past and snapshot.playback.phase is not Phase.RUNNING
     plans = snapshot.agent.row.planner
     if isinstance(snapshot.world.drawing, Arms) and bandit is not None and not plans:
-        progress = [_pull(bandit, look)]
+        of = f" of {bandit.budget:,}"
+        text, room = f"{numbers.count(bandit.pulls)}{of}", len(f"pull {bandit.budget:,}{of}")
+        progress = [_Field(text, room, look.palette.strong, label="pull ")]
     else:
         label = "sweep" if plans else "episode" if wide else "ep"
         progress = [
             _counted(label, episode_shown(snapshot), 7, look, rank=2),
             _counted("step", snapshot.counters.step, 10 if wide else 9 if width > SMALL else 7, look, rank=1),
         ]
-    speed = (_end if in_past else _speed)(snapshot, look, wide=wide)
+    columns = _SPEED_COLUMNS[wide]
+    end = f"end {numbers.count(snapshot.timeline.current.end, columns - len('end '))}"
+    text = end if in_past else _speed(snapshot, wide=wide)
+    speed = _Field(text, columns, look.palette.dim, _SPEED_RANK)
     return [speed, _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual), *progress]
-
-
-def _pull(bandit: BanditFigures, look: Look) -> _Field:
-    of = f" of {bandit.budget:,}"
-    text = f"{numbers.count(bandit.pulls)}{of}"
-    return _Field(text, len(f"pull {bandit.budget:,}{of}"), look.palette.strong, label="pull ")
 
 
 def _counted(label: str, count: int, columns: int, look: Look, *, rank: int) -> _Field:
@@ -228,34 +226,23 @@ def _counted(label: str, count: int, columns: int, look: Look, *, rank: int) -> 
     return _Field(text, len(label) + columns, look.palette.strong, rank, label)
 
 
-def _end(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
-    columns = _SPEED_COLUMNS[wide]
-    end = numbers.count(snapshot.timeline.current.end, columns - len("end "))
-    return _Field(f"end {end}", columns, look.palette.dim, _SPEED_RANK)
-
-
-def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
-    speed = snapshot.playback.steps_per_second
-    if speed is None or not (wide or not _keeps_up(snapshot, speed)):
-        text = ""
-    else:
-        text = numbers.long_rate(speed) if wide else numbers.rate(speed)
-    return _Field(text, _SPEED_COLUMNS[wide], look.palette.dim, _SPEED_RANK)
-
-
-def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
-    if snapshot.playback.speed is None or snapshot.playback.until or snapshot.timeline.in_past:
-        return False
-    return speed >= _KEEPS_UP * snapshot.playback.speed
+def _speed(snapshot: Snapshot, *, wide: bool) -> str:
+    speed, wanted = snapshot.playback.steps_per_second, snapshot.playback.speed
+    if speed is None:
+        return ""
+    if wide:
+        return numbers.long_rate(speed)
+    keeps_up = wanted is not None and speed >= _KEEPS_UP * wanted
+    # then the state beside it says enough, where it names the wanted speed
+    is_said = keeps_up and not snapshot.playback.until and not snapshot.timeline.in_past
+    return "" if is_said else numbers.rate(speed)
 
 
 def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Field:
     sign, text, is_mode = _doing(snapshot, look, is_manual=is_manual)
-    style = look.palette.you if is_mode else look.palette.strong
-    shown = to_ascii(f"{sign} {text}", look.glyphs)
-    shown = shortened(shown, max(_CHIP, most) - 2, look.glyphs.ellipsis)
+    style = (look.palette.you if is_mode else look.palette.strong) + Style(reverse=True)
+    shown = shortened(to_ascii(f"{sign} {text}", look.glyphs), max(_CHIP, most) - 2, look.glyphs.ellipsis)
     columns = cell_len(shown) + 2
-    style += Style(reverse=True)
     return _Field(f" {shown} ", max(_CHIP, columns), style, after=max(0, _CHIP - columns))
 
 

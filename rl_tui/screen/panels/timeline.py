@@ -28,7 +28,7 @@ from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.pointing import Draggable
 from rl_tui.screen.kit.snapshot_facts import episode_shown, hides_greedy
 from rl_tui.screen.panels.curve.data import EpisodeAxis, episode_axis
-from rl_tui.screen.panels.curve.text import PlotColumns, label_gap, plot_columns
+from rl_tui.screen.panels.curve.text import label_gap, plot_columns
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import IntArray
@@ -101,10 +101,7 @@ class TimelineState:
 
 def track_of(snapshot: Snapshot, look: Look, width: int) -> Track:
     """Return the track in ``width`` cells: it has the columns of the curve."""
-    return _track_on(snapshot, plot_columns(snapshot, look, width))
-
-
-def _track_on(snapshot: Snapshot, columns: PlotColumns) -> Track:
+    columns = plot_columns(snapshot, look, width)
     return Track(columns.left, columns.columns, episode_axis(snapshot), snapshot.timeline.current.end)
 
 
@@ -118,7 +115,7 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
         canvas.put(0, 0, text, palette.focus if state.focused else palette.dim)
         return canvas.strips()[0]
     columns = plot_columns(state.snapshot, look, width)
-    track = _track_on(state.snapshot, columns)
+    track = track_of(state.snapshot, look, width)
     in_past = state.at < track.end
     calm = palette.press if in_past else palette.dim
     if track.start:

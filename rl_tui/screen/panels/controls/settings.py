@@ -63,16 +63,13 @@ def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
         if is_an_option(parameter) and not idle:
             value = option_text(values.value(name))
             yield Setting("", parameter.symbol, value, "agent.show_options", 7)
-    yield from _decaying(values, parameters, snapshot.counters.episodes)
-    yield Setting("a", "change", "", "menus.open('a')", 2)
-
-
-def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int) -> Iterator[Setting]:
+    episode = snapshot.counters.episodes
     alpha = values.alpha_at(episode)
     if "alpha_decay" in parameters and alpha is not None and alpha_moves(values):
         yield Setting("", "α now", f"{alpha:.3f}", "", 8)
     if "epsilon_decay" in parameters and epsilon_moves(values):
         yield Setting("", "ε now", f"{values.epsilon_at(episode):.3f}", "", 8)
+    yield Setting("a", "change", "", "menus.open('a')", 2)
 
 
 def alpha_moves(values: Hyperparameters) -> bool:

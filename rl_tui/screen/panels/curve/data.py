@@ -258,6 +258,8 @@ def curve_data(snapshot: Snapshot) -> CurveData:
     of_steps = _returns_are_equal([lane.results for lane in lanes] or [results])
     curve = results.curve
     mean = moving_mean(curve, curve.length_mean if of_steps else curve.return_mean, axis.right)
+    is_short = len(mean.means) > 0 and mean.window != RECENT  # of 100 episodes the mean is exact
+    last_100 = results.length_last_100 if of_steps else results.return_last_100
     hidden = hides_greedy(snapshot) or of_steps
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
     return CurveData(
@@ -267,7 +269,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         curve=curve,
         greedy=NO_STEPS if hidden else _greedy(results, snapshot.counters.episodes),
         greedy_now=None if hidden else results.greedy_return,
-        mean_now=_mean_now(results, mean, of_steps=of_steps),
+        mean_now=float(mean.means[-1]) if is_short else last_100,
         optimum=None if hides_optimum or of_steps else snapshot.exact_answer.expected_return,
         is_of_steps=of_steps,
         is_bandit=is_bandit,
@@ -297,12 +299,6 @@ def _returns_are_equal(every: Sequence[RunResults]) -> bool:
         and all(each.return_high.max() - each.return_low.min() < NEGLIGIBLE for each in curves)
         and any(np.ptp(each.length_mean) > 0.0 for each in curves)
     )
-
-
-def _mean_now(results: RunResults, mean: MovingMean, *, of_steps: bool) -> float | None:
-    if not len(mean.means) or mean.window == RECENT:
-        return results.length_last_100 if of_steps else results.return_last_100
-    return float(mean.means[-1])
 
 
 def unit_of(*, plans: bool, is_bandit: bool) -> str:

@@ -281,10 +281,9 @@ class WorldView(DrawnPicture, can_focus=True):
         return False
 
     def _waiting(self, width: int, height: int) -> list[Strip]:
-        palette, glyphs = self.look.palette, self.look.glyphs
-        canvas = Canvas(width, height, palette.text)
-        text = shortened(WAITING, width, glyphs.ellipsis)
-        canvas.put((width - len(text)) // 2, (height - 1) // 2, text, palette.dim)
+        canvas = Canvas(width, height, self.look.palette.text)
+        text = shortened(WAITING, width, self.look.glyphs.ellipsis)
+        canvas.put((width - len(text)) // 2, (height - 1) // 2, text, self.look.palette.dim)
         return canvas.strips()
 
     def _say_what_matters(self, snapshot: Snapshot, width: int) -> None:
@@ -312,14 +311,10 @@ class WorldView(DrawnPicture, can_focus=True):
         palette = self.look.palette
         said: list[Piece] = []
         heading, footing = self._said if self.title or self.lane else (self.heading, self.footing)
+        says_lane = self.lane and not self._is_named_beside
         if self.title:
             said += [Piece(f" {heading} ", palette.strong + Style(reverse=True))]
-        elif (
-            (self.lane and not self._is_named_beside)
-            or self.studied is not None
-            or self.is_numbered
-            or self.shows_actions
-        ):
+        elif says_lane or self.studied is not None or self.is_numbered or self.shows_actions:
             said += [Piece(heading, palette.strong)]
         if footing:
             said += [Piece("  " if said else "", palette.text), Piece(footing, palette.dim)]
@@ -404,18 +399,14 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def on_click(self, event: events.Click) -> None:
         """Put the cursor where the pointer is."""
-        if self.is_drawn_on:
-            return
         offset = event.get_content_offset(self)
-        if offset is None or self.snapshot is None or self.is_manual:
+        if offset is None or self.snapshot is None or self.is_manual or self.is_drawn_on:
             return
-        place = self.place_at(offset.x, offset.y)
-        if place is None:
-            return
-        was_there = place == self.cursor
-        self.put_cursor(place)
-        if was_there:
-            self.post_message(PartPointed(self, self.part_at(*offset)))
+        place, before = self.place_at(*offset), self.cursor
+        if place is not None:
+            self.put_cursor(place)
+            if place == before:
+                self.post_message(PartPointed(self, self.part_at(*offset)))
 
     def on_resize(self) -> None:
         """Bring the part that is in view now into view in the lane beside."""
