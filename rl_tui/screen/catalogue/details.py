@@ -30,8 +30,7 @@ if TYPE_CHECKING:
     from rl_tui.screen.catalogue.preview import LastRun
     from rl_tui.screen.panels.world.view import WorldView
 
-Entry = Scenario | ScenarioError | Hit | StoredSession | SessionError
-"""A row of one of the lists."""
+Entry = Scenario | ScenarioError | Hit | StoredSession | SessionError  # a row of one of the lists
 
 REST: Final = 0.15  # seconds for which the cursor stays on a row before its run is made
 PACE: Final = 0.5  # seconds from one moment of it to the next
@@ -65,8 +64,7 @@ class Details(VerticalScroll):
         heading, facts = Static(id="heading"), Static(id="facts", markup=False)
         super().__init__(heading, facts, stage, id="details")
         self._look = look
-        self.shown: Entry | None = None
-        """The entry of which it tells."""
+        self.shown: Entry | None = None  # the entry of which it tells
         self._newest: StoredSession | None = None  # of the scenario that is shown
         self._view: WorldView | None = None
         self._moments: dict[str, Sequence[Snapshot]] = {}

@@ -55,10 +55,8 @@ class Door:
     title: str
     text: str
     state: str
-    short: str = ""
-    """The state without the text above it; empty: the state itself."""
-    brief: str = ""
-    """The title where there is one row only; empty: the title itself."""
+    short: str = ""  # the state without the text above it; empty: the state itself
+    brief: str = ""  # the title where there is one row only; empty: the title itself
 
 
 class Doors(Widget, can_focus=True):

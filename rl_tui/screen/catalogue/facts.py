@@ -51,8 +51,7 @@ TRY: Final = "Try"
 LONGEST_LINE: Final = 60  # columns of prose
 
 
-Block = tuple[str, str]
-"""A heading, which may be empty, and a paragraph."""
+Block = tuple[str, str]  # a heading, which may be empty, and a paragraph
 
 
 def blocks_of(scenario: Scenario, lessons: Sequence[str] = ()) -> list[Block]:

@@ -221,8 +221,7 @@ class SessionList(RowList):
         self.look = look
         self.border_title = "Sessions"
         self.border_subtitle = "enter: go on   del: delete"
-        self.entries: Sequence[Entry] = ()
-        """The sessions, the newest first, then files that give none."""
+        self.entries: Sequence[Entry] = ()  # the sessions, the newest first, then files that give none
 
     def show(self, entries: Sequence[Entry], now: datetime) -> None:
         """List ``entries``."""

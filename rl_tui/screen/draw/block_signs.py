@@ -11,10 +11,8 @@ from collections.abc import Callable, Iterable
 from functools import lru_cache, partial
 from typing import Final, Literal
 
-Direction = tuple[int, int]
-"""Rows down and columns right, −1, 0 or 1 each."""
-Sign = Direction | str
-"""How an action is drawn: the arrow of its direction, or a letter."""
+Direction = tuple[int, int]  # rows down and columns right, −1, 0 or 1 each
+Sign = Direction | str  # how an action is drawn: the arrow of its direction, or a letter
 SignName = Literal["arrow", "heads", "disc", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
 

@@ -106,8 +106,7 @@ def _cells(text: str) -> list[str]:
     return cells
 
 
-Drawn = list[list[Segment]]
-"""The rows of a piece of a picture, such as a cell of a map."""
+Drawn = list[list[Segment]]  # the rows of a piece of a picture, such as a cell of a map
 
 
 def strips_of_row(cells: Sequence[Drawn], width: int, style: Style) -> tuple[Strip, ...]:

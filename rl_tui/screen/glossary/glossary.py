@@ -42,16 +42,11 @@ class FigureKind(StrEnum):
 class FigureLimit(StrEnum):
     """Within what a figure counts."""
 
-    EPISODE = "episode"
-    """An episode, up to the time limit."""
-    NONE = "none"
-    """All that is to come, whatever the time limit."""
-    STEP = "step"
-    """One step."""
-    RUN = "run"
-    """All of the run so far."""
-    MOMENT = "moment"
-    """The last moments on the clock."""
+    EPISODE = "episode"  # an episode, up to the time limit
+    NONE = "none"  # all that is to come, whatever the time limit
+    STEP = "step"  # one step
+    RUN = "run"  # all of the run so far
+    MOMENT = "moment"  # the last moments on the clock
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,18 +206,12 @@ _LIMITS: Final = {
 class FigureSetting(NamedTuple):
     """What is in force where a figure is asked about."""
 
-    gamma: str
-    """γ as it is written on screen."""
-    time_limit: int
-    """Steps after which an episode is cut off; 0: none."""
-    steps: int
-    """Steps taken so far."""
-    episodes: int
-    """Episodes that have ended."""
-    is_bandit: bool = False
-    """Whether each pull is an episode."""
-    budget: int | None = None
-    """Pulls that a bandit may take."""
+    gamma: str  # γ as it is written on screen
+    time_limit: int  # steps after which an episode is cut off; 0: none
+    steps: int  # steps taken so far
+    episodes: int  # episodes that have ended
+    is_bandit: bool = False  # whether each pull is an episode
+    budget: int | None = None  # pulls that a bandit may take
 
 
 def figure_text(facts: FigureFacts, now: FigureSetting | None = None) -> str:

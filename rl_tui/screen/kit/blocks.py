@@ -65,8 +65,7 @@ class Row:
         return [line]
 
 
-BLANK = Row([])
-"""A blank line."""
+BLANK = Row([])  # a blank line
 
 
 @dataclass(frozen=True, slots=True)

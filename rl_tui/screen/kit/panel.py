@@ -160,10 +160,8 @@ class BoardPanel(Widget):
     is_spotlit: bool = False
     drawn_from: object = None
     """What :meth:`depends_on` was for the last snapshot; None has the next one drawn."""
-    head = ""
-    """The text above the panel: its title, then its caption."""
-    foot = ""
-    """The text in the row below the panel: mostly its keys."""
+    head = ""  # the text above the panel: its title, then its caption
+    foot = ""  # the text in the row below the panel: mostly its keys
     _border_look: Look | None = None
     _heading: Sequence[Segment] = ()
     _keys: Sequence[Segment] = ()
@@ -260,8 +258,7 @@ class Panel(BoardPanel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
-        self.look = look
-        """The characters and colours it is drawn with; a change is seen after :meth:`redraw`."""
+        self.look = look  # the characters and colours it is drawn with; a change is seen after :meth:`redraw`
         self.heading = ""
         self.footing = ""
         self.free_rows = 0

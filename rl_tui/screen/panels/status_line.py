@@ -28,10 +28,8 @@ PROGRAM_ENDED: Final = "your program has ended"
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
 _LEAST_TITLE: Final = 12
-COMPILING: Final = "compiling"
-"""In place of the speed: machine code is on its way."""
-IN_PYTHON: Final = "in Python"
-"""The same: there will be none."""
+COMPILING: Final = "compiling"  # in place of the speed: machine code is on its way
+IN_PYTHON: Final = "in Python"  # the same: there will be none
 _CHIP: Final = 13  # columns of what the run does
 _SPEED_COLUMNS: Final = (8, 15)  # in short, and in words
 _BETWEEN: Final = " · "

@@ -14,8 +14,7 @@ from rich.style import Style
 
 # Inks
 
-PALEST: Final = 3.0
-"""The least contrast of a sign with its cell."""
+PALEST: Final = 3.0  # the least contrast of a sign with its cell
 _SLIGHT: Final = 1.0 / 3.0
 _STEPS: Final = 24
 _MIXABLE: Final = (ColorType.TRUECOLOR, ColorType.EIGHT_BIT)

@@ -23,8 +23,7 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 _ROOMY: Final = 8  # rows, from which on a blank one sets the sliders off
-GAMMA: Final = "gamma"
-"""The hyper-parameter whose slider marks flips."""
+GAMMA: Final = "gamma"  # the hyper-parameter whose slider marks flips
 
 _MEANING: Final = (
     "Marks are flip points: there the optimal path from the start changes. While t g is open, those of any "

@@ -32,8 +32,7 @@ def smoothed(values: FloatArray) -> FloatArray:
     return np.asarray((sums[behind] - sums[first]) / (behind - first))
 
 
-_ERRORS: Final = 2.0
-"""Standard errors on either side of the mean."""
+_ERRORS: Final = 2.0  # standard errors on either side of the mean
 _FULL: Final = 0x28FF
 _LATE: Final = 0.25  # of the bins: from here on the axis makes room for the band
 

@@ -31,8 +31,7 @@ RETURN: Final = "Return"
 REWARD: Final = "Reward"
 STEPS: Final = "Steps"
 SWEEPS: Final = "Greedy return"
-TITLES: Final = {"episode": RETURN, "pull": REWARD, "sweep": SWEEPS}
-"""By what the horizontal axis counts."""
+TITLES: Final = {"episode": RETURN, "pull": REWARD, "sweep": SWEEPS}  # by what the horizontal axis counts
 MEAN: Final = "mean"
 MEAN_AND_BAND: Final = "mean and middle half"
 AFTER_SWEEP: Final = "exact, after each sweep"
@@ -380,8 +379,7 @@ def _figure(value: float | None, ends: float | None, decimals: int, glyphs: Glyp
 # The columns of the plot
 
 
-LEFT: Final = 5
-"""Columns of the numbers left of the plot."""
+LEFT: Final = 5  # columns of the numbers left of the plot
 _LABELS: Final = ((60, 15), (36, 13))  # columns of the labels at the right, by the least width
 
 

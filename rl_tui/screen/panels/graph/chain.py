@@ -88,8 +88,7 @@ class ChainScene(NamedTuple):
     rewards: Mapping[int, float | None]
     exact: tuple[float, ...] | None
     updated: tuple[int, int] | None
-    way: tuple[int, int] | None
-    """The states between which the last step led."""
+    way: tuple[int, int] | None  # the states between which the last step led
 
 
 def chain_scene(

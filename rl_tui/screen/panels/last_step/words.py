@@ -241,8 +241,7 @@ def _why_no_equation(story: StepStory) -> Sequence[str]:
 # The update as an equation
 
 
-NOW: Final = "now"
-"""The word for the estimate of the pair that was taken, once it is updated."""
+NOW: Final = "now"  # the word for the estimate of the pair that was taken, once it is updated
 _WHICH: Final = {
     Lookup.BEST: "best",
     Lookup.NEXT: "next",

@@ -195,8 +195,7 @@ class ListForm:
 
     scene: Scene
     columns: tuple[Column, ...]
-    blocks: ClassVar[int] = 1
-    """How many blocks stand side by side."""
+    blocks: ClassVar[int] = 1  # how many blocks stand side by side
 
     @property
     def block_width(self) -> int:

@@ -31,10 +31,8 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
-LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)
-"""Layers of which nothing was learned."""
-_OF_THE_MAP: Final = (Layer.Q, *EXACT_LAYERS, Layer.VISITS)
-"""Layers with the scale of the map."""
+LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)  # layers of which nothing was learned
+_OF_THE_MAP: Final = (Layer.Q, *EXACT_LAYERS, Layer.VISITS)  # layers with the scale of the map
 
 
 def policy_q(snapshot: Snapshot) -> Exact | None:

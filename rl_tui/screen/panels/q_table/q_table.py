@@ -108,8 +108,7 @@ class QTable(Panel, can_focus=True):
         self.heading = "Q"
         self.wanted_layer = Layer.Q
         """What is shown of each pair, if there is that; the same as in the world beside it."""
-        self.cell: Size | None = None
-        """The size of a cell of the map beside it, as the board gives it."""
+        self.cell: Size | None = None  # the size of a cell of the map beside it, as the board gives it
         self._choices = layer_choices(None)
         self._following = True
         self.pointed = NOWHERE

@@ -27,8 +27,7 @@ from rl_tui.screen.theme.look import Look
 
 _STATES_IN_GREEDY_LINE: Final = 12
 
-Form = MatrixForm | ListForm
-"""A scene laid out for one width. An entry is a row of the table, counted from 0."""
+Form = MatrixForm | ListForm  # a scene laid out for one width. An entry is a row of the table, counted from 0
 
 
 class Sheet:
@@ -44,12 +43,9 @@ class Sheet:
         self._entries, self._block_width = form.entries, form.block_width
         self._lines = min(height - self._head_rows, -(-self._entries // form.blocks))
         self.shown = min(self._entries, self._lines * form.blocks)
-        self.is_scrolled = self.shown < self._entries
-        """Whether there are more entries than are in view."""
-        self.part = f"{self.shown} of {self._entries:,}"
-        """How many of all entries are in view."""
-        self.page = max(1, self._lines)
-        """How many rows a page is."""
+        self.is_scrolled = self.shown < self._entries  # whether there are more entries than are in view
+        self.part = f"{self.shown} of {self._entries:,}"  # how many of all entries are in view
+        self.page = max(1, self._lines)  # how many rows a page is
 
     @property
     def free_rows(self) -> int:

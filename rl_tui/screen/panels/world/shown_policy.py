@@ -26,8 +26,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 # A drawn policy
 
 
-AT_RANDOM: Final = "?"
-"""In place of an arrow: no action was drawn, so it acts at random."""
+AT_RANDOM: Final = "?"  # in place of an arrow: no action was drawn, so it acts at random
 
 
 def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
@@ -78,16 +77,13 @@ class PolicyPicture(Panel):
     """The policy whose values and actions are drawn; None: they are what the agent has learned."""
     shows_drawing = False
     """Whether actions are those that a person drew, whether their values are known or not."""
-    policy_shown = "greedy"
-    """What the arrows are, in a word."""
-    lacks_table = False
-    """Whether a program is watched of which no table is known."""
+    policy_shown = "greedy"  # what the arrows are, in a word
+    lacks_table = False  # whether a program is watched of which no table is known
     names_policies_key = True
     """Whether it names the key that opens the panel of policies: not while that is open."""
     differing: frozenset[int] = frozenset()
     """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
-    tints = ValueScale()
-    """The scale of the tints as it was drawn last."""
+    tints = ValueScale()  # the scale of the tints as it was drawn last
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot`` with values and actions of the policy that is studied, else of the agent."""

@@ -72,21 +72,14 @@ class WorldView(DrawnPicture, can_focus=True):
     prompt: tuple[str, ...] = ()
     lane: tuple[str, ...] = ()
     results: tuple[Line, ...] = ()
-    free_columns = 0
-    """The empty columns right of the picture."""
+    free_columns = 0  # the empty columns right of the picture
     note: tuple[str, ...] = ()
-    is_manual = False
-    """Whether a person takes the actions."""
-    wanted_layer = Layer.Q
-    """What is drawn, if this world has that; the same as in the table beside it."""
-    drawn_layer = Layer.Q
-    """The layer that was drawn last."""
-    veils = False
-    """Whether there are dots in place of its numbers, which are hidden."""
-    range_of_v = ValueScale()
-    """The scale of V, by which actions lead, whatever is tinted."""
-    is_numbered = False
-    """Whether the cells of a map have the numbers of their states."""
+    is_manual = False  # whether a person takes the actions
+    wanted_layer = Layer.Q  # what is drawn, if this world has that; the same as in the table beside it
+    drawn_layer = Layer.Q  # the layer that was drawn last
+    veils = False  # whether there are dots in place of its numbers, which are hidden
+    range_of_v = ValueScale()  # the scale of V, by which actions lead, whatever is tinted
+    is_numbered = False  # whether the cells of a map have the numbers of their states
     shows_actions = False
     """Whether the cells of a map show Q of every action, where they have room, in place of V."""
     _is_named_beside = False
@@ -94,8 +87,7 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def __init__(self, world: World, look: Look, **options: Any) -> None:
         super().__init__(look, **options)
-        self.steady_scale = SteadyScale()
-        """The scale of all tints, which that of the lane beside shares."""
+        self.steady_scale = SteadyScale()  # the scale of all tints, which that of the lane beside shares
         self.enter(world)
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:

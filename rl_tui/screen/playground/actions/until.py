@@ -20,8 +20,7 @@ NO_BREAKPOINTS: Final = "there are no breakpoints; t b sets one at the cursor"
 class UntilActions(Subject):
     """Running until something happens, and breakpoints."""
 
-    _chosen_last = ""
-    """The id of the option chosen last."""
+    _chosen_last = ""  # the id of the option chosen last
 
     def why_not(self, deed: str) -> str:
         """Return why there is no breakpoint to clear."""
