@@ -18,8 +18,8 @@ from rl_tui.screen.draw.names import DEPENDS
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
-from rl_tui.screen.kit.snapshot_facts import keeps_back
-from rl_tui.screen.panels.graph.chain import ChainPicture, chain_layout, chain_scene, end_rewards, exact_v
+from rl_tui.screen.kit.snapshot_facts import followed_step, keeps_back
+from rl_tui.screen.panels.graph.chain import ChainPicture, chain_layout, end_rewards, exact_v
 from rl_tui.screen.panels.graph.layout import GraphLayout, graph_layout
 from rl_tui.screen.panels.graph.routing import Box
 from rl_tui.screen.panels.graph.shape import (
@@ -177,12 +177,12 @@ class GraphView(WorldView):
         stops = snapshot.playback.breakpoints
         signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)
         scene, canvas = GraphScene(values, form, signs), Canvas(width, height, self.look.palette.text)
+        exact = exact_v(self.world.space, snapshot)
         self._layout, self.footing = layout or graph_layout(self._shape, width, height), ""
         if layout is not None:
-            in_chain = chain_scene(self.world.space, snapshot, scene, self._ends)
-            ChainPicture(canvas, self._shape, layout.boxes, in_chain, self.look).draw()
+            last = followed_step(snapshot)
+            ChainPicture(canvas, self._shape, layout.boxes, scene, self.look, self._ends, exact, last).draw()
         elif self._layout is not None:
-            exact = exact_v(self.world.space, snapshot)
             draw_graph(canvas, self._shape, self._layout, scene, exact, self.look)
         else:
             rows = len(self._shape.actions)

@@ -65,6 +65,10 @@ class GraphShape:
     nodes: tuple[Node, ...]
     actions: tuple[GraphAction, ...]
 
+    def pairs_of(self, state: int) -> set[int]:
+        """Return the pairs of ``state``."""
+        return {action.pair for action in self.actions if action.source == state}
+
 
 class Signs(NamedTuple):
     """What is marked besides the values; ``differing`` states have other greedy actions in the run beside."""
