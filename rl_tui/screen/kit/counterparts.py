@@ -55,7 +55,8 @@ def in_common(world: World, other: World) -> Carried:
     if not are_same_size(world, other):
         space = world.space
         return Carried(np.full(space.states, NEW), np.full(space.pairs, NEW))
-    return carried_by_keys(_keyed(other), _keyed(world))
+    now, before = (Keyed(each.space, _state_keys(each), each.space.action_names) for each in (other, world))
+    return carried_by_keys(now, before)
 
 
 def are_same_size(world: World, other: World) -> bool:
@@ -66,10 +67,6 @@ def are_same_size(world: World, other: World) -> bool:
     if isinstance(one, Arms) and isinstance(two, Arms):
         return world.space.pairs == other.space.pairs
     return type(one) is type(two)
-
-
-def _keyed(world: World) -> Keyed:
-    return Keyed(world.space, _state_keys(world), world.space.action_names)
 
 
 def _state_keys(world: World) -> IntArray | Sequence[Hashable]:
