@@ -96,6 +96,7 @@ class Palette:
     values: tuple[Style, ...]
     signed: tuple[Style, ...]
     visits: tuple[Style, ...]
+    lanes: tuple[Style, ...]
     unvisited: Style
     page: Style
     rule: Style
@@ -116,20 +117,11 @@ class Palette:
     optimum: Style
     greedy_line: Style
     episodes: Style
-    lane_1: Style
-    lane_2: Style
-    lane_3: Style
-    lane_4: Style
     good: Style
     bad: Style
     slider_rest: Style
     focus: Style
     breakpoint: Style
-
-    @property
-    def lanes(self) -> tuple[Style, ...]:
-        """The styles of runs side by side, in their order."""
-        return self.lane_1, self.lane_2, self.lane_3, self.lane_4
 
     @property
     def tells_lanes_apart(self) -> bool:
@@ -172,6 +164,7 @@ def dark_and_light(
     values: tuple[str, str],
     signed: tuple[str, str],
     visits: tuple[str, str],
+    lanes: tuple[str, str],
     **roles: tuple[str, str],
 ) -> tuple[Palette, Palette]:
     """Return the palettes of ``depth``; each role has the style of the dark one, then of the light one.
@@ -185,7 +178,8 @@ def dark_and_light(
             for ramp in (values, signed, visits)
         )
         others: dict[str, Any] = {role: Style.parse(row[column]) for role, row in roles.items()}
-        return Palette(f"{depth} {name}", low_to_high, around_0, few_to_many, **others)
+        inks_of_lanes = styles(*lanes[column].split(", "))
+        return Palette(f"{depth} {name}", low_to_high, around_0, few_to_many, inks_of_lanes, **others)
 
     return palette("dark", 0), palette("light", 1)
 
