@@ -12,7 +12,7 @@ from rl_tui.live.snapshot import AgentView, Snapshot
 from rl_tui.runs.bandit import best_arms, true_means
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.kit.counterparts import are_alike
-from rl_tui.screen.kit.numbers_in_common import finite, held_pairs, known_v, lanes_in_view
+from rl_tui.screen.kit.numbers_in_common import best_of_states, finite, held_pairs, known_v, lanes_in_view
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
@@ -107,27 +107,21 @@ def as_layer(snapshot: Snapshot, layer: Layer) -> Snapshot:
     """Return ``snapshot`` with the numbers of ``layer`` in place of V; Q* has its own actions."""
     if layer in (Layer.Q, Layer.LANDSCAPE):
         return snapshot
-    exact = shown_exact(snapshot)
+    exact, beside = shown_exact(snapshot), snapshot.beside
     if layer is Layer.OPTIMAL and exact is not None:
-        agent = _optimal(snapshot, exact)
+        agent = _optimal(snapshot, *exact)
     else:
         agent = _compared(snapshot, layer, exact)
-    beside = snapshot.beside
     if beside is not None and world_layer(beside, layer) is layer:
         beside = as_layer(beside, layer)
     return replace(snapshot, agent=agent, beside=beside)
 
 
-def _optimal(snapshot: Snapshot, exact: Exact) -> AgentView:
-    q, greedy = exact
-    space = snapshot.world.space
-    states, _, first = held_pairs(space, None)
-    values = np.zeros(space.states)
-    values[states] = np.maximum.reduceat(q, first)
-    visits = np.ones(space.pairs, np.int64)
-    return replace(
-        snapshot.agent, q=q, values=values, policy=greedy.astype(np.float64), visits=visits, part=None
-    )
+def _optimal(snapshot: Snapshot, q: FloatArray, greedy: BoolArray) -> AgentView:
+    space, values = snapshot.world.space, np.zeros(snapshot.world.space.states)
+    values[np.diff(space.first_pair) > 0] = best_of_states(space, q)
+    policy, visits = greedy.astype(np.float64), np.ones(space.pairs, np.int64)
+    return replace(snapshot.agent, q=q, values=values, policy=policy, visits=visits, part=None)
 
 
 def _compared(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> AgentView:

@@ -203,19 +203,17 @@ class StepWriter:
         return [label, *sides[0], middle, *sides[1], number]
 
     def _change(self) -> Line:
-        words, update = self.words, self.words.update
-        if words.changes_nothing:
-            stays = [self._strong(words.estimate), self._plain(" stays "), self._strong(update.after)]
-            whole = self._dim(" your program changed nothing: ")
-            return self._fitting([[whole, *stays], [self._dim(" "), *stays]])
-        moved = [
-            self._strong(words.estimate),
-            self._plain(f" from {update.before} to "),
-            self._strong(update.after),
-            *([self._plain(" ("), self._error, self._plain(")")]),
-        ]
-        forms = ([self._dim(start), *moved] for start in (" your program moved ", " "))
-        return self._fitting([*forms, [self._dim(" "), *moved[:3]]])
+        estimate, after = self._strong(self.words.estimate), self._strong(self.words.update.after)
+        if self.words.changes_nothing:
+            stays, starts = (
+                [estimate, self._plain(" stays "), after],
+                (" your program changed nothing: ", " "),
+            )
+            return self._fitting([self._dim(start), *stays] for start in starts)
+        moved = [estimate, self._plain(f" from {self.words.update.before} to "), after]
+        by = [self._plain(" ("), self._error, self._plain(")")]
+        forms = ([self._dim(start), *moved, *by] for start in (" your program moved ", " "))
+        return self._fitting([*forms, [self._dim(" "), *moved]])
 
     def _why_no_equation(self) -> Line:
         return self._fitting([self._dim(f" {each}")] for each in self.words.why_no_equation)
