@@ -4,27 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.screen.kit.row import (
-    BUDGET,
-    CONTROLS,
-    CURVE,
-    DISCOUNT,
-    DRAW,
-    FINDINGS,
-    LAST_STEP,
-    LESSON,
-    MANY_SEEDS,
-    MICROSCOPE,
-    OUTPUT,
-    POLICIES,
-    PROGRAM,
-    TABLE,
-    TIMELINE,
-    WORLD,
-    WORLD_CHECK,
-    OpeningKey,
-    PanelRow,
-)
+from rl_tui.screen.kit import row
+from rl_tui.screen.kit.row import OpeningKey, PanelRow
 from rl_tui.worlds.drawing import Arms, Drawing
 
 
@@ -34,7 +15,7 @@ def _has_arms(drawing: Drawing | None) -> bool:
 
 PANELS: Final[tuple[PanelRow, ...]] = (
     PanelRow(
-        LESSON,
+        row.LESSON,
         "rl_tui.screen.panels.lesson.lesson:LessonPanel",
         "Lesson",
         "The open page of a lesson. Where a page asks for a prediction (A), no step is taken before you "
@@ -48,7 +29,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         of_lesson=True,
     ),
     PanelRow(
-        WORLD,
+        row.WORLD,
         "rl_tui.screen.panels.world_views:WorldPlaceholder",
         "World",
         "The scenario as the agent finds it. In a grid, colour and number show V(s), the best estimate of "
@@ -75,7 +56,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         is_twofold=True,
     ),
     PanelRow(
-        DRAW,
+        row.DRAW,
         "rl_tui.screen.panels.draw_panel:DrawPanel",
         "Draw",
         "While you edit the world (w d): every tool with its key; a click works too. The current brush is "
@@ -89,7 +70,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         of_drawing=True,
     ),
     PanelRow(
-        TABLE,
+        row.TABLE,
         "rl_tui.screen.panels.q_table.q_table:QTable",
         "Q",
         "One row per state, one column per action. The frame marks the greedy cell; ▐ is before the cell "
@@ -104,7 +85,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         is_twofold=True,
     ),
     PanelRow(
-        CURVE,
+        row.CURVE,
         "rl_tui.screen.panels.curve.curve:ReturnCurve",
         "Return",
         "The area is the moving mean of the returns, each the undiscounted sum of its rewards; where all "
@@ -121,7 +102,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         ),
     ),
     PanelRow(
-        TIMELINE,
+        row.TIMELINE,
         "rl_tui.screen.panels.timeline:TimelineBar",
         "Timeline",
         "The row below the curve is the run so far, on the same axis of episodes; the handle is the moment "
@@ -135,7 +116,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         has_border=False,
     ),
     PanelRow(
-        BUDGET,
+        row.BUDGET,
         "rl_tui.screen.panels.budget:BudgetPanel",
         "Budget",
         "Pulls and winnings of a bandit; once shown or spent, its regret too: over all pulls, the true mean "
@@ -149,7 +130,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         needs=_has_arms,
     ),
     PanelRow(
-        CONTROLS,
+        row.CONTROLS,
         "rl_tui.screen.panels.controls.controls:Controls",
         "Agent",
         "The settings of the agent. Focus a slider with tab or 1, 2, 3, 4: left and right change it; enter "
@@ -162,7 +143,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         terms=("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
     ),
     PanelRow(
-        PROGRAM,
+        row.PROGRAM,
         "rl_tui.screen.panels.program.program:ProgramPanel",
         "Program",
         "Your own program, watched (rl-tui watch SCRIPT.py): its environment, the table that was found in "
@@ -177,7 +158,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         of_program=True,
     ),
     PanelRow(
-        LAST_STEP,
+        row.LAST_STEP,
         "rl_tui.screen.panels.last_step.last_step:LastStepPanel",
         "Last step",
         "What the agent did, where that led, and the update: each word stands above its number. The heading "
@@ -192,7 +173,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         ),
     ),
     PanelRow(
-        MICROSCOPE,
+        row.MICROSCOPE,
         "rl_tui.screen.panels.microscope.microscope:Microscope",
         "Microscope",
         "d shows the last step under the microscope, live. Numbers of the cell that was updated are "
@@ -209,7 +190,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         opened_by=OpeningKey("d", "microscope", "Open the last step under the microscope.", rank=9),
     ),
     PanelRow(
-        MANY_SEEDS,
+        row.MANY_SEEDS,
         "rl_tui.screen.panels.many_seeds:ManySeeds",
         "Many seeds",
         "One seed decides nothing. t m runs the same again under other seeds, beside this run and at low "
@@ -234,7 +215,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         not_for_program="this runs built-in agents; rl-tui grade {file} runs your program under many seeds",
     ),
     PanelRow(
-        DISCOUNT,
+        row.DISCOUNT,
         "rl_tui.screen.panels.discount:DiscountPanel",
         "Flip points",
         "The optimal actions depend on γ. t g draws Q* of every action of one state, from γ = 0 to 1: the "
@@ -252,7 +233,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         wide_rows=15,
     ),
     PanelRow(
-        POLICIES,
+        row.POLICIES,
         "rl_tui.screen.panels.policies.policies:Policies",
         "Policies",
         "The exact returns of policies, a row each: random, greedy at this moment, the agent as it acts "
@@ -270,7 +251,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         opened_by=OpeningKey("t p", "policies", "Compare policies by their exact return.", old="P"),
     ),
     PanelRow(
-        WORLD_CHECK,
+        row.WORLD_CHECK,
         "rl_tui.screen.panels.world_check:WorldCheckPanel",
         "World check",
         "Is this world sound? The answers to know before you give a world to a class: the returns of the "
@@ -289,7 +270,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         not_for_program="this checks worlds of scenarios; rl-tui check --deep checks one by its id or file",
     ),
     PanelRow(
-        FINDINGS,
+        row.FINDINGS,
         "rl_tui.screen.panels.program.findings:FindingsPanel",
         "Findings",
         "What is wrong with the program that is watched, the worst first. A fault is claimed only from at "
@@ -308,7 +289,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         of_program=True,
     ),
     PanelRow(
-        OUTPUT,
+        row.OUTPUT,
         "rl_tui.screen.panels.program.output:OutputPanel",
         "Output",
         "The last lines that the watched program wrote, each behind the number of steps that it had taken. "
