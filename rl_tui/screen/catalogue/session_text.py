@@ -97,9 +97,7 @@ def _text(name: str, value: float | str) -> str:
 # Row and details of a session
 
 
-_MINUTE: Final = 60
-_HOUR: Final = 60 * _MINUTE
-_DAY: Final = 24 * _HOUR
+_UNITS: Final = ((86_400, "d", "day"), (3_600, "h", "hour"), (60, "min", "minute"))  # seconds, names
 _MOST_DAYS: Final = 14
 _LONGEST_PATH: Final = 1_000
 _MOST_OWN: Final = 4
@@ -190,19 +188,16 @@ def algorithm_name(algorithm: str) -> str:
 def short_age(age: timedelta, moment: datetime) -> str:
     """Return how long ago it was, in a few letters; after two weeks the date."""
     seconds = int(age.total_seconds())
-    if seconds >= _MOST_DAYS * _DAY:
+    if age.days >= _MOST_DAYS:
         return moment.astimezone().strftime("%Y-%m-%d")
-    units = ((_DAY, "d"), (_HOUR, "h"), (_MINUTE, "min"))
-    return next((f"{seconds // length} {unit}" for length, unit in units if seconds >= length), "now")
+    return next((f"{seconds // length} {unit}" for length, unit, _ in _UNITS if seconds >= length), "now")
 
 
 def long_age(age: timedelta) -> str:
     """Return how long ago it was, in words."""
     seconds = int(age.total_seconds())
-    for length, word in ((_DAY, "day"), (_HOUR, "hour"), (_MINUTE, "minute")):
-        if seconds >= length:
-            return f"{counted(seconds // length, word)} ago"
-    return "less than a minute ago"
+    ages = (f"{counted(seconds // length, word)} ago" for length, _, word in _UNITS if seconds >= length)
+    return next(ages, "less than a minute ago")
 
 
 # The list of sessions

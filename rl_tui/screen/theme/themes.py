@@ -107,13 +107,10 @@ PICTURE_LIGHT: Final = TerminalTheme((255, 255, 255), (0, 0, 0), [*_NORMAL], [*_
 
 def themes_for(depth: Depth, *, picture: bool = False) -> tuple[Theme, Theme]:
     """Return the dark and the light theme of ``depth``; for a ``picture`` all of their colours are RGB."""
-    if depth == "truecolor":
-        return DARK, LIGHT
-    if depth == "256":
-        return DARK_256, LIGHT_256
-    if picture:
+    known = {"truecolor": (DARK, LIGHT), "256": (DARK_256, LIGHT_256)}
+    if picture and depth not in known:
         return _in_rgb(DARK_16, PICTURE_DARK), _in_rgb(LIGHT_16, PICTURE_LIGHT)
-    return DARK_16, LIGHT_16
+    return known.get(depth, (DARK_16, LIGHT_16))
 
 
 def _in_rgb(theme: Theme, terminal: TerminalTheme) -> Theme:
