@@ -61,14 +61,10 @@ def hides_exact(snapshot: Snapshot) -> bool:
     return is_secret(snapshot) and not snapshot.exact_answer.refused
 
 
-def has_exact_key(snapshot: Snapshot) -> bool:
-    """Return whether it is hidden, and a key shows it."""
-    return hides_exact(snapshot) and not keeps_back(snapshot, "answer")
-
-
 def veils_exact(snapshot: Snapshot) -> bool:
     """Return whether the layer Q* has ``···`` in place of numbers that a key shows; not of a bandit."""
-    return has_exact_key(snapshot) and not isinstance(snapshot.world.drawing, Arms)
+    has_key = hides_exact(snapshot) and not keeps_back(snapshot, "answer")
+    return has_key and not isinstance(snapshot.world.drawing, Arms)
 
 
 def veiled(glyphs: Glyphs) -> str:

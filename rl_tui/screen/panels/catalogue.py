@@ -6,12 +6,7 @@ from typing import Final
 
 from rl_tui.screen.kit import row
 from rl_tui.screen.kit.row import OpeningKey, PanelRow
-from rl_tui.worlds.drawing import Arms, Drawing
-
-
-def _has_arms(drawing: Drawing | None) -> bool:
-    return isinstance(drawing, Arms)
-
+from rl_tui.worlds.drawing import Arms
 
 PANELS: Final[tuple[PanelRow, ...]] = (
     PanelRow(
@@ -127,7 +122,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             *("winnings", "regret", "best-possible", "best-arm-share", "best-arm"),
             *("bandit", "arm", "reward", "step"),
         ),
-        needs=_has_arms,
+        needs=lambda drawing: isinstance(drawing, Arms),
     ),
     PanelRow(
         row.CONTROLS,

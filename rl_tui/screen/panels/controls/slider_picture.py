@@ -71,7 +71,10 @@ class SliderScale:
 
     def moved(self, value: float, by: float) -> float:
         """Return ``value`` moved within the ends; one typed beyond an end is not brought back to it."""
-        target = self._by_ratio(value, by) if self.logarithmic else round(value + by, _NOISE)
+        if self.logarithmic:  # rounded as fine as it is moved
+            target = _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
+        else:
+            target = round(value + by, _NOISE)
         if by < 0.0:
             return max(target, min(value, self.low))
         return min(target, max(value, self.high))
@@ -105,9 +108,6 @@ class SliderScale:
         if self.logarithmic:
             return math.log(max(value, self.range.low) / self.range.low) / math.log(self._ratio)
         return (value - self.range.low) / self.span
-
-    def _by_ratio(self, value: float, by: float) -> float:
-        return _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
 
 
 def scale_of(parameter: Parameter) -> SliderScale:

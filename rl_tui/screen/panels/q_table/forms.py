@@ -61,7 +61,8 @@ class MatrixForm:
         for name, following in zip(names, (*names[1:], ""), strict=True):
             # the gap may be used where no other name begins right behind it
             reach = self._column if cell_len(following) < width - 1 else width
-            text += padded(_centred(shortened(name, reach, ellipsis), width), self._column)
+            head = shortened(name, reach, ellipsis)
+            text += padded(" " * ((width - cell_len(head)) // 2) + head, self._column)
         return [Segment(text, self.scene.look.palette.dim)]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
@@ -152,10 +153,6 @@ def _fits_narrow(scene: Scene) -> bool:
     if figures.layer not in (Layer.Q, *LEARNED_NOT) or scene.world.least_reward < 0.0:
         return False
     return figures.low >= 0.0 and len(numbers.fixed(figures.high, 1)) <= LEAST_FIELD
-
-
-def _centred(text: str, width: int) -> str:
-    return " " * (max(0, width - cell_len(text)) // 2) + text
 
 
 # The list

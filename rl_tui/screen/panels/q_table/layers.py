@@ -208,7 +208,12 @@ class Figures:
     def _own_scale(self, snapshot: Snapshot, exact: Exact | None) -> ValueScale | None:
         if self.layer is Layer.LANES:
             return ValueScale(self.low, self.high, Ramp.ERRORS)
-        return value_scale(_best_of_policy(snapshot, exact))
+        best = [np.empty(0)]  # of each state under the policy, in both lanes
+        for lane in lanes_in_view(snapshot):
+            known = exact if lane is snapshot else exact_of(lane, Layer.POLICY)
+            if known is not None:
+                best.append(np.asarray(best_of_states(lane.world.space, known[0])))
+        return value_scale(finite(np.concatenate(best)))
 
     def _form(self, width: int) -> NumberForm:
         form = self._forms.get(width)
@@ -234,15 +239,6 @@ def _values(
     if exact is None:
         raise ValueError(f"the layer {layer} needs the exact answer")
     return exact[0] if layer in LEARNED_NOT else np.asarray(snapshot.agent.q - exact[0])
-
-
-def _best_of_policy(snapshot: Snapshot, exact: Exact | None) -> FloatArray:
-    found = [np.empty(0)]
-    for lane in lanes_in_view(snapshot):
-        known = exact if lane is snapshot else exact_of(lane, Layer.POLICY)
-        if known is not None:
-            found.append(np.asarray(best_of_states(lane.world.space, known[0])))
-    return finite(np.concatenate(found))
 
 
 def _numbers(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArray:
