@@ -14,7 +14,7 @@ from rl_tui.runs.exact_answers import Answer
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.run import Run
 from rl_tui.screen.draw.block_signs import block_number
-from rl_tui.screen.panels.graph.chain import chain_boxes
+from rl_tui.screen.panels.graph.chain import chain_layout
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.files.catalogue import find
@@ -138,8 +138,9 @@ def test_the_last_step_is_an_arrow_between_its_states_and_its_update_has_a_frame
     last = snapshot.counters.last_step
     assert last is not None
     drawn = rows(snapshot, 69, 11)
-    boxes = chain_boxes((0, 1, 2, 3, 4, 5, 6), 69, 11)
-    assert boxes is not None
+    layout = chain_layout((0, 1, 2, 3, 4, 5, 6), 69, 11)
+    assert layout is not None
+    boxes = layout.boxes
     state, after = boxes[last.state], boxes[last.next_state]
     y = state.y + state.height // 2
     gap = drawn[y][min(state.x, after.x) + state.width : max(state.x, after.x)]

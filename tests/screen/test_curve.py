@@ -112,11 +112,11 @@ def test_without_exploring_no_gap_is_blamed_on_it() -> None:
 
 
 def test_before_the_first_episode_it_says_what_to_do() -> None:
-    assert " ".join(words.NO_EPISODE_YET) in drawn(lake(0), (80, 13))[0]
+    assert " ".join(words.NOTHING_YET["episode"]) in drawn(lake(0), (80, 13))[0]
     narrow, _ = drawn(lake(0), NARROW)
-    assert words.NO_EPISODE_YET[0] in narrow
+    assert words.NOTHING_YET["episode"][0] in narrow
     assert "e:" in narrow
-    assert words.NO_PULL_YET[0] in drawn(bandit(0))[0]
+    assert words.NOTHING_YET["pull"][0] in drawn(bandit(0))[0]
 
 
 def test_one_action_is_no_tie() -> None:
@@ -272,7 +272,7 @@ def test_of_a_planner_only_the_greedy_policy_has_a_curve() -> None:
     assert words.AGENT not in text
     assert not has_area(text)
     assert words.NO_REWARD not in drawn(planning(500))[0]
-    assert words.NO_SWEEP_YET[0] in drawn(planning(0))[0]
+    assert words.NOTHING_YET["sweep"][0] in drawn(planning(0))[0]
 
 
 def test_a_stepped_world_has_the_episodes_alone() -> None:

@@ -104,14 +104,14 @@ def test_long_names_give_way_to_the_lines_and_then_carry_their_numbers() -> None
 
 def test_each_lane_has_a_colour_and_the_shown_one_is_bold() -> None:
     snapshot, palette = side_by_side(3, 2), look().palette
-    assert styles(snapshot, "α 0.1:") == {palette.lane_1}
-    assert styles(snapshot, "α 0.5:") == {palette.lane_2}
-    assert styles(snapshot, "SARSA:") == {palette.lane_3 + Style(bold=True)}
-    assert {palette.lane_1, palette.lane_2, palette.lane_3, palette.greedy_line} <= dotted(snapshot)
+    assert styles(snapshot, "α 0.1:") == {palette.lanes[0]}
+    assert styles(snapshot, "α 0.5:") == {palette.lanes[1]}
+    assert styles(snapshot, "SARSA:") == {palette.lanes[2] + Style(bold=True)}
+    assert {palette.lanes[0], palette.lanes[1], palette.lanes[2], palette.greedy_line} <= dotted(snapshot)
 
 
 def test_the_first_lane_keeps_the_colour_it_had_alone() -> None:
-    assert look().palette.lane_1 == look().palette.episodes
+    assert look().palette.lanes[0] == look().palette.episodes
 
 
 @pytest.mark.parametrize("depth", ["none", "16"])
@@ -154,7 +154,7 @@ def test_lanes_that_run_alike_are_both_seen() -> None:
     first, second = lane_views(2)
     same = changed(side_by_side(2), lanes=(first, replace(first, name=second.name)))
     palette = look().palette
-    assert {palette.lane_1, palette.lane_2} <= dotted(same)
+    assert {palette.lanes[0], palette.lanes[1]} <= dotted(same)
 
 
 def test_a_greedy_line_that_goes_up_and_down_covers_no_lane() -> None:
@@ -183,7 +183,7 @@ def test_a_lane_that_has_only_begun_has_no_line_and_no_name_at_its_end() -> None
     nothing = tuple(without_episodes(lane) for lane in (first, second))
     empty = Curve(nothing[0].results.curve.episode, *(np.array([]),) * 4)
     start = changed(side_by_side(2), lanes=nothing, episodes=0, curve=empty, return_last_100=None)
-    assert words.NO_EPISODE_YET[0] in "\n".join(drawn(start)[0])
+    assert words.NOTHING_YET["episode"][0] in "\n".join(drawn(start)[0])
 
 
 def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:

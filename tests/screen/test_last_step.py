@@ -11,7 +11,7 @@ from snapshots import changed
 from rl_tui.agents.last_step import LastStep
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.panels.last_step.last_step import LastStepPanel
-from rl_tui.screen.panels.last_step.update_text import step_size_text, update_text
+from rl_tui.screen.panels.last_step.update_text import update_text
 from rl_tui.screen.theme.glyphs import UNICODE
 
 LAKE = lake()
@@ -145,9 +145,9 @@ def test_negative_numbers_stand_in_brackets() -> None:
 def test_a_sample_average_shows_its_fraction() -> None:
     (line,) = drawn(stepped(bandit(), before=1.39, reward=2.11))
     assert "1.390 + 1/842·(2.110 − 1.390) = 1.391" in line
-    assert step_size_text(0.5, 0.5, UNICODE) == ".50"
-    assert step_size_text(0.5, "sample-average", UNICODE) == "1/2"
-    assert step_size_text(0.3, 0.1, UNICODE) == ".30"
+    for step_size, alpha, text in ((0.5, 0.5, ".50"), (0.5, "sample-average", "1/2"), (0.3, 0.1, ".30")):
+        last = replace(LAST, step_size=step_size)
+        assert update_text(last, alpha, UNICODE, bootstraps=True).step_size == text
 
 
 def test_whole_numbers_have_no_decimals() -> None:

@@ -76,11 +76,9 @@ GRAPHIC = ("hole", "cliff", "wall")  # signs as large as their cell, or hatching
 
 
 def roles(palette: Palette) -> dict[str, Style]:
-    return {
-        field.name: getattr(palette, field.name)
-        for field in fields(palette)
-        if field.name not in ("name", "values", "signed", "visits")
-    }
+    own = [each.name for each in fields(palette) if isinstance(getattr(palette, each.name), Style)]
+    lanes = {f"lane_{number}": style for number, style in enumerate(palette.lanes, 1)}
+    return {name: getattr(palette, name) for name in own} | lanes
 
 
 def all_styles(palette: Palette) -> list[Style]:

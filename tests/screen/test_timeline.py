@@ -217,8 +217,8 @@ def styles(snapshot: Snapshot, character: str, *, focused: bool = False) -> set[
 def test_the_present_is_calm_and_the_past_stands_out() -> None:
     palette: Palette = look().palette
     assert styles(at(10_000), "━") == {palette.slider_rest}
-    assert styles(at(10_000), "●") == {palette.slider_thumb}
-    assert styles(at(2_500), "━") == {palette.slider_done}
+    assert styles(at(10_000), "●") == {palette.strong}
+    assert styles(at(2_500), "━") == {palette.press}
     assert styles(at(2_500), "●") == {palette.press}
 
 

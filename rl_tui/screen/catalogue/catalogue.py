@@ -58,8 +58,6 @@ from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from rl_tui.live.sessions.progress import LessonEntries
-    from rl_tui.live.snapshot import Snapshot
-    from rl_tui.screen.catalogue.preview import LastRun
     from rl_tui.screen.dialogs.dialog import Dialog
 
 AT_LESSONS: Final = "/learn"
@@ -77,9 +75,8 @@ _Turn = IntEnum("_Turn", ["END", "PICTURE", "WORLD", "OPTIMUM", "REST"])  # most
 class CatalogueScreen(SavedSessions):
     """Above four doors, left the scenarios or the sessions, right what is known of the one under the cursor.
 
-    Lessons are read in a thread after the first paint, and worlds built: the first, and then, once all that
-    is needed to play it is there, the others, those of Gymnasium last. The same thread makes the runs that
-    the picture shows. ``sessions`` is the folder of sessions, None where none are kept.
+    A thread reads lessons after the first paint, builds the worlds, those of Gymnasium last, and makes the
+    runs of the picture. ``sessions`` is the folder of sessions, None where none are kept.
     """
 
     CSS_PATH = "catalogue.tcss"
@@ -99,25 +96,6 @@ class CatalogueScreen(SavedSessions):
         """The user wants the list of lessons, with the cursor on the lesson ``start_at``."""
 
         start_at: str = ""
-
-    @dataclass
-    class LessonsRead(Message):
-        """The files of the lessons are read."""
-
-        found: LessonEntries
-
-    @dataclass
-    class WorldBuilt(Message):
-        """A world is ready, or could not be built."""
-
-        scenario: Scenario
-        world: World | UserError
-
-    @dataclass
-    class NotImported(Message):
-        """What the playground needs cannot be imported."""
-
-        reason: str
 
     def __init__(
         self,
@@ -140,6 +118,7 @@ class CatalogueScreen(SavedSessions):
         self._lessons: LessonEntries | None = None
         self._lessons_read = asyncio.Event()
         self._in_sessions = False
+        self._details = Details(look)
 
     def content(self) -> Iterable[Widget]:
         """Yield the doors, the lists and the details."""
@@ -151,7 +130,7 @@ class CatalogueScreen(SavedSessions):
         yield Doors(self.look, doors)
         yield Filter(self.look)
         lists = Vertical(ScenarioList(self.look, self._catalogue), SessionList(self.look), id="lists")
-        yield Horizontal(lists, Details(self.look), id="columns")
+        yield Horizontal(lists, self._details, id="columns")
 
     def on_mount(self) -> None:
         """Put the cursor where the user came from."""
@@ -183,7 +162,7 @@ class CatalogueScreen(SavedSessions):
     def _put(self, turn: _Turn, job: Callable[[], object] | None) -> None:
         self._jobs.put((turn, next(self._numbers), job))
 
-    # In the thread: only messages leave it, and calls that are made later in the screen's
+    # In the thread: only calls that are made later in the screen's leave it
 
     def _work(self) -> None:
         with suppress(RuntimeError):  # the program has ended meanwhile
@@ -193,7 +172,12 @@ class CatalogueScreen(SavedSessions):
             scenarios = self._catalogue.scenarios
             for scenario in scenarios[:1]:
                 self._build(scenario)
-            self._import_what_is_needed_to_play()
+            try:
+                for module in _NEEDED_TO_PLAY:
+                    import_module(module)
+            except ImportError as error:
+                say = partial(self.notify, title="cannot load", severity="error", timeout=30, markup=False)
+                self.call_later(say, str(error))
             for scenario in sorted(scenarios[1:], key=lambda each: each.kind == "gymnasium"):
                 self._put(_Turn.WORLD, partial(self._build, scenario))
             while (job := self._jobs.get()[-1]) is not None:
@@ -202,7 +186,7 @@ class CatalogueScreen(SavedSessions):
     def _read_lessons(self) -> None:
         from rl_tui.live.sessions.progress import lesson_entries
 
-        self.post_message(self.LessonsRead(lesson_entries(self._sessions)))
+        self.call_later(self._show_lessons, lesson_entries(self._sessions))
 
     def _build(self, scenario: Scenario) -> None:
         try:
@@ -211,25 +195,18 @@ class CatalogueScreen(SavedSessions):
             world = error
         except ImportError as error:
             world = UserError(f"{error}")
-        self.post_message(self.WorldBuilt(scenario, world))
-
-    def _import_what_is_needed_to_play(self) -> None:
-        try:
-            for module in _NEEDED_TO_PLAY:
-                import_module(module)
-        except ImportError as error:
-            self.post_message(self.NotImported(str(error)))
+        self.call_later(self._take_world, scenario, world)
 
     def _make_moments(self, scenario: Scenario, world: World) -> None:
         from rl_tui.screen.catalogue.preview import moments_of
 
         if self._wanted is scenario:  # else the cursor has moved on
-            self.call_later(self._take_moments, scenario, moments_of(scenario, world))
+            self.call_later(self._details.take_moments, scenario, moments_of(scenario, world))
 
     def _repeat_last_run(self, session: StoredSession) -> None:
         from rl_tui.screen.catalogue.preview import last_run
 
-        self.call_later(self._take_last_run, session, last_run(session))
+        self.call_later(self._details.take_last_run, session, last_run(session))
 
     def _find_optima(self, marks: Mapping[str, Mark], sessions: Sequence[StoredSession]) -> None:
         """Look at the first of ``sessions``; a picture that is asked for meanwhile goes before the others."""
@@ -245,19 +222,17 @@ class CatalogueScreen(SavedSessions):
 
     # What the thread tells
 
-    def on_catalogue_screen_lessons_read(self, event: LessonsRead) -> None:
-        """Say how far one has come."""
-        self._lessons = event.found
+    def _show_lessons(self, found: LessonEntries) -> None:
+        self._lessons = found
         self._lessons_read.set()
-        self.query_one(Doors).show(LEARN, learn_door(event.found))
+        self.query_one(Doors).show(LEARN, learn_door(found))
         self.show_current()
 
-    def on_catalogue_screen_world_built(self, event: WorldBuilt) -> None:
-        """Fill in what was missing."""
-        self._worlds[event.scenario.id] = event.world
+    def _take_world(self, scenario: Scenario, world: World | UserError) -> None:
+        self._worlds[scenario.id] = world
         if len(self._worlds) == len(self._catalogue.scenarios):
             self._all_built.set()
-        if event.scenario is self._current:
+        if scenario is self._current:
             self.show_current()
 
     def on_details_moments_wanted(self, event: Details.MomentsWanted) -> None:
@@ -269,22 +244,12 @@ class CatalogueScreen(SavedSessions):
         """Have the run of a session taken again."""
         self._put(_Turn.PICTURE, partial(self._repeat_last_run, event.session))
 
-    def _take_moments(self, scenario: Scenario, moments: Sequence[Snapshot]) -> None:
-        self.query_one(Details).take_moments(scenario, moments)
-
-    def _take_last_run(self, session: StoredSession, run: LastRun | None) -> None:
-        self.query_one(Details).take_last_run(session, run)
-
     def _show_marks(self, marks: Mapping[str, Mark]) -> None:
         self.query_one(ScenarioList).show_marks(marks)
 
     def _show_scripts(self, scripts: Sequence[Path]) -> None:
         self._scripts = scripts
         self.query_one(Doors).show(OWN_CODE, own_code_door(scripts))
-
-    def on_catalogue_screen_not_imported(self, event: NotImported) -> None:
-        """Show why the scenario cannot be opened."""
-        self.notify(event.reason, title="cannot load", severity="error", timeout=30, markup=False)
 
     def show_sessions(self, sessions: Sequence[StoredSession]) -> None:
         """Mark the worlds that were opened, and write the newest session on its door."""
@@ -303,7 +268,7 @@ class CatalogueScreen(SavedSessions):
         await self._lessons_read.wait()
         await self.sessions_read()
         await self._details_drawn()
-        self.query_one(Details).ask_for_moments()
+        self._details.ask_for_moments()
         for _ in range(2):  # what the details ask for is in the queue only after a message was handled
             done = asyncio.Event()
             self._put(_Turn.REST, partial(self.call_later, done.set))
@@ -329,11 +294,11 @@ class CatalogueScreen(SavedSessions):
         if self.query_one(Filter).display:
             return [self.query_one(Filter).line]
         order: list[Widget] = [self.query_one(Doors), self.query_one(ScenarioList)]
-        sessions, details = self.query_one(SessionList), self.query_one(Details)
+        sessions = self.query_one(SessionList)
         if sessions.entries:
             order.append(sessions)
-        if details.max_scroll_y:
-            order.insert(order.index(sessions) + 1 if self._in_sessions else 2, details)
+        if self._details.max_scroll_y:
+            order.insert(order.index(sessions) + 1 if self._in_sessions else 2, self._details)
         return order
 
     def on_descendant_focus(self, event: DescendantFocus) -> None:
@@ -362,12 +327,9 @@ class CatalogueScreen(SavedSessions):
         id_ = entry.id if isinstance(entry, Scenario) else ""
         sessions = [each for each in self.query_one(SessionList).sound if each.document.scenario.id == id_]
         own = [each for each in sessions if each.document.lesson is None]
-        self.query_one(Details).show(entry, self._worlds.get(id_), self._lessons_in(id_), own)
-
-    def _lessons_in(self, scenario: str) -> list[str]:
-        """Return the titles of the lessons in which a page plays in ``scenario``."""
         lessons = [] if self._lessons is None else [each.lesson for each in self._lessons.entries]
-        return [each.title for each in lessons if any(of.scenario == scenario for of in each.setups.values())]
+        here = [each.title for each in lessons if any(of.scenario == id_ for of in each.setups.values())]
+        self._details.show(entry, self._worlds.get(id_), here, own)
 
     # The filter
 
@@ -432,15 +394,16 @@ class CatalogueScreen(SavedSessions):
         elif number == OWN_CODE and self.in_kiosk:
             self.tell("Not here: a kiosk opens no files.")
         elif number == OWN_CODE:
-            self.app.push_screen(own_code_page(self._scripts, self.look.glyphs), self._say_command)
+
+            def say(command: str | None) -> None:
+                if command is not None:
+                    self.tell(f"In a shell: {command}", timeout=15)
+
+            self.app.push_screen(own_code_page(self._scripts, self.look.glyphs), say)
         elif sessions := self.query_one(SessionList).sound:
             self.resume(sessions[0])
         else:
             self.tell("Nothing to go on with yet. 2 watches an agent learn.")
-
-    def _say_command(self, command: str | None) -> None:
-        if command is not None:
-            self.tell(f"In a shell: {command}", timeout=15)
 
     def action_open(self) -> None:
         """Go through the door, or open what is under the cursor of the list."""

@@ -17,7 +17,7 @@ from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.live.sessions.session import SessionError, StoredSession
 from rl_tui.screen.catalogue.facts import Prose, blocks_of, faults_text, size_line
 from rl_tui.screen.catalogue.scenario_list import Heading, Hit
-from rl_tui.screen.catalogue.session_text import own_sessions_text, session_facts, session_fault
+from rl_tui.screen.catalogue.session_text import own_sessions_text, session_facts
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
@@ -30,8 +30,7 @@ if TYPE_CHECKING:
     from rl_tui.screen.catalogue.preview import LastRun
     from rl_tui.screen.panels.world.view import WorldView
 
-Entry = Scenario | ScenarioError | Hit | StoredSession | SessionError
-"""A row of one of the lists."""
+Entry = Scenario | ScenarioError | Hit | StoredSession | SessionError  # a row of one of the lists
 
 REST: Final = 0.15  # seconds for which the cursor stays on a row before its run is made
 PACE: Final = 0.5  # seconds from one moment of it to the next
@@ -65,8 +64,7 @@ class Details(VerticalScroll):
         heading, facts = Static(id="heading"), Static(id="facts", markup=False)
         super().__init__(heading, facts, stage, id="details")
         self._look = look
-        self.shown: Entry | None = None
-        """The entry of which it tells."""
+        self.shown: Entry | None = None  # the entry of which it tells
         self._newest: StoredSession | None = None  # of the scenario that is shown
         self._view: WorldView | None = None
         self._moments: dict[str, Sequence[Snapshot]] = {}
@@ -100,9 +98,11 @@ class Details(VerticalScroll):
         elif isinstance(entry, Hit):
             self._tell(entry.title, "")
         elif isinstance(entry, ScenarioError):
-            self._tell("Errors", faults_text(entry, self._look))
+            what = "This file cannot be played until it is fixed."
+            self._tell("Errors", faults_text(what, entry.faults, self._look))
         elif isinstance(entry, SessionError):
-            self._tell("Errors", session_fault(entry, self._look))
+            what = "This file cannot be resumed. It is left as it is."
+            self._tell("Errors", faults_text(what, [entry], self._look))
         elif isinstance(entry, StoredSession):
             self._tell(f"Session: {entry.title}", session_facts(entry, now, self._look))
         else:
@@ -134,7 +134,6 @@ class Details(VerticalScroll):
             drawing.mount(Static(f"preparing {self._look.glyphs.ellipsis}", classes="hint"))
 
     def _stop_picture(self) -> None:
-        """Hide the picture of the entry before, in the frame in which the title changes."""
         for timer in (self._rest, self._pace):
             if timer is not None:
                 timer.stop()
@@ -179,7 +178,6 @@ class Details(VerticalScroll):
             self._play(self._view, moments)
 
     def _play(self, view: WorldView, moments: Sequence[Snapshot]) -> None:
-        """Show ``moments`` in ``view`` one after the other, or where nothing is to move the last of them."""
         if self._pace is not None:
             self._pace.stop()
         self._show_moment(view, moments[0 if self._moves else -1])
@@ -204,12 +202,10 @@ class Details(VerticalScroll):
 
     @property
     def _has_room(self) -> bool:
-        """Whether there is room below the picture."""
         return self.screen.has_class("-tall")
 
     @property
     def _moves(self) -> bool:
-        """Whether the picture runs: nowhere where pictures do not move, and not in ASCII."""
         is_plain = self._look.glyphs.name == "ascii"
         app = self.app
         return isinstance(app, LinkedApp) and app.ticks > 0 and not app.has_slow_link and not is_plain

@@ -55,10 +55,8 @@ class Door:
     title: str
     text: str
     state: str
-    short: str = ""
-    """The state without the text above it; empty: the state itself."""
-    brief: str = ""
-    """The title where there is one row only; empty: the title itself."""
+    short: str = ""  # the state without the text above it; empty: the state itself
+    brief: str = ""  # the title where there is one row only; empty: the title itself
 
 
 class Doors(Widget, can_focus=True):
@@ -126,7 +124,6 @@ class Doors(Widget, can_focus=True):
             self.post_message(self.DoorOpened(at))
 
     def _edge(self, number: int) -> int:
-        """Return where the door of that number ends; in one row each has what its title takes."""
         if self.size.height > _LOW:
             return self.size.width * number // len(self._doors)
         titles = [len(self._title(each)) + 3 for each in range(1, number + 1)]
@@ -153,10 +150,8 @@ def learn_door(found: LessonEntries | None) -> Door:
         return Door("Learn", text, "")
     here = next((each for each in found.entries if each.lesson.id == found.goes_on_at), None)
     core = [each for each in found.entries if each.lesson.id in CORE]
-    finished, brief = (
-        f"{found.finished} of {len(found.entries)} done",
-        f"Learn {found.finished}/{len(found.entries)}",
-    )
+    count = len(found.entries)
+    finished, brief = f"{found.finished} of {count} done", f"Learn {found.finished}/{count}"
     if here is None:
         return Door("Learn", text, finished, brief=brief)
     minutes = f"next page {minutes_of_page(here.lesson)} min"
@@ -200,10 +195,7 @@ _IMPORTS: Final = re.compile(r"\s*(?:import|from)\s+gymnasium\b")
 
 
 def scripts_here(folder: Path | None = None) -> list[Path]:
-    """Return the scripts in ``folder``, else the current one, that import Gymnasium, by their first lines.
-
-    Nothing is run, and what cannot be read is left out.
-    """
+    """Return the scripts in ``folder``, else the current one, whose first lines import Gymnasium."""
     try:
         files = sorted(islice((folder or Path(os.curdir)).glob("*.py"), _MOST_FILES))
     except OSError:

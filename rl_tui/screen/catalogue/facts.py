@@ -17,7 +17,7 @@ from textual.widget import Widget
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
 from rl_tui.screen.draw.canvas import Piece, strips_of, wrapped
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
@@ -51,8 +51,7 @@ TRY: Final = "Try"
 LONGEST_LINE: Final = 60  # columns of prose
 
 
-Block = tuple[str, str]
-"""A heading, which may be empty, and a paragraph."""
+Block = tuple[str, str]  # a heading, which may be empty, and a paragraph
 
 
 def blocks_of(scenario: Scenario, lessons: Sequence[str] = ()) -> list[Block]:
@@ -93,7 +92,6 @@ class Prose(Widget):
         return strip.apply_style(self.rich_style)
 
     def _lines(self, width: int, most: int, *, inline: bool) -> list[list[Piece]]:
-        """Return the rows of as many blocks as fit; ``inline`` has headings before the text, in its row."""
         width, palette = max(1, min(width, LONGEST_LINE)), self._look.palette
         lines: list[list[Piece]] = []
         for heading, text in self._blocks:
@@ -114,23 +112,13 @@ def lesson_of(notes: str) -> str:
     return " ".join(found[1].split()).removesuffix(".") if found else ""
 
 
-def bullets(lines: Iterable[str], look: Look) -> Table:
-    """Return ``lines``, each after a dash; where one is broken it goes on behind that."""
+def labelled(rows: Iterable[tuple[RenderableType, RenderableType]], look: Look) -> Table:
+    """Return a table of ``rows``, each a label and what stands behind it."""
     table = Table.grid(padding=(0, 1, 0, 0))
     table.add_column(no_wrap=True, style=look.palette.dim)
     table.add_column(style=look.palette.text)
-    for line in lines:
-        table.add_row(Text(to_ascii("–", look.glyphs)), Text(to_ascii(line, look.glyphs)))
-    return table
-
-
-def labelled(rows: Mapping[str, RenderableType], look: Look) -> Table:
-    """Return a table of ``rows``, each after its label."""
-    table = Table.grid(padding=(0, 1, 0, 0))
-    table.add_column(no_wrap=True, style=look.palette.dim)
-    table.add_column(style=look.palette.text)
-    for label, what in rows.items():
-        table.add_row(label, what)
+    for row in rows:
+        table.add_row(*row)
     return table
 
 
@@ -175,7 +163,14 @@ def size_line(world: World | UserError | None, look: Look) -> RenderableType:
     return PartsLine(sizes(world), look)
 
 
-class PartsLine:
+class FullWidth:
+    """What is drawn as wide as there is room."""
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        return Measurement(1, options.max_width)
+
+
+class PartsLine(FullWidth):
     """Parts between dots in one row, of which the last are left out where they do not fit."""
 
     def __init__(self, line: str, look: Look) -> None:
@@ -187,13 +182,10 @@ class PartsLine:
             parts = parts[:-1]
         yield Text(separated(_DOT.join(parts), self._look.glyphs), self._look.palette.dim, no_wrap=True)
 
-    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        return Measurement(1, options.max_width)
 
-
-def faults_text(error: ScenarioError, look: Look) -> Text:
-    """Return every error of a file, a paragraph each."""
-    text = Text("This file cannot be played until it is fixed.\n", look.palette.text)
-    for fault in error.faults:
+def faults_text(what: str, faults: Iterable[object], look: Look) -> Text:
+    """Return ``what`` does not work, and every error of a file, a paragraph each."""
+    text = Text(f"{what}\n", look.palette.text)
+    for fault in faults:
         text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)
     return text

@@ -35,7 +35,7 @@ from rl_tui.live.sessions.progress import (
     start_of,
 )
 from rl_tui.live.sessions.session import StoredSession
-from rl_tui.screen.catalogue.facts import CORE, bullets, labelled, minutes_of_page
+from rl_tui.screen.catalogue.facts import CORE, faults_text, labelled, minutes_of_page
 from rl_tui.screen.catalogue.scenario_list import FAULTY, Heading, ListRow, RowList
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
@@ -72,11 +72,13 @@ def lesson_details(entry: LessonEntry, following: str, look: Look) -> Group:
     """Return the details of a lesson; ``following`` is the lesson after it, or empty."""
     lesson, palette = entry.lesson, look.palette
     lines = {"then": following} if following else {}
-    rows = {label: Text(separated(line, look.glyphs)) for label, line in (_lines(entry) | lines).items()}
+    rows = [(label, Text(separated(line, look.glyphs))) for label, line in (_lines(entry) | lines).items()]
+    goals = [f"{goal[0].lower()}{goal[1:]}" for goal in lesson.goals]
+    dash = Text(to_ascii("–", look.glyphs))
     return Group(
         Text(to_ascii(lesson.summary, look.glyphs), palette.text),
         Text("\nYou will be able to", palette.strong),
-        bullets([f"{goal[0].lower()}{goal[1:]}" for goal in lesson.goals], look),
+        labelled([(dash, Text(to_ascii(goal, look.glyphs))) for goal in goals], look),
         Text(""),
         Text(_pages(entry, look), palette.text),
         labelled(rows, look),
@@ -100,7 +102,6 @@ def pages_done(entry: LessonEntry) -> int:
 
 
 def _pages(entry: LessonEntry, look: Look) -> str:
-    """Return a sign for each page: done, open, to come."""
     done, glyphs = pages_done(entry), look.glyphs
     here = glyphs.progress[0] if entry.progress is not None and not entry.is_at_end else ""
     to_come = glyphs.untried * (len(entry.lesson.pages) - done - len(here))
@@ -119,14 +120,6 @@ def progress_line(found: LessonEntries) -> str:
     finished = f"{found.finished} of {len(found.entries)} finished"
     predictions = f" · {right} of {counted(made, 'prediction')} right" if made else ""
     return f"{finished}{predictions}{core}"
-
-
-def lesson_faults(error: ScenarioError, look: Look) -> Text:
-    """Return every error of a lesson file, a paragraph each."""
-    text = Text("This lesson cannot be taken until its file is fixed.\n", look.palette.text)
-    for fault in error.faults:
-        text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)
-    return text
 
 
 def _lines(entry: LessonEntry) -> dict[str, str]:
@@ -178,9 +171,9 @@ class LessonList(RowList):
     @property
     def following(self) -> str:
         """The number and title of the lesson after the current one, or nothing."""
-        after = -1 if self.highlighted is None else self.highlighted + 1
-        entry = self._entries[after] if 0 < after < len(self._entries) else None
-        return f"{after + 1} {entry.lesson.title}" if isinstance(entry, LessonEntry) else ""
+        after = len(self._entries) if self.highlighted is None else self.highlighted + 1
+        titles = (each.lesson.title for each in self._entries[after:][:1] if isinstance(each, LessonEntry))
+        return next((f"{after + 1} {title}" for title in titles), "")
 
     def _rows(self) -> Iterator[Option]:
         for number, entry in enumerate(self._entries, start=1):
@@ -217,8 +210,7 @@ def _world_of_page(lesson: Lesson, page: str) -> Snapshot:
 class LessonsScreen(ActionScreen):
     """Left the lessons, right what is known of the one under the cursor.
 
-    They are read in a thread after the first paint; keys typed before wait for them. ``sessions`` is the
-    folder of sessions, which say how far one has come, None where none are kept.
+    A thread reads them after the first paint; keys typed before wait. ``sessions`` is the folder of sessions.
     """
 
     CSS_PATH = "lessons.tcss"
@@ -234,12 +226,6 @@ class LessonsScreen(ActionScreen):
     @dataclass
     class ListClosed(Message):
         """The user goes back to the start screen."""
-
-    @dataclass
-    class EntriesRead(Message):
-        """The files of the lessons, and of the sessions, are read."""
-
-        found: LessonEntries
 
     def __init__(
         self,
@@ -284,14 +270,11 @@ class LessonsScreen(ActionScreen):
         Thread(target=self._read_lessons, name="read lessons", daemon=True).start()
 
     def _read_lessons(self) -> None:
-        """In the thread: only messages leave it."""
-        found = lesson_entries(self._sessions)
+        found = lesson_entries(self._sessions)  # in the thread: only what is called later leaves it
         with suppress(RuntimeError):  # the program has ended meanwhile
-            self.post_message(self.EntriesRead(found))
+            self.call_later(self._list_lessons, found)
 
-    def on_lessons_screen_entries_read(self, event: EntriesRead) -> None:
-        """List the lessons."""
-        found = event.found
+    def _list_lessons(self, found: LessonEntries) -> None:
         self.query_one("#progress", Static).update(f" {separated(progress_line(found), self.look.glyphs)}")
         self.query_one(LessonList).show([*found.entries, *found.broken], self._start_at or found.goes_on_at)
         self.show_current()
@@ -320,23 +303,22 @@ class LessonsScreen(ActionScreen):
 
     def show_current(self) -> None:
         """Show the details of the lesson under the cursor."""
-        entry, details = self.query_one(LessonList).current, self.query_one("#details")
-        about = self.query_one("#about", Static)
-        details.scroll_home(animate=False)
+        entry = self.query_one(LessonList).current
+        self.query_one("#details").scroll_home(animate=False)
         title = ""
         text: RenderableType = Text(_NONE, self.look.palette.text)
         if isinstance(entry, LessonEntry):
             title = entry.lesson.title
             text = lesson_details(entry, self.query_one(LessonList).following, self.look)
         elif isinstance(entry, ScenarioError):
-            title, text = "Errors", lesson_faults(entry, self.look)
+            what = "This lesson cannot be taken until its file is fixed."
+            title, text = "Errors", faults_text(what, entry.faults, self.look)
         self.query_one("#heading", Static).update(Heading(title, self.look))
-        about.update(text)
+        self.query_one("#about", Static).update(text)
         draw = partial(self._draw, entry)  # not the coroutine: of several in a row only the last one begins
         self.run_worker(draw, name="draw", exclusive=True, group=_DRAWING)  # type: ignore[arg-type]
 
     async def _draw(self, entry: Entry | None) -> None:
-        """Draw the world of the page that is open, or of the first one, once it is built."""
         drawing = self.query_one("#preview")
         drawing.remove_children()  # no await here: cancelled, it would leave half behind
         if not isinstance(entry, LessonEntry):

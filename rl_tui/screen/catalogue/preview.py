@@ -56,10 +56,9 @@ def beginning_of(scenario: Scenario, world: World) -> Snapshot:
 
 
 def moments_of(scenario: Scenario, world: World) -> tuple[Snapshot, ...]:
-    """Return moments of a run of ``scenario`` in ``world`` at equal distances, the beginning first.
+    """Return moments of a run at equal distances in steps, the same every time, the beginning first.
 
-    They are the same every time: what counts is steps, never time. Where no run can be shown there is only
-    the beginning: large worlds, and environments of the user's without ``preview_steps``.
+    Large worlds, and the user's environments without ``preview_steps``, have only the beginning.
     """
     before = beginning_of(scenario, world)
     recipe = before.recipe
@@ -99,10 +98,7 @@ def _moment(run: Run, before: Snapshot) -> Snapshot:
 
 
 def has_found_optimum(session: StoredSession, scenario: Scenario) -> bool:
-    """Return whether the greedy policy with which ``session`` was left is optimal for its own discount.
-
-    False where that is not known, and where the scenario hides its answer: a mark would reveal it.
-    """
+    """Return whether the greedy policy of ``session`` is known to be optimal, and that is no secret."""
     document = session.document
     table, lane = document.table, document.lanes[document.shown]
     is_edited = any(entry.world for branch in lane.branches for entry in branch.journal)
@@ -119,7 +115,6 @@ def has_found_optimum(session: StoredSession, scenario: Scenario) -> bool:
 
 @lru_cache(maxsize=_MOST_ANSWERS)
 def _answer(scenario: Scenario, seed: int, gamma: float) -> tuple[TabularMDP | None, Solution | None]:
-    """Return the table of a world and its exact answer, which the sessions there share."""
     mdp = scenario.build(streams(seed).world).mdp
     return mdp, optimum_of(mdp, gamma)
 
@@ -133,10 +128,7 @@ class LastRun:
 
 
 def last_run(session: StoredSession) -> LastRun | None:
-    """Return what the run of ``session`` earned, taken again; None where that is too long or cannot be.
-
-    At most 20,000 steps are taken, so that a row of the list is not waited for.
-    """
+    """Return what the run of ``session`` earned, taken again; None where it is too long or cannot begin."""
     try:
         record = session.record()
         lane = record.lanes[record.shown]

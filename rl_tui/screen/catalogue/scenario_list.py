@@ -9,7 +9,6 @@ from typing import ClassVar, Final
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, RenderResult
-from rich.measure import Measurement
 from rich.text import Text
 from textual.binding import BindingType
 from textual.containers import Horizontal
@@ -20,6 +19,7 @@ from rl_tui.common.errors import ScenarioError
 from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import StoredSession
+from rl_tui.screen.catalogue.facts import FullWidth
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.bindings import binding
@@ -46,7 +46,7 @@ class RowList(OptionList):
     ]
 
 
-class ListRow:
+class ListRow(FullWidth):
     """One line: ``mark`` and ``title``, and at the right ``size``. The title is shortened, never the size."""
 
     def __init__(self, mark: str, title: str, size: str, look: Look) -> None:
@@ -61,11 +61,8 @@ class ListRow:
         # no colours here: the list has its own for the row under its cursor
         yield Text(f" {self._mark or ' '} {title}{gap}{size}", no_wrap=True)
 
-    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        return Measurement(1, options.max_width)
 
-
-class Heading:
+class Heading(FullWidth):
     """One line: a title, and a rule behind it."""
 
     def __init__(self, title: str, look: Look) -> None:
@@ -74,9 +71,6 @@ class Heading:
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         rule = self._look.glyphs.axis_horizontal * (options.max_width - cell_len(self._title) - 1)
         yield Text.assemble((self._title, "bold"), f" {rule}", no_wrap=True)
-
-    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        return Measurement(1, options.max_width)
 
 
 # How far one has come in a world
@@ -92,10 +86,7 @@ class Mark(IntEnum):
 
 
 def marks_of(sessions: Iterable[StoredSession]) -> dict[str, Mark]:
-    """Return marks by the ids of scenarios, as far as documents show: run on means an episode ended.
-
-    Sessions of lessons do not count: there a page chose the world.
-    """
+    """Return marks by the ids of scenarios; sessions of lessons do not count."""
     marks = dict[str, Mark]()
     for session in sessions:
         document = session.document
@@ -187,13 +178,13 @@ class ScenarioList(RowList):
             self.screen.focus_previous()
 
     def _rows(self, words: str, hits: Sequence[Hit]) -> Iterator[tuple[Option, Entry | None]]:
-        """Yield each row with what it stands for, None for a heading, which the cursor passes over."""
         group = ""
         for scenario in self._catalogue.scenarios:
-            if not _has_words(scenario, words):
+            own = group_of(scenario)
+            if not has_words(f"{scenario.title} {scenario.id} {own} {scenario.summary}", words):
                 continue
-            if group_of(scenario) != group:
-                group = group_of(scenario)
+            if own != group:
+                group = own
                 yield self._heading(group), None
             yield Option(self._row(scenario), id=scenario.id), scenario
         broken = [] if words else self._catalogue.broken
@@ -216,11 +207,6 @@ class ScenarioList(RowList):
 
     def _heading(self, group: str) -> Option:
         return Option(Heading(group, self._look), disabled=True)
-
-
-def _has_words(scenario: Scenario, words: str) -> bool:
-    text = f"{scenario.title} {scenario.id} {group_of(scenario)} {scenario.summary}"
-    return has_words(text, words)
 
 
 def has_words(text: str, words: str) -> bool:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Final
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
-from rich.measure import Measurement
 from rich.text import Text
 from textual.message import Message
 from textual.widgets.option_list import Option
@@ -26,7 +25,7 @@ from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import SessionError, StoredSession, files_in, remove, sessions_in
 from rl_tui.runs.timeline.run_names import feature_text, features_of
-from rl_tui.screen.catalogue.facts import labelled
+from rl_tui.screen.catalogue.facts import FullWidth, labelled
 from rl_tui.screen.catalogue.scenario_list import RowList
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
@@ -47,10 +46,9 @@ _Features = Mapping[str, float | str]
 
 
 def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
-    """Return, for each of ``sessions``, in a few words each what it has otherwise than most of its title.
+    """Return in a few words what each of ``sessions`` has otherwise than most of its title.
 
-    Scenario, algorithm, settings in force, seed and lanes count, in this order; the step is not among them.
-    Of two that are equally common the one of the session that stands last is the usual one.
+    Of two equally common values, that of the last session is the usual one.
     """
     by_title = defaultdict[str, list[_Features]](list)
     every = [_features(session) for session in sessions]
@@ -66,17 +64,14 @@ def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
 def settings_of(session: StoredSession) -> list[str]:
     """Return in a few words each the numbers in force in ``session`` that a slider sets."""
     features = _features(session)
-    return [feature_text(name, features[name]) for name in features if _has_slider(name)]
+    sliders = [name for name in features if name in PARAMETERS and PARAMETERS[name].slide is not None]
+    return [feature_text(name, features[name]) for name in sliders]
 
 
 def _usual(sessions: Sequence[_Features]) -> _Features:
     names = dict.fromkeys(name for features in sessions for name in features)
     values = {name: [features[name] for features in sessions if name in features] for name in names}
     return {name: max(there, key=there.count) for name, there in values.items()}
-
-
-def _has_slider(name: str) -> bool:
-    return name in PARAMETERS and PARAMETERS[name].slide is not None
 
 
 def _features(session: StoredSession) -> _Features:
@@ -102,19 +97,16 @@ def _text(name: str, value: float | str) -> str:
 # Row and details of a session
 
 
-_MINUTE: Final = 60
-_HOUR: Final = 60 * _MINUTE
-_DAY: Final = 24 * _HOUR
+_UNITS: Final = ((86_400, "d", "day"), (3_600, "h", "hour"), (60, "min", "minute"))  # seconds, names
 _MOST_DAYS: Final = 14
 _LONGEST_PATH: Final = 1_000
 _MOST_OWN: Final = 4
 
 
-class SessionRow:
+class SessionRow(FullWidth):
     """Two lines of the list: title and age; then the step, what is ``different``, and the algorithm.
 
-    Most others of its title have what is ``different`` otherwise. ``number`` counts those that share title,
-    age and step, from 1.
+    ``number`` counts those that share title, age and step, from 1.
     """
 
     def __init__(
@@ -142,9 +134,6 @@ class SessionRow:
         yield Text(f"{title}{gap}{self._age}", no_wrap=True)
         yield Text(shortened(separated(self._line, glyphs), width, glyphs.ellipsis), no_wrap=True)
 
-    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        return Measurement(1, options.max_width)
-
 
 def session_facts(session: StoredSession, now: datetime, look: Look) -> RenderableType:
     """Return the details of ``session``: its world, what was done in it, and its step."""
@@ -166,10 +155,10 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
         "settings": " · ".join(settings_of(session)) or "none",
         "stands at": stands,
         "changes": f"{session.changes:,}" if session.changes else "none so far",
-        "saved": f"{long_age(now - session.saved)} · {_local(session.saved)}",
+        "saved": f"{long_age(now - session.saved)} · {session.saved.astimezone():%Y-%m-%d %H:%M}",
         "file": one_line(str(session.path), _LONGEST_PATH),
     }
-    rows = {label: Text(separated(line, glyphs), overflow="fold") for label, line in lines.items()}
+    rows = [(label, Text(separated(line, glyphs), overflow="fold")) for label, line in lines.items()]
     return Group(labelled(rows, look), Text(""), Text(_how_long(session), palette.dim))
 
 
@@ -191,13 +180,6 @@ def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Lo
     return Group(*lines)
 
 
-def session_fault(error: SessionError, look: Look) -> Text:
-    """Return what is wrong with a file that gives no session."""
-    text = Text("This file cannot be resumed. It is left as it is.\n", look.palette.text)
-    text.append(to_ascii(f"\n{error}\n", look.glyphs), look.palette.bad)
-    return text
-
-
 def algorithm_name(algorithm: str) -> str:
     """Return how people call the algorithm of that id."""
     return BY_ID[algorithm].name if algorithm in BY_ID else algorithm
@@ -206,23 +188,16 @@ def algorithm_name(algorithm: str) -> str:
 def short_age(age: timedelta, moment: datetime) -> str:
     """Return how long ago it was, in a few letters; after two weeks the date."""
     seconds = int(age.total_seconds())
-    if seconds >= _MOST_DAYS * _DAY:
+    if age.days >= _MOST_DAYS:
         return moment.astimezone().strftime("%Y-%m-%d")
-    units = ((_DAY, "d"), (_HOUR, "h"), (_MINUTE, "min"))
-    return next((f"{seconds // length} {unit}" for length, unit in units if seconds >= length), "now")
+    return next((f"{seconds // length} {unit}" for length, unit, _ in _UNITS if seconds >= length), "now")
 
 
 def long_age(age: timedelta) -> str:
     """Return how long ago it was, in words."""
     seconds = int(age.total_seconds())
-    for length, word in ((_DAY, "day"), (_HOUR, "hour"), (_MINUTE, "minute")):
-        if seconds >= length:
-            return f"{counted(seconds // length, word)} ago"
-    return "less than a minute ago"
-
-
-def _local(moment: datetime) -> str:
-    return moment.astimezone().strftime("%Y-%m-%d %H:%M")
+    ages = (f"{counted(seconds // length, word)} ago" for length, _, word in _UNITS if seconds >= length)
+    return next(ages, "less than a minute ago")
 
 
 # The list of sessions
@@ -241,8 +216,7 @@ class SessionList(RowList):
         self.look = look
         self.border_title = "Sessions"
         self.border_subtitle = "enter: go on   del: delete"
-        self.entries: Sequence[Entry] = ()
-        """The sessions, the newest first, then files that give none."""
+        self.entries: Sequence[Entry] = ()  # the sessions, the newest first, then files that give none
 
     def show(self, entries: Sequence[Entry], now: datetime) -> None:
         """List ``entries``."""
@@ -282,10 +256,7 @@ class SessionList(RowList):
 
 
 class SavedSessions(ActionScreen):
-    """A screen with a list of sessions, which are read in a thread. Subclasses put the list somewhere.
-
-    ``sessions`` is their folder, None where none are kept.
-    """
+    """A screen with a list of sessions, read in a thread from the folder ``sessions``, if any."""
 
     @dataclass
     class Resumed(Message):
@@ -293,12 +264,6 @@ class SavedSessions(ActionScreen):
 
         session: StoredSession
         record: Record
-
-    @dataclass
-    class SessionsRead(Message):
-        """The files of the sessions are read."""
-
-        entries: list[StoredSession | SessionError]
 
     def __init__(self, look: Look, sessions: Path | None) -> None:
         super().__init__(look)
@@ -343,16 +308,14 @@ class SavedSessions(ActionScreen):
         Thread(target=self._read, args=(self._sessions,), name="read sessions", daemon=True).start()
 
     def _read(self, folder: Path) -> None:
-        """In the thread: only messages leave it."""
-        sound, broken = sessions_in(folder)
+        sound, broken = sessions_in(folder)  # in the thread: only what is called later leaves it
         with suppress(RuntimeError):  # the program has ended meanwhile
-            self.post_message(self.SessionsRead([*sound, *broken]))
+            self.call_later(self._list_sessions, [*sound, *broken])
 
-    def on_saved_sessions_sessions_read(self, event: SessionsRead) -> None:
-        """List the sessions."""
+    def _list_sessions(self, entries: Sequence[Entry]) -> None:
         sessions = self.query_one(SessionList)
-        sessions.show(event.entries, datetime.now(UTC))
-        if sessions.has_focus and not event.entries:
+        sessions.show(entries, datetime.now(UTC))
+        if sessions.has_focus and not entries:
             self.query_one("#scenarios").focus()
         self.show_sessions(sessions.sound)
         self._sessions_read.set()

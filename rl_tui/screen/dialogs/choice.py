@@ -32,10 +32,7 @@ def algorithm_choice(
     *,
     taken: str = "",
 ) -> Choice:
-    """Return the choice among all algorithms; those that cannot work in ``space`` are dim.
-
-    With a ``title`` it is for a run beside this one, which has the algorithm ``taken``; none is current.
-    """
+    """Return the choice among algorithms; with a ``title`` for a run beside one that has ``taken``."""
     candidates = [
         _candidate(each, _TAKEN if each.id == taken else _refused(space, each.id, recipe.hyperparameters))
         for each in BY_ID.values()
@@ -103,10 +100,7 @@ def ask_value(name: str, value: float | str, glyphs: Glyphs, *, another_run: boo
 
 
 def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Prompt:
-    """Return the prompt for the hyper-parameter ``name``, whose ``value`` is in force.
-
-    ``another_run`` tells that the value is for one beside this one.
-    """
+    """Return the prompt for the hyper-parameter ``name``, of ``another_run`` or of this one."""
     parameter = PARAMETERS[name]
     starts = "; the run starts again" if name == "initial_q" and not another_run else ""
     word = "; 1/N is the sample average" if SAMPLE_AVERAGE in parameter.words else ""
@@ -137,7 +131,6 @@ def ask_seed(seed: int, glyphs: Glyphs) -> Form:
 
 
 def _expected(parameter: Parameter) -> str:
-    """Return what to type, naming the range."""
     if parameter.name in _EXAMPLES and parameter.range is not None:
         ends = f"from {parameter.range.low:g} to {parameter.range.high:g}".replace("e+", "e")
         return f"type a number {ends}, such as {_EXAMPLES[parameter.name]}"

@@ -1,8 +1,4 @@
-"""The dialogs that compare runs: what another run shall have otherwise, and the table of the runs.
-
-At most four runs are compared. After a study of many seeds, a second row below each run shows the mean
-and the standard error.
-"""
+"""The dialogs that compare runs: what another run shall have otherwise, and the table of the runs."""
 
 from __future__ import annotations
 
@@ -57,10 +53,7 @@ class LaneRow(NamedTuple):
 
 
 class _Column(NamedTuple):
-    """A column with its heading; of every lane its own text and that of many seeds.
-
-    Where room is short, columns are left out, those of the highest ``rank`` first.
-    """
+    """A column with its texts for each lane; the one of the highest ``rank`` is left out first."""
 
     head: str
     own: Sequence[str]
@@ -69,7 +62,6 @@ class _Column(NamedTuple):
 
     @property
     def cells(self) -> int:
-        """How many cells it takes."""
         return max(_LEAST_COLUMN, *map(cell_len, (self.head, *self.own, *self.of_seeds)))
 
 
@@ -82,11 +74,7 @@ def lane_rows(
     *,
     hidden: bool,
 ) -> tuple[str, list[LaneRow]]:
-    """Return a heading and a row of ``width`` cells for each of ``lanes``, each with its role of ``roles``.
-
-    ``study`` is one of these lanes, or None. Nothing exact is shown of a bandit that is ``hidden``. Columns
-    for which the names leave no room are left out.
-    """
+    """Return a heading and a row of ``width`` cells for each lane; ``hidden`` leaves out exact values."""
     columns = [*_columns(lanes, study, look, hidden=hidden), _role_column(roles)]
     while len(columns) > 1 and _room(columns, width) < _LEAST_NAME:
         last = max(columns, key=lambda column: column.rank)
@@ -137,7 +125,7 @@ def _columns(
     recent = [lane.results.return_last_100 for lane in lanes]
     greedy = [lane.results.greedy_return for lane in lanes]
     sizes = [abs(each) for each in (*recent, *greedy) if each is not None]
-    decimals = decimals_for(0.0, max(sizes, default=0.0))
+    decimals = decimals_for(max(sizes, default=0.0))
 
     def returns(values: Sequence[float | None]) -> list[str]:
         return [_dash(look) if x is None else amount(x, decimals, look.glyphs) for x in values]
@@ -170,7 +158,7 @@ def _columns(
         ]
     exact = [_dash(look)] * len(lanes) if hidden else returns(greedy)
     ends = [None if hidden else lane.results.greedy_ends for lane in lanes]
-    exact = [text if end is None else no_end(end, short=True) for text, end in zip(exact, ends, strict=True)]
+    exact = [text if end is None else no_end(end) for text, end in zip(exact, ends, strict=True)]
     return [*columns, _Column("greedy", exact, of_seeds(GREEDY, secret=hidden), 5)]
 
 
@@ -217,11 +205,9 @@ Answer = ChooseLane | MarkLane | DropLane
 
 
 class RunTable(Form):
-    """The ``lanes``, two or more, of which you control ``shown``.
+    """The ``lanes``, two or more, of which you control ``shown`` and see ``beside``.
 
-    ``beside`` is the one that stands beside it, None without one. Nothing exact is shown of a bandit that is
-    ``hidden``; where it ``is_kept`` no key shows it. ``study`` is what many seeds say of these lanes, None
-    where that is not known.
+    Exact values are ``hidden`` until a key shows them, or by a lesson if ``is_kept``.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [

@@ -15,61 +15,64 @@ from textual.widgets import Static
 from rl_tui.common.errors import UserError
 from rl_tui.common.files import new_path
 from rl_tui.common.words import counted
+from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.training.seeded_runs import OnProgress
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms
 
 COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
 POLICY: Final = "policy"
 _SECRET: Final = "Careful: the true means of the arms are written in it."
-_KINDS: Final = {
-    COMMAND: ("Command", "The rl-tui train line that does this run again, to read and copy."),
-    SCRIPT: ("Python script", "A plain program with Gymnasium and NumPy only, to read and change."),
-    Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits."),
-    Q_ARRAY: ("Q-table as .npy", "The same for NumPy: states × actions, NaN where one is not possible."),
-    RETURNS: ("Returns as CSV", "Return, undiscounted, and length of every episode; the run is done again."),
-    POLICY: ("Drawn policy as JSON", "The policy you drew, for rl-tui evaluate; the command is shown then."),
-    PICTURE: ("Screen as SVG", "A picture of the screen, without this window."),
+KINDS: Final = {
+    COMMAND: ("Command", "The rl-tui train line that does this run again, to read and copy.", ".txt"),
+    SCRIPT: ("Python script", "A plain program with Gymnasium and NumPy only, to read and change.", ".py"),
+    Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits.", "-q.csv"),
+    Q_ARRAY: (
+        *("Q-table as .npy", "The same for NumPy: states × actions, NaN where one is not possible."),
+        "-q.npy",
+    ),
+    RETURNS: (
+        *("Returns as CSV", "Return, undiscounted, and length of every episode; the run is done again."),
+        "-returns.csv",
+    ),
+    POLICY: (
+        *("Drawn policy as JSON", "The policy you drew, for rl-tui evaluate; the command is shown then."),
+        "-policy.json",
+    ),
+    PICTURE: ("Screen as SVG", "A picture of the screen, without this window.", ".svg"),
 }
+"""The name of each kind, what it is, and how its files end."""
 _LOOKS_AT_PROGRESS: Final = 0.1
 
 
-def export_choice(
-    glyphs: Glyphs,
-    *,
-    bandit: bool,
-    no_returns: str,
-    has_drawing: bool,
-    lane: str = "",
-    branch: str = "",
-    episodes: int = 0,
-) -> Choice:
-    """Return the choice of what to write; with ``has_drawing`` the drawn policy is among it.
+def lane_shown(snapshot: Snapshot) -> str:
+    """Return which lane of how many is shown, such as ``1 of 2``; empty where there is one run."""
+    group = snapshot.run_group
+    return f"{group.shown + 1} of {len(group.lanes)}" if group.lanes else ""
 
-    For a ``bandit`` the script shows what is hidden from the agent; the dialog warns of that. ``no_returns``
-    says why there are no returns, empty if there are. ``lane`` (``1 of 2``) and ``branch`` (``branch 2``) are
-    those that are written, empty where there are no others. So many ``episodes`` have ended.
-    """
-    only = [part for part in (f"run {lane}" if lane else "", branch) if part]
-    run = f"Only {' and '.join(only)}; the others are left out." if only else ""
+
+def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
+    """Return the choice of what to write of ``snapshot``, with what is left out of it."""
+    lane, timeline, row = lane_shown(snapshot), snapshot.timeline, snapshot.agent.row
+    branch = timeline.current.name if len(timeline.branches) > 1 else ""
+    only = " and ".join(filter(None, (lane and f"run {lane}", branch)))
+    run = f"Only {only}; the others are left out." if only else ""
     left_out = {
-        RETURNS: f"{counted(episodes, 'episode')}; one that is under way is left out.",
+        RETURNS: f"{counted(snapshot.counters.episodes, 'episode')}; one that is under way is left out.",
         Q_ARRAY: "Visits are left out.",
-        SCRIPT: _SECRET if bandit else "",
+        SCRIPT: _SECRET if isinstance(snapshot.world.drawing, Arms) else "",
     }
-    refused = {RETURNS: no_returns} if no_returns else {}
-    candidates = (
-        Candidate(
-            what,
-            name,
-            tuple(filter(None, (sentence, left_out.get(what), "" if what == PICTURE else run))),
-            refused.get(what, ""),
-        )
-        for what, (name, sentence) in _KINDS.items()
-        if what != POLICY or has_drawing
-    )
+    refused = {}
+    if not len(snapshot.results.curve.episode):
+        refused[RETURNS] = f"{row.name} plays no episodes" if row.planner else "no episode is finished yet"
+    candidates = []
+    for what, (name, sentence, _) in KINDS.items():
+        if what != POLICY or snapshot.answers.drawn.choices:
+            about = filter(None, (sentence, left_out.get(what), "" if what == PICTURE else run))
+            candidates.append(Candidate(what, name, tuple(about), refused.get(what, "")))
     return Choice(f"Export · run {lane}" if lane else "Export", candidates, "", glyphs)
 
 
@@ -87,10 +90,7 @@ def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
 
 
 class CommandLine(Dialog[str]):
-    """The command to read and copy. Answers it where it shall be written to a file.
-
-    ``hint`` says what it does.
-    """
+    """The command to read and copy, with a ``hint``. Answers it where it shall be written to a file."""
 
     CSS = """
     #command { height: auto; max-height: 60vh; }
@@ -137,10 +137,10 @@ Work = Callable[[OnProgress], None]
 
 
 class Working(Dialog[str]):
-    """Something that takes its time, with how far it has come; escape breaks it off.
+    """Work in a thread, with its progress; escape breaks it off.
 
-    Answers what went wrong, in a line, empty if nothing did, None where it was broken off. ``work`` runs in a
-    thread of its own and calls what it is given often; that raises where it shall end.
+    Answers what went wrong, empty if nothing did, None where it was broken off. ``work`` often calls what it
+    is given; that raises where it shall end.
     """
 
     def __init__(self, title: str, work: Work) -> None:

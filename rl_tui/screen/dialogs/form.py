@@ -1,6 +1,6 @@
-"""The form of dialogs: a line to type into, numbered rows, and three lines about the row under the cursor.
+"""The form of dialogs: a line to type into, numbered rows, and three lines about one of them.
 
-A dialog has the line, the rows, or both. What cannot be chosen stays in the list, dim, with the reason.
+What cannot be chosen stays in the list, dim, with the reason.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ Reader = Callable[[str], float | str]
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A row: ``value`` and a few ``words`` follow its name, ``lines`` about it below the list.
+    """A row: ``value`` and ``words`` follow its name, ``lines`` or why it is ``refused`` stand below.
 
-    ``refused`` says why it cannot be chosen, empty if it can. One without an ``id`` is a heading.
+    One without an ``id`` is a heading.
     """
 
     id: str
@@ -79,9 +79,8 @@ class TypedLine:
 class Form(Dialog[Any]):
     """Rows to choose from, and a line to type into. Answers the id of a row, or the typed value.
 
-    Where there is a line, choosing a row is typing its id. ``current`` is the id of the row
-    that applies now, empty where none does; ``question`` stands above all. ``does`` is what enter does, in a
-    word, ``keys`` what other keys do. The cursor begins on the row ``start``, else on the current one.
+    With a line, choosing a row is typing its id. ``current`` is the row that applies now, ``does`` what enter
+    does, in a word. The cursor begins on the row ``start``, else on the current one.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -281,7 +280,7 @@ class Form(Dialog[Any]):
 
     @property
     def _columns(self) -> tuple[int, ...] | None:
-        """The cells of names and values, those of values only where there are any; None: only names."""
+        """The cells of names, and of values if there are any; None: only names."""
         rows = [each for each in self.candidates if each.id and (each.value or each.words or each.refused)]
         if not rows:
             return None

@@ -63,7 +63,7 @@ class Moment(NamedTuple):
 
 
 class JournalScreen(Form):
-    """The branches, and what was changed in the one under the cursor.
+    """The branches, and the changes in the one under the cursor.
 
     Answers where to go, or the branch to compare with.
     """
@@ -124,7 +124,6 @@ class JournalScreen(Form):
 
 
 def _branch_row(timeline: Timeline, number: int, lines: Sequence[JournalLine], unit: str) -> Candidate:
-    """Return the row of a branch: how far it came, where it was forked, and what was changed."""
     branch = timeline.branches[number]
     parts = _how_much(lines)
     if branch.parent is not None:
@@ -193,7 +192,6 @@ def journal_lines(
 
 
 def _edited(change: WorldChange) -> str:
-    """Return what was drawn: the first edits of a stroke, as text, and how many more there are."""
     match change:
         case EditWorld(edits):
             more = len(edits) - _MOST_EDITS
@@ -206,7 +204,7 @@ def _edited(change: WorldChange) -> str:
 
 
 def _taken(world: World, action: int | str, glyphs: Glyphs) -> str:
-    """Return how an action that a person took is called; its name alone where this world has none such."""
+    """Return what an action of a person is called, by its name alone where this world has none such."""
     names = world.space.action_names
     if isinstance(action, str) and action not in names:
         return action
@@ -235,7 +233,6 @@ def _keyed(journal: Sequence[JournalEntry]) -> Iterator[tuple[tuple[str, int], J
 
 
 def _in_force(recipe: Recipe, change: Setting) -> str:
-    """Return how that which ``change`` sets is called as it is in ``recipe``."""
     if isinstance(change, SwitchAlgorithm):
         return algorithm_row(recipe.algorithm).name
     return called(change.name, recipe.hyperparameters.value(change.name))
@@ -269,7 +266,6 @@ def goto_form(snapshot: Snapshot, glyphs: Glyphs) -> Form:
 
 
 def _places(snapshot: Snapshot) -> Iterator[Candidate]:
-    """Yield the moments that people look for."""
     branch, unit = snapshot.timeline.current, "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
     reward = None if snapshot.agent.row.planner else first_reward(snapshot.results.curve)
     change = branch.journal[-1].step if branch.journal else None
@@ -333,7 +329,6 @@ def unit_of(snapshot: Snapshot) -> str:
 
 
 def _expected(snapshot: Snapshot) -> str:
-    """Return what may be typed, naming the range."""
     end = snapshot.timeline.current.end
     if snapshot.agent.row.planner:
         first = f"a step from 0 to {end:,}, sweep 12"

@@ -44,10 +44,7 @@ _MEANINGS: Final[Mapping[str, str]] = {
 
 
 class SettingChoice(Form):
-    """The settings with the ``names``, sliders first, schedules folded. Answers the name of the one chosen.
-
-    ``recipe`` returns what applies now; ``another_run`` says that the value is for a run beside this one.
-    """
+    """The settings ``names``, sliders first, schedules folded. Answers the name of the one chosen."""
 
     def __init__(
         self,
@@ -77,10 +74,6 @@ class SettingChoice(Form):
         """Answer the setting ``name``."""
         self.dismiss(name)
 
-    def refresh_values(self) -> None:
-        """Show the current values; the cursor stays on its setting."""
-        self.set_rows(self._rows())
-
     def _rows(self) -> list[Candidate]:
         recipe = self._recipe()
         names = sorted(
@@ -105,7 +98,7 @@ class Options(SettingChoice):
 
     def on_screen_resume(self) -> None:
         """Show the current values, one of which may have changed."""
-        self.refresh_values()
+        self.set_rows(self._rows())
 
     def chosen(self, name: str) -> None:
         """Ask for another value of the setting; the list stays open."""
@@ -116,7 +109,6 @@ SCHEDULES: Final = "schedules"
 
 
 def _row(name: str, recipe: Recipe, *, another_run: bool) -> Candidate:
-    """Return the row of the setting ``name``: its current value, what it is, what values it takes."""
     parameter = PARAMETERS[name]
     is_bandit = recipe.scenario.kind == "bandit"
     idle = why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
@@ -141,7 +133,6 @@ def in_force(name: str, values: Hyperparameters) -> tuple[str, str]:
 
 
 def _scheduled(name: str, names: Sequence[str], values: Hyperparameters, moves: bool) -> tuple[str, str]:
-    """Return the same of one of ``names``: a start, its schedule, where that ends, and its decay."""
     start, schedule, least, _ = names
     value, meaning = option_text(values.value(name)), _MEANINGS[name]
     averages = start == "alpha" and values.sample_average

@@ -1,7 +1,4 @@
-"""The dialog "run until": every condition that can stop a run, in words that fit its agent.
-
-A bandit speaks of pulls and a planner of sweeps. The dialog also lists the breakpoints.
-"""
+"""The dialog "run until": all conditions in words that fit the agent, and the breakpoints."""
 
 from __future__ import annotations
 
@@ -45,10 +42,9 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class UntilOption:
-    """Something to run until: ``name`` in the list, ``hint`` a sentence about it.
+    """Something to run until: ``name`` in the list, ``hint`` a sentence about it, or why it is ``refused``.
 
-    ``id`` is the same for what is alike in other runs. ``refused`` says why it is not possible here, empty
-    if it is. ``pair`` is that of a value, −1 otherwise.
+    ``id`` is the same for what is alike in other runs. ``pair`` is that of a value, −1 otherwise.
     """
 
     id: str
@@ -79,51 +75,43 @@ def kind_of(snapshot: Snapshot) -> Kind:
 
 def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[UntilOption, ...]:
     """Return all that a run can be run until; ``cursor`` is the pair under a cursor, None without one."""
-    kind = kind_of(snapshot)
-    rewards = "a planner takes no steps in the world, so there are no rewards" if kind is Kind.PLANNER else ""
-    whose = f"A {kind.step} whose reward is not 0."
-    found = [
-        UntilOption("reward", Event.REWARD, "the next reward", whose, rewards),
-        *([] if kind is Kind.BANDIT else [_end(kind)]),
-        UntilOption(
-            "policy",
-            Event.POLICY_CHANGE,
-            "another greedy arm" if kind is Kind.BANDIT else "the next change of the greedy policy",
-            "Another arm has the highest estimate, or one more has."
-            if kind is Kind.BANDIT
-            else "In some state other actions have the highest estimate than before.",
-        ),
-        _optimal(snapshot, kind),
-        UntilOption("step", Event.STEP, f"a {kind.step} by its number …", f"Asks for the {kind.step}."),
-    ]
-    if kind is not Kind.BANDIT:
-        name = f"{'a' if kind is Kind.PLANNER else 'an'} {kind.episode} by its number …"
-        hint = f"Asks for the {kind.episode}, and stops where it begins."
-        found.append(UntilOption("episode", Event.EPISODE, name, hint))
+    kind, refused = kind_of(snapshot), snapshot.exact_answer.refused
+    step, episode, plans = kind.step, kind.episode, kind is Kind.PLANNER
+    rewards = "a planner takes no steps in the world, so there are no rewards" if plans else ""
+    unknown = f"no exact values: {refused}" if refused else ""
+    reward = UntilOption(
+        "reward", Event.REWARD, "the next reward", f"A {step} whose reward is not 0.", rewards
+    )
+    number = UntilOption("step", Event.STEP, f"a {step} by its number …", f"Asks for the {step}.")
+    if kind is Kind.BANDIT:
+        change = "Another arm has the highest estimate, or one more has."
+        optimal = "Compares with the true means without showing them."
+        found = [
+            reward,
+            UntilOption("policy", Event.POLICY_CHANGE, "another greedy arm", change),
+            UntilOption("optimal", Event.OPTIMAL, "the greedy arm is the best one", optimal, unknown),
+            number,
+        ]
+    else:
+        end = "Every state was backed up once more." if plans else "A terminal state, or the time limit."
+        change = "In some state other actions have the highest estimate than before."
+        optimal = "The greedy policy is optimal from the start, for the current γ."
+        if is_secret(snapshot):
+            optimal = "Compares with the exact answer without showing it."
+        name = f"{'a' if plans else 'an'} {episode} by its number …"
+        begins = f"Asks for the {episode}, and stops where it begins."
+        found = [
+            reward,
+            UntilOption("end", Event.EPISODE_END, f"the end of the {episode}", end),
+            UntilOption("policy", Event.POLICY_CHANGE, "the next change of the greedy policy", change),
+            UntilOption("optimal", Event.OPTIMAL, "the greedy policy is optimal", optimal, unknown),
+            number,
+            UntilOption("episode", Event.EPISODE, name, begins),
+        ]
     return (*found, *_values(snapshot, cursor, glyphs))
 
 
-def _end(kind: Kind) -> UntilOption:
-    backed_up, ended = "Every state was backed up once more.", "A terminal state, or the time limit."
-    hint = backed_up if kind is Kind.PLANNER else ended
-    return UntilOption("end", Event.EPISODE_END, f"the end of the {kind.episode}", hint)
-
-
-def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
-    if kind is Kind.BANDIT:
-        name = "the greedy arm is the best one"
-        hint = "Compares with the true means without showing them."
-    else:
-        name = "the greedy policy is optimal"
-        hint = "The greedy policy is optimal from the start, for the current γ."
-        if is_secret(snapshot):
-            hint = "Compares with the exact answer without showing it."
-    refused = f"no exact values: {snapshot.exact_answer.refused}" if snapshot.exact_answer.refused else ""
-    return UntilOption("optimal", Event.OPTIMAL, name, hint, refused)
-
-
 def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[UntilOption]:
-    """Return the options on values: that under the cursor, and the one updated last."""
     step = snapshot.counters.last_step
     last = step.updated_pair if step is not None and step.learned else None
     found = []
@@ -199,11 +187,9 @@ _KEYS: Final = "del: take away"
 
 
 class UntilChoice(Form):
-    """What a run can be run until, and the breakpoints below. Answers the option that was chosen.
+    """Conditions to run until, and the breakpoints, which ``toggle`` changes. Answers the chosen condition.
 
-    ``place`` is the state, or the pair of a bandit, under a cursor: a switch sets a breakpoint there, None
-    without one. The cursor starts on the option whose id is ``remembered``, if it is there. ``toggle`` sets a
-    breakpoint or takes it away.
+    ``place`` is what is under a cursor. The cursor starts on the option ``remembered``, if it is there.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -267,7 +253,6 @@ class UntilChoice(Form):
         return rows
 
     def _switch(self, snapshot: Snapshot, glyphs: Glyphs) -> Candidate:
-        """Return the row that sets a breakpoint where the cursor is, or takes it away."""
         place = self._place
         if place is None:
             return Candidate(_SWITCH, "the cell under the cursor is reached", refused="no cell is chosen")

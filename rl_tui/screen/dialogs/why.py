@@ -43,10 +43,7 @@ _HEAD: Final = ("instead", "chance", "episodes: mean", "median")
 
 
 class Why(Dialog[Remedy]):
-    """What ``snapshot`` says of the first update, and the remedies in a list. Answers the one chosen.
-
-    Of a bandit nothing is told that its means decide while these are hidden.
-    """
+    """What ``snapshot`` says of the first update, and the remedies in a list. Answers the one chosen."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("Y,q", "cancel", "back", id="close_why", tooltip="Close without a change."),
@@ -141,7 +138,6 @@ def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
 
 
 def _said_in_secret(snapshot: Snapshot) -> list[str]:
-    """Return what may be known of a bandit whose means are hidden: the estimates, which are in the table."""
     view = snapshot.answers.first_update
     if view is not None and view.has_moved:
         return [_IS_OVER]
@@ -159,10 +155,7 @@ def _sentence(text: str) -> str:
 
 
 def written(number: float, glyphs: Glyphs) -> str:
-    """Return a setting or a chance with three digits, as panels write it: ``.1``, ``.0139``, ``5.42e-6``.
-
-    A chance that is not quite 1 is not passed off as that.
-    """
+    """Return a number with three digits, as panels write it: ``.1``, ``.0139``, ``5.42e-6``, ``>.999``."""
     if 0.9995 <= number < 1.0:
         return ">.999"
     is_small = 0.0 < abs(number) < _EXPONENT_BELOW

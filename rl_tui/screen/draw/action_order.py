@@ -1,17 +1,7 @@
 """The order in which the screen shows actions: the same in every world that has directions.
 
-Every world counts its actions in an order of its own: lakes ← ↓ → ↑, the cliff ↑ → ↓ ←. Kernels, ties, the
-JSON, journals and exports keep that. On screen, and nowhere else, directions come clockwise from the top,
-↑ → ↓ ← and then ↗ ↘ ↙ ↖, after them staying, and last what is no direction, in the world's own order.
-
-Whatever draws several actions of a state asks here, and whatever is clicked or moved to as well:
-
-* :func:`shown_order` for columns and lists of all actions: ``[names[a] for a in shown_order(world)]``;
-* :func:`shown_pairs` for the pairs of one state, and for those of them that are greedy, tie or are listed;
-* :func:`shown_outcomes` for what may follow a pair;
-* :func:`shown_place` to sort anything else that belongs to an action.
-
-The numbers of actions and pairs stay the world's own: only the order in which they are gone through changes.
+Every world numbers its actions in its own order: lakes ← ↓ → ↑, the cliff ↑ → ↓ ←. Files and ties keep that.
+The screen shows ↑ → ↓ ←, then ↗ ↘ ↙ ↖, then staying, then all other actions.
 """
 
 from __future__ import annotations
@@ -31,7 +21,7 @@ _CLOCKWISE: Final[tuple[Direction, ...]] = (
     *((-1, 1), (1, 1), (1, -1), (-1, -1)),
     (0, 0),
 )
-_PLACES: Final = {step: place for place, step in enumerate(_CLOCKWISE)}
+_PLACES: Final[dict[Direction | None, int]] = {step: place for place, step in enumerate(_CLOCKWISE)}
 
 
 def shown_order(world: World) -> tuple[int, ...]:
@@ -71,12 +61,7 @@ def shown_outcomes(world: World, mdp: TabularMDP, pair: int) -> list[int]:
 @lru_cache
 def _order(directions: tuple[Direction | None, ...]) -> tuple[int, ...]:
     last = len(_CLOCKWISE)
-
-    def place(action: int) -> int:
-        step = directions[action]
-        return last if step is None else _PLACES.get(step, last)
-
-    return tuple(sorted(range(len(directions)), key=place))
+    return tuple(sorted(range(len(directions)), key=lambda action: _PLACES.get(directions[action], last)))
 
 
 @lru_cache

@@ -22,11 +22,7 @@ def value_axis_columns(scale: Scale, look: Look) -> int:
 
 
 def draw_value_axis(canvas: Canvas, plot: Plot, look: Look) -> None:
-    """Draw the vertical axis with its labels.
-
-    The ticks between its ends have labels where all of them are evenly spaced, so that no axis looks bent;
-    else 0 alone has one, where it is two rows from either end.
-    """
+    """Draw the vertical axis; labels between its ends only where all are evenly spaced, else 0."""
     glyphs, style = look.glyphs, look.palette.dim
     axis = plot.left - 1
     for row in range(plot.rows):
@@ -51,11 +47,7 @@ def _labelled(plot: Plot) -> list[float]:
 def draw_count_axis(
     canvas: Canvas, plot: Plot, last: float, most: int, unit: str, look: Look, step: float | None = None
 ) -> None:
-    """Draw the horizontal axis with ``unit`` behind it, and at most ``most`` labels from 0 to ``last``.
-
-    They are a whole number apart, or ``step``, where that is not None. Where the canvas has no room behind
-    the axis, the unit stands on its end.
-    """
+    """Draw the horizontal axis with ``unit``, and ``most`` labels up to ``last``, or one every ``step``."""
     glyphs, style = look.glyphs, look.palette.dim
     canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
     place = min(plot.left + plot.columns, canvas.width - len(unit))
@@ -76,10 +68,7 @@ def draw_count_axis(
 
 
 def apart(wanted: Sequence[int], rows: int) -> list[int]:
-    """Return a row of its own for each of ``wanted`` (ascending, at most ``rows``).
-
-    Together they are moved as little as can be; where there is a choice, upwards.
-    """
+    """Return a row of its own for each of ``wanted`` (ascending), moved as little as possible."""
     reach = len(wanted)
     placed: dict[int, tuple[int, tuple[int, ...]]] = {-1: (0, ())}  # by the row of the last: moves, rows
     for row in wanted:

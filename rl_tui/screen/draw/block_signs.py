@@ -1,8 +1,7 @@
 """Signs in quadrant blocks, drawn by a rule at any size, and numbers three rows high.
 
-A sign is a predicate of x (right) and y (down), both from −1 to 1 in the largest square in the middle: a
-column is as wide as half a row is high. A quarter of a character is filled where the sign holds at half of
-4 × 4 points in it.
+A sign is a predicate of x (right) and y (down), both from −1 to 1 in the largest square in the middle. A
+quarter of a character is filled where the sign holds at half of 4 × 4 points in it.
 """
 
 from __future__ import annotations
@@ -12,10 +11,8 @@ from collections.abc import Callable, Iterable
 from functools import lru_cache, partial
 from typing import Final, Literal
 
-Direction = tuple[int, int]
-"""Rows down and columns right, −1, 0 or 1 each."""
-Sign = Direction | str
-"""How an action is drawn: the arrow of its direction, or a letter."""
+Direction = tuple[int, int]  # rows down and columns right, −1, 0 or 1 each
+Sign = Direction | str  # how an action is drawn: the arrow of its direction, or a letter
 SignName = Literal["arrow", "heads", "disc", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
 
@@ -67,10 +64,7 @@ def block_sign(name: SignName, columns: int, rows: int, *directions: Direction) 
 
 @lru_cache(1_024)
 def block_number(text: str) -> tuple[str, ...]:
-    """Return the three rows of a number in half blocks, without a 0 before its point.
-
-    Empty if it has any other character than digits, sign and point.
-    """
+    """Return the three rows of a number in half blocks; empty if any character has none."""
     head, point, tail = text.partition(".")
     if point and head.lstrip("−") == "0":
         text = f"{head[:-1]}.{tail}"

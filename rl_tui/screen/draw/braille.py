@@ -16,10 +16,7 @@ _BITS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]]
 
 
 class Steps(NamedTuple):
-    """A function that is constant on each of [N] intervals ``start`` .. ``end``, which follow one another.
-
-    ``low`` and ``high`` are its smallest and largest value there, the same for a single line. NaN is a gap.
-    """
+    """A function that is constant on each of N intervals, between ``low`` and ``high``; NaN is a gap."""
 
     start: FloatArray
     end: FloatArray
@@ -38,10 +35,7 @@ class Span(NamedTuple):
 
 
 def decimated(steps: Steps, right: float, columns: int) -> tuple[FloatArray, FloatArray]:
-    """Return the smallest and largest value in each of ``columns`` equal parts of 0 .. ``right``, [C] each.
-
-    A part that no interval touches gets +∞ and −∞.
-    """
+    """Return the least and the largest value in each of ``columns`` parts, [C] each; +∞ and −∞ for none."""
     low, high = np.full(columns, np.inf), np.full(columns, -np.inf)
     if not len(steps.start):
         return low, high
@@ -91,10 +85,7 @@ def dots_of(line: Span, dots: int) -> BoolArray:
 
 
 def braille_codes(dots: BoolArray) -> IntArray:
-    """Return the code points of the characters that show ``dots``, BLANK where there are none.
-
-    The sides of ``dots`` are multiples of 4 and 2.
-    """
+    """Return the code points of the characters that show ``dots``, whose sides are multiples of 4 and 2."""
     codes = np.zeros((dots.shape[0] // DOTS_DOWN, dots.shape[1] // DOTS_ACROSS), dtype=np.uint8)
     for row in range(DOTS_DOWN):
         for column in range(DOTS_ACROSS):

@@ -79,7 +79,6 @@ class Canvas:
             self._styles[y][place] += style
 
     def _inside(self, x: int, y: int, length: int) -> range:
-        """Return which of ``length`` columns of row ``y`` from column ``x`` on there are."""
         return range(max(0, x), min(x + length, self.width) if 0 <= y < self.height else max(0, x))
 
     def strips(self) -> list[Strip]:
@@ -107,8 +106,7 @@ def _cells(text: str) -> list[str]:
     return cells
 
 
-Drawn = list[list[Segment]]
-"""The rows of a piece of a picture, such as a cell of a map."""
+Drawn = list[list[Segment]]  # the rows of a piece of a picture, such as a cell of a map
 
 
 def strips_of_row(cells: Sequence[Drawn], width: int, style: Style) -> tuple[Strip, ...]:
@@ -216,9 +214,9 @@ def strips_of(lines: Sequence[Line], width: int, height: int, look: Look) -> lis
 def wrapped(
     text: str, width: int, style: Style, look: Look, first: str = "", rest: str = ""
 ) -> list[list[Piece]]:
-    """Return ``text`` as lines of at most ``width`` cells, broken at blanks, but not at KEPT_BLANK.
+    """Return ``text`` as lines of at most ``width`` cells, broken at blanks but not at KEPT_BLANK.
 
-    ``first`` stands before the first line, ``rest`` before the others; a word that is too long has its own.
+    ``first`` stands before the first line, ``rest`` before the others.
     """
     lines: list[str] = []
     current = first

@@ -24,11 +24,7 @@ class Plot(NamedTuple):
 
     @property
     def top(self) -> float:
-        """The value of the uppermost dot.
-
-        The highest label has the lowest dots of its row: a line somewhat below it then has a row of its own.
-        Where there is one row only, that holds the lowest value too.
-        """
+        """The value of the uppermost dot; the highest label has the lowest dots of its row."""
         above = braille.DOTS_DOWN - 1 if self.rows > 1 else 0
         per_dot = (self.scale.high - self.scale.low) / (self.rows * braille.DOTS_DOWN - 1 - above)
         return self.scale.high + above * per_dot
@@ -44,10 +40,7 @@ class Plot(NamedTuple):
         return np.where(edges[:-1] < finished, ends, np.nan)
 
     def row(self, value: float) -> int:
-        """Return the row of ``value``, placed as dots are, so that labels stand beside their lines.
-
-        What is below the axis, −∞ too, has the last row.
-        """
+        """Return the row of ``value``, the last one for all below the axis."""
         last = self.rows * braille.DOTS_DOWN - 1
         dot = round((self.top - max(value, self.scale.low)) / (self.top - self.scale.low) * last)
         return min(max(dot, 0), last) // braille.DOTS_DOWN
@@ -59,7 +52,8 @@ class Plot(NamedTuple):
 
     def halves(self, line: Steps) -> IntArray:
         """Return which half of a cell ``line`` takes, [rows, columns]: 1 the upper, 2 the lower, 3 both."""
-        return _of_cells(self.line_dots(line, self.columns, 2 * self.rows))
+        halves = self.line_dots(line, self.columns, 2 * self.rows).astype(np.int64)
+        return halves[::2] + 2 * halves[1::2]
 
     def below(self, line: Steps) -> BoolArray:
         """Return the columns, [columns], in which ``line`` goes below the axis."""
@@ -87,9 +81,3 @@ class Plot(NamedTuple):
     def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:
         low, high = braille.decimated(line, self.right, columns)
         return braille.span(low, high, self.scale.low, self.top, rows)
-
-
-def _of_cells(halves: BoolArray) -> IntArray:
-    """Return for each cell, [rows, columns], which of its ``halves``, [2 rows, columns], are there."""
-    upper, lower = halves[::2].astype(np.int64), halves[1::2].astype(np.int64)
-    return upper + 2 * lower

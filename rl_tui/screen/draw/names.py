@@ -14,8 +14,7 @@ from rl_tui.worlds.drawing import Arms, CellKind, Grid
 from rl_tui.worlds.world import World
 
 LONGEST_NAME: Final = 14
-DEPENDS: Final = "?"
-"""In place of a probability, and behind rewards, that depend on how one came to a state."""
+DEPENDS: Final = "?"  # in place of a probability, and behind rewards, that depend on how one came to a state
 DEPENDS_IN_FULL: Final = "depends on how you came here"
 _LARGEST_DENOMINATOR: Final = 12
 COUNTED: Final = ", counted from 0"
@@ -55,11 +54,7 @@ def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
 
 
 def place(world: World, state: int) -> str:
-    """Return where ``state`` is on a grid, ``row 1, column 2, counted from 0``; empty elsewhere.
-
-    Empty too where the name of the state is no plain number: such a name tells the place in the world itself,
-    and a row of the drawing, which has many maps or tables side by side, would contradict it.
-    """
+    """Return ``row 1, column 2, counted from 0`` on a grid; empty where the state's name says where it is."""
     if not isinstance(world.drawing, Grid) or not world.space.state_names[state].isdecimal():
         return ""
     row, column = divmod(world.drawing.cell_of_state[state], world.drawing.columns)
@@ -72,10 +67,7 @@ def is_word(name: str) -> bool:
 
 
 def landmark(world: World, state: int) -> str:
-    """Return ``hole``, ``cliff`` or ``goal`` where ``state`` is one on a grid; empty elsewhere.
-
-    A state whose name is a word, as in a game of cards, is what that says.
-    """
+    """Return ``hole``, ``cliff`` or ``goal`` where ``state`` is one on a grid; empty elsewhere."""
     if isinstance(world.drawing, Grid) and not is_word(world.space.state_names[state]):
         kind = world.drawing.kinds[world.drawing.cell_of_state[state]]
         if kind in (CellKind.HOLE, CellKind.CLIFF, CellKind.GOAL):

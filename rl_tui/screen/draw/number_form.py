@@ -1,8 +1,7 @@
-"""One form for all numbers of a panel: as many decimals as most of them have room for, the same for each.
+"""One form for all numbers of a panel: as many decimals as most of them have room for.
 
-The few that are too large for it are written with fewer: ``−1`` and ``1.0`` beside ``.94``. What a form
-would round to zero and is none keeps a sign of it: ``<.01``, ``>−.01``, and where that has no room ``0⁺``,
-``0⁻``. Exponents are written only where all numbers are that small.
+Numbers too large for it have fewer decimals: ``−1`` and ``1.0`` beside ``.94``. A small number that would
+round to zero is written ``<.01``, or ``0⁺`` without room. Exponents are for panels of small numbers only.
 """
 
 from __future__ import annotations
@@ -27,9 +26,7 @@ Values = Sequence[float] | FloatArray
 class NumberForm(NamedTuple):
     """How the numbers of a panel are written, in at most ``width`` cells each.
 
-    ``decimals`` are those of every number, of its mantissa where it ``has_exponent``; with ``leading_zero``
-    fractions are 0.54, else .54. ``cells`` are what the longest number takes, ``marks_by_bound`` says that
-    there is room for ``<.01``.
+    ``cells`` are what the longest number takes, ``marks_by_bound`` says that there is room for ``<.01``.
     """
 
     width: int
@@ -68,10 +65,7 @@ class NumberForm(NamedTuple):
         return f"{glyphs.minus if x < 0.0 else ''}{mantissa}e{int(exponent)}"
 
     def _fraction(self, x: float, glyphs: Glyphs) -> str:
-        """Return what is between −1 and 1 with a decimal at least; shortened it never becomes ±1.
-
-        ``−.5`` where two decimals do not fit, ``.99`` for .996 where ``1.00`` does not.
-        """
+        """Return a number between −1 and 1 with at least one decimal; shortened it never becomes ±1."""
         text = ""
         for decimals in range(self.shown_decimals, 0, -1):
             nearest = math.copysign(min(abs(x), 1.0 - 10.0**-decimals), x)
@@ -94,10 +88,9 @@ class NumberForm(NamedTuple):
 
 
 class SteadyForms:
-    """The forms in force in a panel, so that its columns do not jump while numbers grow and shrink.
+    """The forms of a panel, so that its columns do not jump while numbers change.
 
-    A form gets coarser or wider as soon as it has to. It gets finer again only where larger numbers would
-    fit too. What belongs together has one ``key``.
+    A form gets coarser or wider as soon as it must, and finer only where larger numbers fit too.
     """
 
     def __init__(self) -> None:
@@ -125,10 +118,10 @@ class SteadyForms:
 
 
 def number_form(values: Values, width: int, most: int = numbers.DECIMALS) -> NumberForm:
-    """Return the form for ``values`` in ``width`` cells; what is not finite does not count.
+    """Return the form for the finite ``values`` in ``width`` cells.
 
-    It has ``most`` decimals where four of five numbers that are not 0 have room for them, more where even
-    the largest number is below .01, and an exponent where the largest would not be seen otherwise.
+    It has ``most`` decimals where four of five numbers have room for them, more where all are below .01, and
+    an exponent where the largest would not be seen otherwise.
     """
     return _form(np.asarray(values, dtype=np.float64), width, most, _BULK)
 
@@ -148,7 +141,6 @@ def _form(values: FloatArray, width: int, most: int, bulk: float) -> NumberForm:
 
 
 def _plain(values: FloatArray, ends: list[float], width: int, wanted: int, bulk: float) -> NumberForm:
-    """Return the finest form without exponent in which the share ``bulk`` of ``values`` fit."""
     leads = (True, False) if width >= numbers.ROOM_FOR_ZERO else (False,)
     for decimals in range(wanted, -1, -1):
         for leading_zero in leads:

@@ -20,11 +20,9 @@ _SCALES: Final = ((1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"), (1e12, "T"))
 
 
 def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMALS) -> str:
-    """Return ``x`` in at most ``width`` cells, with as many decimals as fit, ``decimals`` at the most.
+    """Return ``x`` in at most ``width`` cells, with as many decimals as fit: ``.54``, ``−1.20``, ``1.2e6``.
 
-    ``0.540``, ``.54``, ``−1.20``, ``12.3``, ``1.2e6``. A number that would round to zero is
-    written ``4e-4`` where that fits, except below 1e-9. Where an exponent does not fit either, it is
-    written ``−12k``, ``−.1M``; where nothing fits, ``width`` times ``#``.
+    A number that would round to zero is written ``4e-4``; where no exponent fits, ``−12k``; else ``###``.
     """
     if not math.isfinite(x):
         text = "nan" if math.isnan(x) else "inf" if x > 0 else f"{glyphs.minus}inf"
@@ -47,10 +45,7 @@ def missing(glyphs: Glyphs) -> str:
 
 
 def figure(x: float, width: int, glyphs: Glyphs = UNICODE) -> str:
-    """Return an exact figure in at most ``width`` cells (6 at least): ``.119``, ``13.00``, ``−65,375``.
-
-    Fractions have three decimals, what is larger has fewer. What does not fit is written ``−1.3e5``.
-    """
+    """Return an exact figure in at most ``width`` cells (6 at least): ``.119``, ``13.00``, ``−1.3e5``."""
     size = abs(x)
     decimals = next((each for each, end in _FIGURE_DECIMALS if round(size, each) < end), 0)
     text = fixed(x, decimals, glyphs, leading_zero=False) if decimals else whole(x, glyphs)
@@ -127,17 +122,13 @@ def _speed(x: float, short: bool) -> str:
 
 
 def _scaled(x: float, decimals: int, gap: str) -> str:
-    """Return ``x`` in the first unit in which it stays below 1,000, the largest if none."""
     texts = [(f"{x / scale:.{decimals}f}", unit) for scale, unit in _SCALES]
     text, unit = next((each for each in texts if float(each[0]) < 1_000), texts[-1])
     return f"{text}{gap}{unit}" if unit else text
 
 
 def _in_short(x: float, glyphs: Glyphs) -> list[str]:
-    """Return forms of a large ``x``, the longest first; those in units cover what exponents do not.
-
-    A mantissa without a decimal says no more than thousands: ``−50k`` stands beside ``−47k``.
-    """
+    """Return forms of a large ``x``, the longest first; no ``−5e4`` beside ``−47k``."""
     exponents = _with_exponent(x, glyphs)
     longer = [form for form in exponents if "." in form or abs(x) >= _THOUSANDS_TO]
     shortest = exponents[-1]

@@ -17,8 +17,7 @@ _SLACK: Final = 1e-6  # of a digit: what binary fractions add
 def figure(x: float, decimals: int, glyphs: Glyphs, nothing: float = numbers.NEGLIGIBLE) -> str:
     """Return ``x`` rounded to ``decimals`` (−3: to thousands): ``.000130``, ``1.3e-8``, ``−3e11``.
 
-    What is not above ``nothing`` is 0. Whole numbers and tenths stand as they are. A number that so many
-    decimals would not show keeps three digits of its own. An infinite one, or none, is written as such.
+    What is not above ``nothing`` is 0. A number too small for so many decimals keeps three digits.
     """
     if not math.isfinite(x):
         return str(x).replace("-", glyphs.minus)

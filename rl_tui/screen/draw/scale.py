@@ -36,10 +36,7 @@ class Scale:
 
 
 def round_scale(low: float, high: float) -> Scale:
-    """Return an axis with two to four round labels that holds 0 and ``low`` .. ``high`` closely.
-
-    It ends at labels, or where more than a quarter or so would be empty at one end then, between them.
-    """
+    """Return an axis with two to four round labels that holds 0 and ``low`` .. ``high`` closely."""
     low, high = min(low, 0.0), max(high, 0.0)
     if high - low < numbers.NEGLIGIBLE:
         return Scale(0.0, 1.0, 1.0)
@@ -79,10 +76,7 @@ def settled(previous: Scale | None, low: float, high: float) -> Scale:
 
 
 def round_range(last: float) -> float:
-    """Return the right end of an axis from 0 to ``last`` or somewhat more.
-
-    It is 10 or more and goes in steps, so that it changes rarely and at most a fifth of the axis is empty.
-    """
+    """Return the right end of an axis from 0 to ``last``: 10 or more, and it changes in steps."""
     needed = max(last, FIRST_RANGE)
     power = 10.0 ** math.floor(math.log10(needed))
     return next(power * digit for digit in _ROUND if needed <= power * digit * (1.0 + 1e-12))

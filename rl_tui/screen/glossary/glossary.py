@@ -1,8 +1,6 @@
 """The glossary: its terms, the search in them, and the term at a place on the screen.
 
-The terms come from `glossary.toml`, read on first use. A term that names a number on screen also states
-how this number comes about: exact, sampled, learned or counted, discounted or not, and within which
-limit.
+Terms come from `glossary.toml`, and those that name a number say how it comes about.
 """
 
 from __future__ import annotations
@@ -44,24 +42,18 @@ class FigureKind(StrEnum):
 class FigureLimit(StrEnum):
     """Within what a figure counts."""
 
-    EPISODE = "episode"
-    """An episode, up to the time limit."""
-    NONE = "none"
-    """All that is to come, whatever the time limit."""
-    STEP = "step"
-    """One step."""
-    RUN = "run"
-    """All of the run so far."""
-    MOMENT = "moment"
-    """The last moments on the clock."""
+    EPISODE = "episode"  # an episode, up to the time limit
+    NONE = "none"  # all that is to come, whatever the time limit
+    STEP = "step"  # one step
+    RUN = "run"  # all of the run so far
+    MOMENT = "moment"  # the last moments on the clock
 
 
 @dataclass(frozen=True, slots=True)
 class FigureFacts:
-    """What has to be known of a figure before it is compared with another one.
+    """What must be known of a figure before it is compared: ``discounted`` is None where that means nothing.
 
-    ``discounted`` is None where it means nothing. ``episodes`` is over how many of the last ones it is a
-    mean, None where it is of one; ``over_seeds`` says that other seeds were counted too.
+    ``episodes`` is over how many of the last ones it is a mean, None where it is of one.
     """
 
     kind: FigureKind
@@ -73,11 +65,7 @@ class FigureFacts:
 
 @dataclass(frozen=True, slots=True)
 class GlossaryTerm:
-    """One ``word``; ``also`` are the symbols and other ways in which the screens write it.
-
-    ``text`` is a paragraph, ``equation`` a line, ``book`` where it stands in Sutton & Barto (2nd ed.) or
-    elsewhere. ``figure`` is what a term that names a figure on screen says of it.
-    """
+    """One ``word``, ``also`` written otherwise; ``figure`` is set where it names a number on screen."""
 
     id: str
     word: str
@@ -131,10 +119,9 @@ def terms_called(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def term_at(text: str, column: int, glyphs: Glyphs, about: Collection[str] | None = None) -> str | None:
-    """Return the id of the term written at ``column`` of ``text``, a line on screen; None if none is.
+    """Return the id of the longest term written at ``column`` of ``text``; None if none is.
 
-    Of several names that cover the column the longest counts. A sign such as ● means something else on each
-    panel: one is taken for a term only if that is ``about`` these ids; None takes it everywhere.
+    A sign such as ● is a term only ``about`` these ids, since panels use it differently; None: everywhere.
     """
     pattern, ids, signs = _written(glyphs is ASCII)
     for match in _TINY.finditer(text):
@@ -154,8 +141,7 @@ def term_at(text: str, column: int, glyphs: Glyphs, about: Collection[str] | Non
 def _written(in_ascii: bool) -> tuple[re.Pattern[str], Mapping[str, str], frozenset[str]]:
     """Return what finds the names of terms in a line, the ids of what it finds, and which of it are signs.
 
-    A single small letter, mostly a key, is a word only where an equals sign follows. In longer names case
-    does not matter.
+    A single small letter, mostly a key, is a word only before an equals sign.
     """
     ids: dict[str, str] = {}
     signs = set[str]()
@@ -174,11 +160,7 @@ def _key(name: str) -> str:
 
 
 def _pattern(name: str) -> str:
-    """Return what matches ``name``.
-
-    One that begins or ends in a letter is no part of a longer word, and a sign none of a thin line: that is
-    the middle of a whisker, or of an edge of a graph.
-    """
+    """Return what matches ``name``, not within a longer word, and no sign within a thin line."""
     before = r"(?<!\w)" if name[0].isalnum() else _NO_LINE_BEFORE
     after = r"(?!\w)" if name[-1].isalnum() else _NO_LINE_AFTER
     if len(name) == 1 and name.isascii() and name.islower():
@@ -224,18 +206,12 @@ _LIMITS: Final = {
 class FigureSetting(NamedTuple):
     """What is in force where a figure is asked about."""
 
-    gamma: str
-    """γ as it is written on screen."""
-    time_limit: int
-    """Steps after which an episode is cut off; 0: none."""
-    steps: int
-    """Steps taken so far."""
-    episodes: int
-    """Episodes that have ended."""
-    is_bandit: bool = False
-    """Whether each pull is an episode."""
-    budget: int | None = None
-    """Pulls that a bandit may take."""
+    gamma: str  # γ as it is written on screen
+    time_limit: int  # steps after which an episode is cut off; 0: none
+    steps: int  # steps taken so far
+    episodes: int  # episodes that have ended
+    is_bandit: bool = False  # whether each pull is an episode
+    budget: int | None = None  # pulls that a bandit may take
 
 
 def figure_text(facts: FigureFacts, now: FigureSetting | None = None) -> str:

@@ -23,10 +23,7 @@ _ARTICLE: Final = "a"
 
 
 def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: A002
-    """Return a binding that no footer shows; ``id`` is panel.name, and what Textual calls it is that name.
-
-    What ``up`` and ``down`` do, ``k`` and ``j`` do as well.
-    """
+    """Return a binding that no footer shows, named after ``id``; k and j do what up and down do."""
     for key, letter in (("up", "k"), ("down", "j")):
         keys = ",".join((*keys.split(","), letter)) if key in keys.split(",") else keys
     name = id.partition(".")[2].replace("_", " ").capitalize()
@@ -39,10 +36,7 @@ def key_of_hint(written: str) -> str | None:
 
 
 def as_sentence(text: str) -> str:
-    """Return ``text`` with a capital letter and a full stop.
-
-    What begins with a key, a symbol or a command stays as it is, as does a path at the end.
-    """
+    """Return ``text`` with a capital letter and a full stop; a key or a path stays as it is."""
     first, _, _ = text.partition(" ")
     if (first == _ARTICLE or key_of_hint(first) is None) and not first.startswith(_COMMANDS):
         text = f"{text[:1].upper()}{text[1:]}"

@@ -1,7 +1,4 @@
-"""Blocks, of which panels of text are made: a panel says what stands there, a block how it is fitted in.
-
-A block chooses the longest of its forms that fits, wraps, aligns, and spells in the terminal's characters.
-"""
+"""Blocks, of which panels of text are made: a panel says what stands there, a block how it is fitted in."""
 
 from __future__ import annotations
 
@@ -40,10 +37,7 @@ def lines_of(blocks: Iterable[Block], width: int, look: Look) -> list[Line]:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A paragraph, behind ``first`` in its first line and ``rest`` in the others.
-
-    A function makes the text for the cells that there are for it.
-    """
+    """A paragraph, or a function that makes it for a width, behind ``first`` and then ``rest``."""
 
     text: str | Callable[[int], str]
     style: Style
@@ -71,16 +65,14 @@ class Row:
         return [line]
 
 
-BLANK = Row([])
-"""A blank line."""
+BLANK = Row([])  # a blank line
 
 
 @dataclass(frozen=True, slots=True)
 class Flow:
     """Groups of pieces, none of which is broken, in as many lines as they take.
 
-    Blanks before a group set it off from the one before and go where a line begins. All lines but the first
-    begin after ``indent`` blanks, that after one.
+    Blanks before a group go where a line begins. All lines but the first have an ``indent``.
     """
 
     groups: Iterable[Line]
@@ -128,10 +120,7 @@ class Labelled:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """Blocks below a heading with a rule behind it, and between them the longest of ``remarks`` that fits.
-
-    The blocks take at least ``rows`` lines, so that what stands below stays where it is.
-    """
+    """Blocks below a heading, with the longest of ``remarks`` that fits; at least ``rows`` lines."""
 
     heading: str
     blocks: Sequence[Block] = ()
@@ -160,10 +149,10 @@ def stacked(sections: Sequence[Section], width: int, height: int, look: Look) ->
 
 
 class Column(NamedTuple):
-    """A column of a table: its head and what stands in each row, None for the head once more.
+    """A column of a table: its head and the cell of each row, None for the head once more.
 
-    Cells are in ``style`` unless they bring their own. The column has at least ``width`` cells, with ``gap``
-    blanks before them. Where there is no room it may be shortened to ``least`` cells, None: not at all.
+    It has at least ``width`` cells behind ``gap`` blanks, and may be shortened to ``least``, None: not at
+    all.
     """
 
     head: str
@@ -193,11 +182,10 @@ Columns = Sequence[Column]
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows in columns, in the first of ``forms``, the best first, that fits.
+    """Rows in columns, in the first of ``forms``, the best first, that leaves ``margin`` cells free.
 
-    A form in which nothing is shortened has to leave ``margin`` cells free. Where none fits, the last one is
-    taken as far as it goes; if the table ``is_stacked`` then, each cell has a line of its own. What stands
-    ``below`` a row, by its place, has the whole width.
+    If none fits and the table ``is_stacked``, each cell has a line. Blocks ``below`` a row have all the
+    width.
     """
 
     forms: Iterable[Columns]
@@ -304,10 +292,7 @@ class Term(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """``left`` and the ``terms`` that give it; a brace with the ``label`` joins their brackets, if any.
-
-    ``now = was + α·(r − was)`` is written above its numbers, each word in the column of its number.
-    """
+    """``left`` and the ``terms`` that give it, words above numbers; a brace has the ``label``."""
 
     left: Term
     terms: Sequence[Term]
@@ -349,7 +334,6 @@ class Equation:
 
 
 def _broken(terms: Sequence[Term], width: int, look: Look) -> Iterator[Sequence[Term]]:
-    """Yield ``terms`` in parts that fit into a line each: two, before the bracket and from it on, or more."""
     start = next((place for place, term in enumerate(terms) if term.operator.endswith("(")), 0)
     if start and max(
         sum(_cells(each, look) for each in part) for part in (terms[:start], terms[start:])

@@ -19,7 +19,7 @@ Found = TypeVar("Found")
 
 
 def _kept(find: Callable[[World, World], Found]) -> Callable[[World, World], Found]:
-    """Let what was found of two worlds be known as long as both are there; it keeps neither in memory."""
+    """Remember what was found of two worlds as long as both are there."""
     known = WeakKeyDictionary[World, WeakKeyDictionary[World, Found]]()
 
     @wraps(find)
@@ -51,14 +51,12 @@ def _have_same_numbers(world: World, other: World) -> bool:
 
 @_kept
 def in_common(world: World, other: World) -> Carried:
-    """Return for each state, [S], and each pair, [P], of ``world`` what it is in ``other``, NEW for nothing.
-
-    Maps of different sizes have nothing in common, nor have bandits with another number of arms.
-    """
+    """Return what each state, [S], and each pair, [P], of ``world`` is in ``other``, NEW for nothing."""
     if not are_same_size(world, other):
         space = world.space
         return Carried(np.full(space.states, NEW), np.full(space.pairs, NEW))
-    return carried_by_keys(_keyed(other), _keyed(world))
+    now, before = (Keyed(each.space, _state_keys(each), each.space.action_names) for each in (other, world))
+    return carried_by_keys(now, before)
 
 
 def are_same_size(world: World, other: World) -> bool:
@@ -69,10 +67,6 @@ def are_same_size(world: World, other: World) -> bool:
     if isinstance(one, Arms) and isinstance(two, Arms):
         return world.space.pairs == other.space.pairs
     return type(one) is type(two)
-
-
-def _keyed(world: World) -> Keyed:
-    return Keyed(world.space, _state_keys(world), world.space.action_names)
 
 
 def _state_keys(world: World) -> IntArray | Sequence[Hashable]:

@@ -1,7 +1,4 @@
-"""The layers that world and table show: which there are, and their numbers.
-
-Pairs have numbers in the table, states in the picture of a world. Numbers of pairs are [P], of states [S].
-"""
+"""The layers that world and table show: which there are, and their numbers, of pairs [P] or states [S]."""
 
 from __future__ import annotations
 
@@ -15,7 +12,7 @@ from rl_tui.live.snapshot import AgentView, Snapshot
 from rl_tui.runs.bandit import best_arms, true_means
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.kit.counterparts import are_alike
-from rl_tui.screen.kit.numbers_in_common import finite, held_pairs, known_v, lanes_in_view
+from rl_tui.screen.kit.numbers_in_common import best_of_states, finite, held_pairs, known_v, lanes_in_view
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
@@ -48,11 +45,7 @@ Exact = tuple[FloatArray, BoolArray]
 
 
 def exact_q(snapshot: Snapshot) -> Exact | None:
-    """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, hidden or refused.
-
-    For a bandit they are the true means, whatever γ is: every pull ends its episode. Where they drift they
-    are those of this very step.
-    """
+    """Return Q* and its greedy pairs, [P] each, of a bandit the true means; None while unknown or hidden."""
     if is_secret(snapshot):
         return None
     if isinstance(snapshot.world.drawing, Arms):
@@ -68,17 +61,10 @@ def hides_exact(snapshot: Snapshot) -> bool:
     return is_secret(snapshot) and not snapshot.exact_answer.refused
 
 
-def has_exact_key(snapshot: Snapshot) -> bool:
-    """Return whether it is hidden, and a key shows it."""
-    return hides_exact(snapshot) and not keeps_back(snapshot, "answer")
-
-
 def veils_exact(snapshot: Snapshot) -> bool:
-    """Return whether the layer Q* has ``···`` in place of numbers: a key shows them.
-
-    A bandit has them in a column of its table already.
-    """
-    return has_exact_key(snapshot) and not isinstance(snapshot.world.drawing, Arms)
+    """Return whether the layer Q* has ``···`` in place of numbers that a key shows; not of a bandit."""
+    has_key = hides_exact(snapshot) and not keeps_back(snapshot, "answer")
+    return has_key and not isinstance(snapshot.world.drawing, Arms)
 
 
 def veiled(glyphs: Glyphs) -> str:
@@ -95,10 +81,7 @@ def shown_exact(snapshot: Snapshot) -> Exact | None:
 
 
 def other_lane(snapshot: Snapshot) -> LaneView | None:
-    """Return the run that stands beside the one shown, None without one or where its table is too large.
-
-    None too where it is the table of a world with other states or pairs.
-    """
+    """Return the run beside the one shown; None without one, or where its table is too large or another."""
     group, beside = snapshot.run_group, snapshot.beside
     other = group.lanes[group.beside] if group.lanes and group.beside is not None else None
     if other is None or (beside is not None and not are_alike(snapshot.world, beside.world)):
@@ -117,37 +100,27 @@ def world_layer(snapshot: Snapshot, layer: Layer) -> Layer:
 
 
 def as_layer(snapshot: Snapshot, layer: Layer) -> Snapshot:
-    """Return ``snapshot`` with the numbers of states in ``layer``, one of a world, in place of V.
-
-    The actions are those of Q* in its layer, else the agent's. The lane beside it has its own.
-    """
+    """Return ``snapshot`` with the numbers of ``layer`` in place of V; Q* has its own actions."""
     if layer in (Layer.Q, Layer.LANDSCAPE):
         return snapshot
-    exact = shown_exact(snapshot)
+    exact, beside = shown_exact(snapshot), snapshot.beside
     if layer is Layer.OPTIMAL and exact is not None:
-        agent = _optimal(snapshot, exact)
+        agent = _optimal(snapshot, *exact)
     else:
         agent = _compared(snapshot, layer, exact)
-    beside = snapshot.beside
     if beside is not None and world_layer(beside, layer) is layer:
         beside = as_layer(beside, layer)
     return replace(snapshot, agent=agent, beside=beside)
 
 
-def _optimal(snapshot: Snapshot, exact: Exact) -> AgentView:
-    q, greedy = exact
-    space = snapshot.world.space
-    states, _, first = held_pairs(space, None)
-    values = np.zeros(space.states)
-    values[states] = np.maximum.reduceat(q, first)
-    visits = np.ones(space.pairs, np.int64)
-    return replace(
-        snapshot.agent, q=q, values=values, policy=greedy.astype(np.float64), visits=visits, part=None
-    )
+def _optimal(snapshot: Snapshot, q: FloatArray, greedy: BoolArray) -> AgentView:
+    space, values = snapshot.world.space, np.zeros(snapshot.world.space.states)
+    values[np.diff(space.first_pair) > 0] = best_of_states(space, q)
+    policy, visits = greedy.astype(np.float64), np.ones(space.pairs, np.int64)
+    return replace(snapshot.agent, q=q, values=values, policy=policy, visits=visits, part=None)
 
 
 def _compared(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> AgentView:
-    """Return the agent with its errors or its visits in place of V, and its greedy actions."""
     agent, space = snapshot.agent, snapshot.world.space
     states, pairs, first = held_pairs(space, agent.part)
     q = agent.q[pairs]
@@ -170,10 +143,7 @@ def _compared(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> AgentVie
 
 
 def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
-    """Return the numbers that the scale of ``layer`` must hold, of both runs in view.
-
-    That of visits holds those of states, that of errors those of pairs, which are larger.
-    """
+    """Return the numbers that the scale of ``layer`` must hold, of both runs in view; errors are of pairs."""
     if layer is Layer.ERROR:
         return finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
     return known_v(as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot)

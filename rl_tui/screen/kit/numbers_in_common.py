@@ -32,10 +32,9 @@ def all_v(snapshot: Snapshot) -> FloatArray:
 
 
 def known_v(snapshot: Snapshot) -> FloatArray:
-    """Return the finite V of the states about which something was learned: updated, or estimates differ.
+    """Return the finite V of the states about which something was learned, of a bandit the pulled arms.
 
-    Of a bandit, which has one state, they are the estimates of the arms that were pulled. Exits of a map,
-    left by their only action, which is no direction, show what they pay instead, and are left out.
+    Exits of a map show what they pay, and are left out.
     """
     if isinstance(snapshot.world.drawing, Arms):
         arms = [lane.agent.q[lane.agent.visits > 0] for lane in lanes_in_view(snapshot)]

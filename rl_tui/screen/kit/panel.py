@@ -1,7 +1,4 @@
-"""The base of all panels: what the board asks of a panel, its legend, and drawing from a snapshot.
-
-A subclass of `Panel` implements `picture`. Only rows that have changed are refreshed.
-"""
+"""The base of all panels: what the board asks of a panel, its legend, and drawing from a snapshot."""
 
 from __future__ import annotations
 
@@ -42,11 +39,7 @@ _MOST_KEPT: Final = 64  # the same legend is drawn in every frame
 
 
 class LegendSign(NamedTuple):
-    """A ``sign`` as the panel draws it, characters and ``style``, and its ``meaning`` in a word or two.
-
-    The sign is in the characters of the look already. ``in_full`` is the meaning where all of the legend has
-    room for that; empty: the same.
-    """
+    """A ``sign`` as it is drawn, its ``meaning`` in a word or two, and ``in_full`` where there is room."""
 
     sign: str
     meaning: str
@@ -139,10 +132,7 @@ def key_at(hints: str, column: int) -> str | None:
 
 
 def is_same(one: object, other: object) -> bool:
-    """Return whether both have the same value: arrays number by number, tuples and records part by part.
-
-    A world, which may be large, is the same as itself only.
-    """
+    """Return whether both have the same value, part by part; a world is the same as itself only."""
     if one is other:
         return True
     if type(one) is not type(other) or isinstance(one, World):
@@ -159,10 +149,8 @@ def is_same(one: object, other: object) -> bool:
 class BoardPanel(Widget):
     """What the board asks of each of its panels.
 
-    ``caption`` says in some five words what the panel is; it and the legend are seen while ``is_explained``.
-    ``is_led`` says that the same panel of the lane beside this one decides which part is in view,
-    ``is_spotlit`` that the page of a lesson points at this one. A change of these is seen after the next
-    :meth:`redraw`.
+    ``caption`` and legend are shown while it ``is_explained``. ``is_led`` says that the same panel of the run
+    beside this one decides which part is in view, ``is_spotlit`` that a lesson points here.
     """
 
     snapshot: Snapshot | None = None
@@ -172,10 +160,8 @@ class BoardPanel(Widget):
     is_spotlit: bool = False
     drawn_from: object = None
     """What :meth:`depends_on` was for the last snapshot; None has the next one drawn."""
-    head = ""
-    """The text above the panel: its title, then its caption."""
-    foot = ""
-    """The text in the row below the panel: mostly its keys."""
+    head = ""  # the text above the panel: its title, then its caption
+    foot = ""  # the text in the row below the panel: mostly its keys
     _border_look: Look | None = None
     _heading: Sequence[Segment] = ()
     _keys: Sequence[Segment] = ()
@@ -193,11 +179,7 @@ class BoardPanel(Widget):
         return True
 
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return all that is seen of ``snapshot``, with the fields of the panel that are set before it draws.
-
-        Where this has the value it had before, see :func:`is_same`, the panel is not drawn again. None: it
-        is drawn for every snapshot.
-        """
+        """Return all that is seen of ``snapshot``: it is drawn again only if that changes. None: always."""
         return None
 
     def show(self, snapshot: Snapshot) -> None:
@@ -214,10 +196,7 @@ class BoardPanel(Widget):
         """Draw again, where anything was drawn."""
 
     def write_border(self, head: str, foot: str, look: Look) -> None:
-        """Write ``head``, a title and a caption behind " · ", above the panel, and ``foot`` below it.
-
-        A sign before the title says that a lesson points here, for who sees no colours.
-        """
+        """Write ``head``, a title and a caption, above the panel, and ``foot`` below it."""
         head = f"{look.glyphs.cursor} {head}" if self.is_spotlit else head
         texts = separated(head, look.glyphs), separated(foot, look.glyphs)
         if texts == (self.head, self.foot) and look is self._border_look:
@@ -247,10 +226,7 @@ class BoardPanel(Widget):
         return strips
 
     def _edge(self, border: tuple[str, Color], row: int, text: Sequence[Segment]) -> Strip:
-        """Return the upper (0) or lower (1) edge with its ``text``; its rule tells what has the focus.
-
-        A dialog has a frame, which has corners; a panel of the board has not.
-        """
+        """Return the upper (0) or lower (1) edge with its ``text``; only a dialog has corners."""
         made_of = border, text, self.outer_size.width, self._ground, bool(self.styles.border_right[0])
         if self._edges[row][0] != made_of:
             edge = made_of, self._new_edge(border, row, text)
@@ -276,15 +252,13 @@ class BoardPanel(Widget):
 class Panel(BoardPanel):
     """Draws each snapshot anew and refreshes only the rows that came out different.
 
-    Subclasses implement :meth:`picture`, which may set ``heading`` and ``footing`` on the way, and
-    ``free_rows``: how many rows at the bottom it leaves empty. There the :meth:`legend` stands, otherwise on
-    the border.
+    Subclasses implement :meth:`picture`, which sets ``heading``, ``footing`` and ``free_rows``, the number of
+    empty rows at the bottom. There the :meth:`legend` stands, otherwise on the border.
     """
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
-        self.look = look
-        """The characters and colours it is drawn with; a change is seen after :meth:`redraw`."""
+        self.look = look  # the characters and colours it is drawn with; a change is seen after :meth:`redraw`
         self.heading = ""
         self.footing = ""
         self.free_rows = 0
@@ -372,7 +346,6 @@ class Panel(BoardPanel):
                 self._explain(self.snapshot)
 
     def _explain(self, snapshot: Snapshot) -> None:
-        """Put as much of the legend as there is room for on the rows that are free, else on the border."""
         size, signs = self._drawn_size, self.legend(snapshot)
         rows = legend_rows(signs, size.width, self._always_free(snapshot), self.look)
         if rows:

@@ -18,10 +18,7 @@ class Touched(Message):
 
 @dataclass
 class Pointed(Touched):
-    """The cursor of ``panel`` was moved to what ``pairs`` are: those of a state, or one by itself.
-
-    They are empty where there is no cursor any more, or where it stands on no pair.
-    """
+    """The cursor of ``panel`` was moved to ``pairs``, those of a state or one; none without a cursor."""
 
     panel: Widget
     pairs: range
@@ -36,10 +33,7 @@ class Moved(Message):
 
 @dataclass
 class PartPointed(Touched):
-    """The place under the cursor of ``panel`` was clicked again.
-
-    ``step`` says in which part of it, as a step (rows down, columns right) towards there; None: the middle.
-    """
+    """The place under the cursor was clicked again, in its middle (None) or ``step`` from there."""
 
     panel: Widget
     step: tuple[int, int] | None
@@ -65,12 +59,7 @@ class Wheeled(Touched):
 class Draggable(Widget):
     """A widget that can be dragged along its row. Subclasses call ``take_hold`` and define ``drag_to``."""
 
-    _held = False
-
-    @property
-    def is_held(self) -> bool:
-        """Whether the handle is held."""
-        return self._held
+    is_held = False
 
     def drag_to(self, column: int) -> None:
         """Let the handle go to ``column``, which may lie past either end."""
@@ -78,21 +67,21 @@ class Draggable(Widget):
 
     def take_hold(self, column: int) -> None:
         """Let the handle jump to ``column`` and follow the pointer until the button is let go."""
-        self._held = True
+        self.is_held = True
         self.capture_mouse()
         self.drag_to(column)
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         """Follow the pointer while the handle is held, past the ends too."""
-        if self._held:
+        if self.is_held:
             self.drag_to(event.get_content_offset_capture(self).x)
 
     def on_mouse_up(self) -> None:
         """Let the handle go."""
-        if self._held:
-            self._held = False
+        if self.is_held:
+            self.is_held = False
             self.release_mouse()
 
     def on_mouse_release(self) -> None:
         """Let the handle go where another widget took the mouse."""
-        self._held = False
+        self.is_held = False

@@ -35,10 +35,7 @@ CAPTION: Final = "caption"
 
 @dataclass(frozen=True, slots=True)
 class OpeningKey:
-    """The key that opens a panel and closes it again.
-
-    ``key``, ``label``, ``help``, ``old`` and ``rank`` are those of the action that the key does.
-    """
+    """The key that opens a panel and closes it again, with the fields of its action."""
 
     key: str
     label: str
@@ -49,17 +46,12 @@ class OpeningKey:
 
 @dataclass(frozen=True, slots=True)
 class PanelRow:
-    """One panel. ``widget`` names its class, ``module:Class``, imported when a board is made.
+    """One panel: the class ``widget``, ``module:Class``, its texts, and when it is there.
 
-    ``title`` and ``help`` explain it in the help. A panel with an ``opened_by`` is closed at first. Open, it
-    has the right column beside the world; with ``wide_rows`` at least these rows of the whole width below
-    world and table if they fit. ``needs`` says whether there is anything to show, by how the
-    world is drawn. ``caption`` says in some five words what the panel is, and ``terms`` are the ids of
-    the terms of the glossary that it is about, what is asked first before the rest. With ``is_twofold`` each
-    of two lanes side by side has one; :func:`beside` is the id of the second. A panel ``of_program`` has
-    something to show only while somebody's own program is watched; ``not_for_program`` says why one has
-    nothing to show of it then, and what to do instead, with ``{file}`` for the program's file. One
-    ``of_lesson`` is there only beside a lesson, one ``of_drawing`` only while a person draws the world.
+    A panel with an ``opened_by`` is closed at first; open, it stands beside the world, or below with at least
+    ``wide_rows``. ``needs`` says by the drawing whether there is anything to show. ``terms`` are ids of the
+    glossary. ``is_twofold``: each of two runs has one. ``not_for_program`` says why a watched program, in
+    ``{file}``, has nothing to show here.
     """
 
     id: str

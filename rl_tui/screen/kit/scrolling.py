@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
+from rich.segment import Segment
 from textual import events
 from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.canvas import Canvas, Line, strips_of
+from rl_tui.screen.draw.canvas import Line, strips_of
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import Block, lines_of
 from rl_tui.screen.kit.panel import Panel
@@ -27,8 +28,7 @@ class Scrolled(Message):
 def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
     """Return the first of ``shown`` lines out of ``total``, near ``first``, that has ``place`` in view.
 
-    It stays as it is while ``place`` (None: nothing to follow) is one line off the edge; otherwise ``place``
-    comes to the middle.
+    It stays while ``place`` is one line off the edge, else ``place`` comes to the middle.
     """
     if place is not None:
         margin = 1 if shown > 2 else 0
@@ -40,6 +40,15 @@ def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
 def scrolled_to(first: int, place: int, shown: int) -> int:
     """Return the first of ``shown`` lines, as near to ``first`` as has ``place`` in view."""
     return max(place - shown + 1, min(first, place))
+
+
+def scroll_bar(first: int, shown: int, total: int, height: int, look: Look) -> list[Segment]:
+    """Return a bar of ``height`` cells: of ``total`` lines, ``shown`` are in view from ``first`` on."""
+    length = max(1, height * shown // total)
+    start = round((height - length) * first / max(1, total - shown))
+    dim, glyphs = look.palette.dim, look.glyphs
+    signs = (start <= y < start + length for y in range(height))
+    return [Segment(glyphs.bar if inside else glyphs.axis_vertical, dim) for inside in signs]
 
 
 # A panel of rows
@@ -68,7 +77,7 @@ class ScrolledPanel(Panel, can_focus=True):
     """Shows as many of its rows as there is room for, with a bar at the right where there are more.
 
     Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`, and :meth:`keys` or
-    :meth:`hints` for the lower border.
+    :meth:`hints`.
     """
 
     title: ClassVar[str]
@@ -116,11 +125,10 @@ class ScrolledPanel(Panel, can_focus=True):
         shown += [Strip.blank(width, self.look.palette.text)] * (height - len(shown))
         if not is_scrolled:
             return shown
-        bar = _scroll_bar(self._first, height, len(rows), self.look)
-        return [Strip([*row, *end], width) for row, end in zip(shown, bar, strict=True)]
+        bar = scroll_bar(self._first, height, len(rows), height, self.look)
+        return [Strip([*row, end], width) for row, end in zip(shown, bar, strict=True)]
 
     def _fitted(self, snapshot: Snapshot | None, width: int, height: int) -> tuple[list[Strip], bool]:
-        """Return all rows, and whether they need a bar beside them; mostly as it was the last time."""
         for has_bar in (self._has_bar, not self._has_bar):
             rows = self.rows(snapshot, width - 1 if has_bar else width, height)
             self._has_bar = len(rows) > height
@@ -144,13 +152,3 @@ class ScrolledPanel(Panel, can_focus=True):
     def _scroll(self, rows: int) -> None:
         self._first = max(0, min(self._first + rows, self._rows_in_all - self.size.height))
         self.redraw()
-
-
-def _scroll_bar(first: int, height: int, rows: int, look: Look) -> list[Strip]:
-    canvas, glyphs = Canvas(1, height, look.palette.dim), look.glyphs
-    length = max(1, height * height // rows)
-    start = round((height - length) * first / max(1, rows - height))
-    for y in range(height):
-        inside = start <= y < start + length
-        canvas.put(0, y, glyphs.bar if inside else glyphs.axis_vertical, look.palette.dim)
-    return canvas.strips()

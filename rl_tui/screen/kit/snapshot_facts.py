@@ -28,10 +28,7 @@ _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would o
 
 
 def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
-    """Return whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane.
-
-    A way back leaves its first branch as long as it was; a run that starts again has a new one.
-    """
+    """Return whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane."""
     if before is None or before.run_group.shown != now.run_group.shown:
         return False
     first, was = now.timeline.branches[0], before.timeline.branches[0]
@@ -39,10 +36,7 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
 
 
 def is_secret(snapshot: Snapshot) -> bool:
-    """Return whether all that gives the exact answer away must be hidden.
-
-    A spent budget shows it, unless a lesson keeps it back.
-    """
+    """Return whether all that gives the exact answer away must be hidden; a spent budget shows it."""
     is_open = snapshot.playback.phase is Phase.SPENT and not keeps_back(snapshot, "answer")
     return snapshot.answers.is_hidden and not is_open
 
@@ -76,18 +70,12 @@ def as_learned(snapshot: Snapshot) -> Snapshot:
 
 
 def hides_means(snapshot: Snapshot) -> bool:
-    """Return whether the true means of arms must be hidden.
-
-    Of a bandit these are the model and what the greedy policy earns, which other worlds do not hide.
-    """
+    """Return whether the true means of arms, which are the model of a bandit, must be hidden."""
     return is_secret(snapshot) and isinstance(snapshot.world.drawing, Arms)
 
 
 def hides_greedy(snapshot: Snapshot) -> bool:
-    """Return whether what the policies at work earn, exactly, must be hidden.
-
-    That of the greedy one may be the best there is: a lesson that keeps the answer back hides it too.
-    """
+    """Return whether exact returns of current policies must be hidden: the greedy one may be optimal."""
     return hides_means(snapshot) or (is_secret(snapshot) and keeps_back(snapshot, "answer"))
 
 
@@ -102,9 +90,8 @@ def current_study(snapshot: Snapshot) -> SeedStudy | None:
 
 def shown_lane(study: SeedStudy, snapshot: Snapshot) -> int:
     """Return which lane of ``study`` is on screen now, from 0; where they are others, the one that was."""
-    return (
-        snapshot.run_group.shown if len(snapshot.run_group.lanes or (0,)) == len(study.lanes) else study.shown
-    )
+    is_same = len(snapshot.run_group.lanes or (0,)) == len(study.lanes)
+    return snapshot.run_group.shown if is_same else study.shown
 
 
 def episodes_reached(snapshot: Snapshot) -> tuple[int, ...]:
@@ -113,11 +100,7 @@ def episodes_reached(snapshot: Snapshot) -> tuple[int, ...]:
 
 
 def recent_name(*episodes: int) -> str:
-    """Return what a mean of the last 100 is called, after so many ``episodes``, of one run or of several.
-
-    It is ``last 48`` as long as there are no more, ``last 27–35`` where runs have different numbers.
-    Runs without any do not count.
-    """
+    """Return what a mean of the last 100 ``episodes`` is called: ``last 48``, ``last 27–35``."""
     counts = sorted({min(each, RECENT) for each in episodes if each}) or [RECENT]
     return f"last {'–'.join(map(str, dict.fromkeys((counts[0], counts[-1]))))}"
 
@@ -178,10 +161,7 @@ def figure_setting(snapshot: Snapshot, glyphs: Glyphs) -> FigureSetting:
 
 
 def episode_shown(snapshot: Snapshot) -> int:
-    """Return the number, from 1, of the episode that the agent is in; of a planner that of its sweep.
-
-    After its last step that is still the one that has ended: the next one is counted from its beginning on.
-    """
+    """Return the number, from 1, of the episode, or sweep, under way; at its last step still the same."""
     counters, last = snapshot.counters, snapshot.counters.last_step
     if last is None or not counters.has_just_ended or last.planned != snapshot.agent.row.planner:
         return episodes_begun(snapshot)

@@ -39,10 +39,9 @@ RAMPS: Final = {Layer.ERROR: Ramp.ERRORS, Layer.LANES: Ramp.ERRORS, Layer.VISITS
 
 @dataclass(frozen=True, slots=True)
 class ValueScale:
-    """The numbers between which tints change. What lies beyond has the tint of that end.
+    """The numbers between which tints change; both signs matter if it ``is_signed``.
 
-    ``is_signed`` says that both signs matter: then a 0 in the middle is grey, and both ``ends``, the numbers
-    that have the tints of the ends, are as far from it. Visits have tints by their logarithm.
+    ``ends`` have the tints of the ends, and numbers beyond have them too. Visits go by their logarithm.
     """
 
     low: float = 0.0
@@ -87,9 +86,8 @@ class ValueScale:
 def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | None:
     """Return the scale of finite ``values``, robust to outliers; None where there are none.
 
-    Where the least and the greatest are more than four times as far apart as the middle 7/8, it ends there.
-    A scale of positive values begins at 0 where the least is less than half of the greatest; that of a single
-    value has 0 as its other end. Visits are not cut, and begin at 0.
+    It ends at the middle 7/8 where the rest is more than four times as far apart, and begins at 0 where the
+    least value is below half of the greatest. Visits are not cut.
     """
     if not len(values):
         return None
@@ -108,10 +106,7 @@ def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | No
 
 
 class SteadyScale:
-    """The current scale of each layer, which only gets wider until another run begins: tints do not flicker.
-
-    While policies are studied they share it; after that it is the agent's again.
-    """
+    """The current scale of each layer; it only gets wider during a run, so that tints do not flicker."""
 
     def __init__(self) -> None:
         self._scales: dict[Layer, ValueScale] = {}
@@ -127,10 +122,7 @@ class SteadyScale:
         return self._scales.get(Layer.Q, ValueScale())
 
     def of(self, snapshot: Snapshot, layer: Layer = Layer.Q) -> ValueScale:
-        """Return the scale of ``layer`` with what is known in ``snapshot``, in both lanes in view.
-
-        A landscape has that of Q, which gets wider whatever layer is shown.
-        """
+        """Return the scale of ``layer`` for both runs in view; that of a landscape is that of Q."""
         if layer not in (Layer.Q, Layer.LANDSCAPE):
             self.of(snapshot)
         layer = Layer.Q if layer is Layer.LANDSCAPE else layer
@@ -154,22 +146,16 @@ _END: Final = 4  # characters of the value of an end
 
 
 def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piece, ...]:
-    """Return ``scale`` as its two ends with its tints between them, ``every`` second one, say.
-
-    Without colours a word is between the ends; nothing where all that is known is 0.
-    """
+    """Return the ends of ``scale`` with ``every`` second tint, say, between them; nothing if all is 0."""
     low, high = scale.ends
     if high <= low:
         return ()
     palette = look.palette
-    ends = [_end_text(end, scale, look) for end in (low, high)]
+    if scale.ramp is Ramp.VISITS:
+        ends = [numbers.count(int(end)) for end in (low, high)]
+    else:
+        ends = [numbers.value(end, _END, look.glyphs, 2) if end else "0" for end in (low, high)]
     if not palette.tints:
         return (Piece(f"{ends[0]} to {ends[1]}", palette.dim),)
     tints = (Piece(" ", style) for style in scale.tints(palette)[::every])
     return Piece(f"{ends[0]} ", palette.dim), *tints, Piece(f" {ends[1]}", palette.dim)
-
-
-def _end_text(end: float, scale: ValueScale, look: Look) -> str:
-    if scale.ramp is Ramp.VISITS:
-        return numbers.count(int(end))
-    return numbers.value(end, _END, look.glyphs, 2) if end else "0"

@@ -83,7 +83,6 @@ def pair_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
 
 
 def _hint(snapshot: Snapshot, look: Look) -> Row:
-    """Return what shows the figures that are hidden, whole or not at all."""
     key, dim = Piece(" w h  ", look.palette.press), look.palette.dim
     forms = [[key, Piece(each, dim)] for each in ("shows regret and the best arm", "shows regret")]
     if keeps_back(snapshot, "answer"):

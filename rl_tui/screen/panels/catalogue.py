@@ -4,28 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.screen.kit.row import (
-    BUDGET,
-    CAPTION,
-    CONTROLS,
-    CURVE,
-    DISCOUNT,
-    DRAW,
-    FINDINGS,
-    LAST_STEP,
-    LESSON,
-    MANY_SEEDS,
-    MICROSCOPE,
-    OUTPUT,
-    POLICIES,
-    PROGRAM,
-    TABLE,
-    TIMELINE,
-    WORLD,
-    WORLD_CHECK,
-    OpeningKey,
-    PanelRow,
-)
+from rl_tui.screen.kit import row
+from rl_tui.screen.kit.row import OpeningKey, PanelRow
 from rl_tui.worlds.drawing import Arms, Drawing
 
 
@@ -35,7 +15,7 @@ def _has_arms(drawing: Drawing | None) -> bool:
 
 PANELS: Final[tuple[PanelRow, ...]] = (
     PanelRow(
-        LESSON,
+        row.LESSON,
         "rl_tui.screen.panels.lesson.lesson:LessonPanel",
         "Lesson",
         "The open page of a lesson. Where a page asks for a prediction (A), no step is taken before you "
@@ -49,7 +29,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         of_lesson=True,
     ),
     PanelRow(
-        WORLD,
+        row.WORLD,
         "rl_tui.screen.panels.world_views:WorldPlaceholder",
         "World",
         "The scenario as the agent finds it. In a grid, colour and number show V(s), the best estimate of "
@@ -76,7 +56,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         is_twofold=True,
     ),
     PanelRow(
-        DRAW,
+        row.DRAW,
         "rl_tui.screen.panels.draw_panel:DrawPanel",
         "Draw",
         "While you edit the world (w d): what is in hand, what is under the cursor, the brushes, sliders. "
@@ -91,7 +71,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         of_drawing=True,
     ),
     PanelRow(
-        TABLE,
+        row.TABLE,
         "rl_tui.screen.panels.q_table.q_table:QTable",
         "Q",
         "One row per state, one column per action. The frame marks the greedy cell; ▐ is before the cell "
@@ -106,7 +86,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         is_twofold=True,
     ),
     PanelRow(
-        CURVE,
+        row.CURVE,
         "rl_tui.screen.panels.curve.curve:ReturnCurve",
         "Return",
         "The area is the moving mean of the returns, each the undiscounted sum of its rewards; where all "
@@ -118,20 +98,12 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "finished episodes.",
         caption="what each episode has earned",
         terms=(
-            "return",
-            "episode",
-            "greedy",
-            "last-100",
-            "gamma-best",
-            "best-arm",
-            "gap",
-            "explore",
-            "discounted-return",
-            "sweep",
+            *("return", "episode", "greedy", "last-100", "gamma-best"),
+            *("best-arm", "gap", "explore", "discounted-return", "sweep"),
         ),
     ),
     PanelRow(
-        TIMELINE,
+        row.TIMELINE,
         "rl_tui.screen.panels.timeline:TimelineBar",
         "Timeline",
         "The row below the curve is the run so far, on the same axis of episodes; the handle is the moment "
@@ -145,7 +117,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         has_border=False,
     ),
     PanelRow(
-        BUDGET,
+        row.BUDGET,
         "rl_tui.screen.panels.budget:BudgetPanel",
         "Budget",
         "Pulls and winnings of a bandit; once shown or spent, its regret too: over all pulls, the true mean "
@@ -153,20 +125,13 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "up to the best possible.",
         caption="what the pulls earned",
         terms=(
-            "winnings",
-            "regret",
-            "best-possible",
-            "best-arm-share",
-            "best-arm",
-            "bandit",
-            "arm",
-            "reward",
-            "step",
+            *("winnings", "regret", "best-possible", "best-arm-share", "best-arm"),
+            *("bandit", "arm", "reward", "step"),
         ),
-        needs=_has_arms,
+        needs=lambda drawing: isinstance(drawing, Arms),
     ),
     PanelRow(
-        CONTROLS,
+        row.CONTROLS,
         "rl_tui.screen.panels.controls.controls:Controls",
         "Agent",
         "The settings of the agent. Focus a slider with tab or 1, 2, 3, 4: left and right change it; enter "
@@ -179,7 +144,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         terms=("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
     ),
     PanelRow(
-        PROGRAM,
+        row.PROGRAM,
         "rl_tui.screen.panels.program.program:ProgramPanel",
         "Program",
         "Your own program, watched (rl-tui watch SCRIPT.py): its environment, the table that was found in "
@@ -194,7 +159,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         of_program=True,
     ),
     PanelRow(
-        LAST_STEP,
+        row.LAST_STEP,
         "rl_tui.screen.panels.last_step.last_step:LastStepPanel",
         "Last step",
         "What the agent did, where that led, and the update: each word stands above its number. The heading "
@@ -204,19 +169,12 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "taken) or from a model, one is shown and the others are counted.",
         caption="one turn of the loop",
         terms=(
-            "td-error",
-            "target",
-            "bootstrap",
-            "alpha",
-            "gamma",
-            "reward",
-            "terminal",
-            "truncated",
-            "lambda",
+            *("td-error", "target", "bootstrap", "alpha", "gamma"),
+            *("reward", "terminal", "truncated", "lambda"),
         ),
     ),
     PanelRow(
-        CAPTION,
+        row.CAPTION,
         "rl_tui.screen.panels.caption:CaptionLine",
         "Caption",
         "One sentence below the world says what is learned just now: nothing yet, how far values have "
@@ -227,7 +185,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         has_border=False,
     ),
     PanelRow(
-        MICROSCOPE,
+        row.MICROSCOPE,
         "rl_tui.screen.panels.microscope.microscope:Microscope",
         "Microscope",
         "d shows the last step under the microscope, live. Numbers of the cell that was updated are "
@@ -238,24 +196,13 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "the world and choose a state with the arrows. Without a cursor it is the cell updated last.",
         caption="the last step, taken apart",
         terms=(
-            "backup",
-            "bellman",
-            "target",
-            "td-error",
-            "bootstrap",
-            "discounted-return",
-            "return",
-            "q-star",
+            *("backup", "bellman", "target", "td-error"),
+            *("bootstrap", "discounted-return", "return", "q-star"),
         ),
-        opened_by=OpeningKey(
-            "d",
-            "microscope",
-            "Open the last step under the microscope.",
-            rank=9,
-        ),
+        opened_by=OpeningKey("d", "microscope", "Open the last step under the microscope.", rank=9),
     ),
     PanelRow(
-        MANY_SEEDS,
+        row.MANY_SEEDS,
         "rl_tui.screen.panels.many_seeds:ManySeeds",
         "Many seeds",
         "One seed decides nothing. t m runs the same again under other seeds, beside this run and at low "
@@ -267,14 +214,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "included: enter counts again.",
         caption="is it luck, or better?",
         terms=(
-            "standard-error",
-            "many-seeds",
-            "paired-difference",
-            "seed",
-            "lane",
-            "regret",
-            "last-100",
-            "greedy",
+            *("standard-error", "many-seeds", "paired-difference", "seed"),
+            *("lane", "regret", "last-100", "greedy"),
         ),
         opened_by=OpeningKey(
             "t m",
@@ -286,7 +227,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         not_for_program="this runs built-in agents; rl-tui grade {file} runs your program under many seeds",
     ),
     PanelRow(
-        DISCOUNT,
+        row.DISCOUNT,
         "rl_tui.screen.panels.discount:DiscountPanel",
         "Flip points",
         "The optimal actions depend on γ. t g draws Q* of every action of one state, from γ = 0 to 1: the "
@@ -300,16 +241,11 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "are worked out for worlds of up to 100 states.",
         caption="where the best policy turns",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
-        opened_by=OpeningKey(
-            "t g",
-            "flip points",
-            "Show each γ at which the best actions change.",
-            old="G",
-        ),
+        opened_by=OpeningKey("t g", "flip points", "Show each γ at which the best actions change.", old="G"),
         wide_rows=15,
     ),
     PanelRow(
-        POLICIES,
+        row.POLICIES,
         "rl_tui.screen.panels.policies.policies:Policies",
         "Policies",
         "The exact returns of policies, a row each: random, greedy at this moment, the agent as it acts "
@@ -324,15 +260,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             *("policy-value", "policy-return", "exploring-cost", "behaviour", "greedy", "uniform-policy"),
             *("q-pi", "value-at-start", "expected-steps", "chance-of-ending", "bellman-expectation"),
         ),
-        opened_by=OpeningKey(
-            "t p",
-            "policies",
-            "Compare policies by their exact return.",
-            old="P",
-        ),
+        opened_by=OpeningKey("t p", "policies", "Compare policies by their exact return.", old="P"),
     ),
     PanelRow(
-        WORLD_CHECK,
+        row.WORLD_CHECK,
         "rl_tui.screen.panels.world_check:WorldCheckPanel",
         "World check",
         "Is this world sound? The answers to know before you give a world to a class: the returns of the "
@@ -347,16 +278,11 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             *("uniform-policy", "best-by-clock", "fewest-steps", "first-update", "flip-point"),
             *("unreached", "no-way-out", "return", "greedy", "truncated"),
         ),
-        opened_by=OpeningKey(
-            "w c",
-            "world check",
-            "Check the world for traps and dead ends.",
-            old="Q",
-        ),
+        opened_by=OpeningKey("w c", "world check", "Check the world for traps and dead ends.", old="Q"),
         not_for_program="this checks worlds of scenarios; rl-tui check --deep checks one by its id or file",
     ),
     PanelRow(
-        FINDINGS,
+        row.FINDINGS,
         "rl_tui.screen.panels.program.findings:FindingsPanel",
         "Findings",
         "What is wrong with the program that is watched, the worst first. A fault is claimed only from at "
@@ -375,7 +301,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         of_program=True,
     ),
     PanelRow(
-        OUTPUT,
+        row.OUTPUT,
         "rl_tui.screen.panels.program.output:OutputPanel",
         "Output",
         "The last lines that the watched program wrote, each behind the number of steps that it had taken. "

@@ -364,7 +364,7 @@ class _Progress:
         if is_whole or room < _LEAST_BAR:
             return [fitting]
         done = max(1, room * study.seeds // study.most) if study.seeds else 0
-        bar = Piece(f" {glyphs.track_done * done}", palette.slider_done)
+        bar = Piece(f" {glyphs.track_done * done}", palette.press)
         return [[*fitting, bar, Piece(glyphs.track_rest * (room - done), palette.slider_rest)]]
 
 

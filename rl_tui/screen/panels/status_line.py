@@ -11,7 +11,6 @@ from textual.strip import Strip
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.live.snapshot import Phase, Snapshot
-from rl_tui.runs.bandit import BanditFigures
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, length, shortened, strips_of
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
@@ -29,10 +28,8 @@ PROGRAM_ENDED: Final = "your program has ended"
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
 _LEAST_TITLE: Final = 12
-COMPILING: Final = "compiling"
-"""In place of the speed: machine code is on its way."""
-IN_PYTHON: Final = "in Python"
-"""The same: there will be none."""
+COMPILING: Final = "compiling"  # in place of the speed: machine code is on its way
+IN_PYTHON: Final = "in Python"  # the same: there will be none
 _CHIP: Final = 13  # columns of what the run does
 _SPEED_COLUMNS: Final = (8, 15)  # in short, and in words
 _BETWEEN: Final = " · "
@@ -43,11 +40,7 @@ _SHARE: Final = 0.8  # of a line that has the scale too, with the room of a titl
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """A part of fixed width, so that nothing beside it moves while its number grows, behind its ``label``.
-
-    The text is at the right, with ``after`` blanks behind it.
-    Where there is no room for all, those of the highest ``rank`` are left out first.
-    """
+    """A part of fixed width, so that nothing moves; the highest ``rank`` is left out first."""
 
     text: str
     columns: int
@@ -109,7 +102,7 @@ def status_line(
     session: str = "",
     scenario: str = "",
 ) -> Line:
-    """Return the row for ``width`` cells; ``is_manual`` says that a person takes the steps.
+    """Return the row for ``width`` cells, with ``scenario`` while there is no snapshot.
 
     With ``is_captioned`` a caption says what is waited for. ``session`` is the name of the session, empty
     without one: it stands there where there is room. For the rest see :func:`waiting_line`.
@@ -190,11 +183,7 @@ def _pieces(field: _Field, look: Look) -> list[Piece]:
 
 
 def _fitting(fields: list[_Field], width: int) -> list[_Field]:
-    """Return those of ``fields`` that fit beside a title.
-
-    A long state, which says what the run waits for or why it paused, is worth more than the title, though
-    not the speed.
-    """
+    """Return the ``fields`` that fit beside a title; a long state is worth more than that, the speed most."""
 
     def room_beside(kept: list[_Field]) -> int:
         return width - sum(field.columns + _GAP for field in kept)
@@ -245,30 +234,25 @@ def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
 def _fields(
     snapshot: Snapshot, look: Look, width: int, *, is_manual: bool, is_captioned: bool
 ) -> list[_Field]:
-    """Return the measured speed, the state and the progress, whatever learns and wherever in its time.
-
-    In the past the end of the branch has the place of the speed.
-    """
     wide, bandit = width >= WIDE, snapshot.results.bandit
     in_past = snapshot.timeline.in_past and snapshot.playback.phase is not Phase.RUNNING
     plans = snapshot.agent.row.planner
     if isinstance(snapshot.world.drawing, Arms) and bandit is not None and not plans:
-        progress = [_pull(bandit, look)]
+        of = f" of {bandit.budget:,}"
+        text, room = f"{numbers.count(bandit.pulls)}{of}", len(f"pull {bandit.budget:,}{of}")
+        progress = [_Field(text, room, look.palette.strong, label="pull ")]
     else:
         label = "sweep" if plans else "episode" if wide else "ep"
         progress = [
             _counted(label, episode_shown(snapshot), 7, look, rank=2),
             _counted("step", snapshot.counters.step, 10 if wide else 9 if width > SMALL else 7, look, rank=1),
         ]
-    speed = (_end if in_past else _speed)(snapshot, look, wide=wide)
+    columns = _SPEED_COLUMNS[wide]
+    end = f"end {numbers.count(snapshot.timeline.current.end, columns - len('end '))}"
+    text = end if in_past else _speed(snapshot, wide=wide)
+    speed = _Field(text, columns, look.palette.dim, _SPEED_RANK)
     doing = _doing(snapshot, look, is_manual=is_manual, is_captioned=is_captioned)
     return [speed, _state(look, width - 1 - _GAP, doing), *progress]
-
-
-def _pull(bandit: BanditFigures, look: Look) -> _Field:
-    of = f" of {bandit.budget:,}"
-    text = f"{numbers.count(bandit.pulls)}{of}"
-    return _Field(text, len(f"pull {bandit.budget:,}{of}"), look.palette.strong, label="pull ")
 
 
 def _counted(label: str, count: int, columns: int, look: Look, *, rank: int) -> _Field:
@@ -276,35 +260,23 @@ def _counted(label: str, count: int, columns: int, look: Look, *, rank: int) -> 
     return _Field(text, len(label) + columns, look.palette.strong, rank, label)
 
 
-def _end(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
-    columns = _SPEED_COLUMNS[wide]
-    end = numbers.count(snapshot.timeline.current.end, columns - len("end "))
-    return _Field(f"end {end}", columns, look.palette.dim, _SPEED_RANK)
-
-
-def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
-    speed = snapshot.playback.steps_per_second
-    if speed is None or not (wide or not _keeps_up(snapshot, speed)):
-        text = ""
-    else:
-        text = numbers.long_rate(speed) if wide else numbers.rate(speed)
-    return _Field(text, _SPEED_COLUMNS[wide], look.palette.dim, _SPEED_RANK)
-
-
-def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
-    """Return whether the state names a wanted speed that the measured ``speed`` comes up to."""
-    if snapshot.playback.speed is None or snapshot.playback.until or snapshot.timeline.in_past:
-        return False
-    return speed >= _KEEPS_UP * snapshot.playback.speed
+def _speed(snapshot: Snapshot, *, wide: bool) -> str:
+    speed, wanted = snapshot.playback.steps_per_second, snapshot.playback.speed
+    if speed is None:
+        return ""
+    if wide:
+        return numbers.long_rate(speed)
+    keeps_up = wanted is not None and speed >= _KEEPS_UP * wanted
+    # then the state beside it says enough, where it names the wanted speed
+    is_said = keeps_up and not snapshot.playback.until and not snapshot.timeline.in_past
+    return "" if is_said else numbers.rate(speed)
 
 
 def _state(look: Look, most: int, doing: tuple[str, str, bool]) -> _Field:
     sign, text, is_mode = doing
-    style = look.palette.you if is_mode else look.palette.strong
-    shown = to_ascii(f"{sign} {text}", look.glyphs)
-    shown = shortened(shown, max(_CHIP, most) - 2, look.glyphs.ellipsis)
+    style = (look.palette.you if is_mode else look.palette.strong) + Style(reverse=True)
+    shown = shortened(to_ascii(f"{sign} {text}", look.glyphs), max(_CHIP, most) - 2, look.glyphs.ellipsis)
     columns = cell_len(shown) + 2
-    style += Style(reverse=True)
     return _Field(f" {shown} ", max(_CHIP, columns), style, after=max(0, _CHIP - columns))
 
 

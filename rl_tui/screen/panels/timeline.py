@@ -1,7 +1,4 @@
-"""The timeline: one row below the curve, on the same axis of episodes, with a handle that goes to any step.
-
-Marks show events: the first reward, changes of the greedy policy, what a person changed, and the branch.
-"""
+"""The timeline: a row below the curve, with marks of events and a handle that goes to any step."""
 
 from __future__ import annotations
 
@@ -31,7 +28,7 @@ from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.pointing import Draggable
 from rl_tui.screen.kit.snapshot_facts import episode_shown, hides_greedy
 from rl_tui.screen.panels.curve.data import EpisodeAxis, episode_axis
-from rl_tui.screen.panels.curve.text import PlotColumns, label_gap, plot_columns
+from rl_tui.screen.panels.curve.text import label_gap, plot_columns
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import IntArray
@@ -104,10 +101,7 @@ class TimelineState:
 
 def track_of(snapshot: Snapshot, look: Look, width: int) -> Track:
     """Return the track in ``width`` cells: it has the columns of the curve."""
-    return _track_on(snapshot, plot_columns(snapshot, look, width))
-
-
-def _track_on(snapshot: Snapshot, columns: PlotColumns) -> Track:
+    columns = plot_columns(snapshot, look, width)
     return Track(columns.left, columns.columns, episode_axis(snapshot), snapshot.timeline.current.end)
 
 
@@ -121,7 +115,7 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
         canvas.put(0, 0, text, palette.focus if state.focused else palette.dim)
         return canvas.strips()[0]
     columns = plot_columns(state.snapshot, look, width)
-    track = _track_on(state.snapshot, columns)
+    track = track_of(state.snapshot, look, width)
     in_past = state.at < track.end
     calm = palette.press if in_past else palette.dim
     if track.start:
@@ -151,12 +145,12 @@ def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) 
     palette, glyphs = look.palette, look.glyphs
     handle = track.cell_of(state.at)
     in_past = state.at < track.end
-    done = palette.slider_done if in_past else palette.slider_rest
+    done = palette.press if in_past else palette.slider_rest
     canvas.put(track.start, 0, glyphs.track_done * handle, done)
     canvas.put(track.start + handle, 0, glyphs.track_rest * (track.cells - handle), palette.slider_rest)
     for cell, (mark, style) in _marks(state, track, look).items():
         canvas.put(track.start + cell, 0, mark, style)
-    thumb = palette.press if in_past else palette.slider_thumb
+    thumb = palette.press if in_past else palette.strong
     canvas.put(track.start + handle, 0, glyphs.thumb, palette.focus if state.focused else thumb)
 
 
@@ -164,7 +158,6 @@ def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) 
 
 
 def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[str, Style]]:
-    """Return what is marked in which cell; of several events in one the last of these."""
     palette, glyphs, snapshot = look.palette, look.glyphs, state.snapshot
     branch, results = snapshot.timeline.current, state.known.results
     gold = Style(color=palette.goal.color, bold=True)
@@ -191,10 +184,7 @@ def _cells(branch: Branch, kind: type | UnionType, track: Track) -> set[int]:
 
 
 def first_reward(curve: Curve) -> float | None:
-    """Return after which episode the first return above 0 came, None before that and where it means little.
-
-    That is where returns fall below 0, and where every episode has a reward.
-    """
+    """Return after which episode the first reward came; None where none has, or where that means little."""
     rewarded = np.flatnonzero(curve.return_high > NEGLIGIBLE)
     if not len(rewarded) or curve.return_low.min() < -NEGLIGIBLE:
         return None
@@ -228,10 +218,7 @@ HINTS: Final = (
 
 
 class TimelineBar(Draggable, Panel, can_focus=True):
-    """Shows the branch in force from step 0 to its end; keys, click and drag ask for another moment.
-
-    The handle goes at once to where it is asked for, and stays there as long as ``sought`` says so.
-    """
+    """Shows the current branch; keys, click and drag move the handle to another moment."""
 
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [

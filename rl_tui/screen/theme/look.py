@@ -1,32 +1,16 @@
 """The look of a screen: its characters and colours, chosen once from the terminal and the theme.
 
-Textual passes rich styles through its line filters to ``Console(color_system=…)``, which rounds RGB to
-what the terminal has. Two facts matter:
+Textual rounds RGB to what the terminal has. Two facts matter:
 
-* Without ``ansi_color=True``, a filter turns every named, numbered and default colour into RGB (see
-  ``App.ansi_theme_dark`` and ``_light``), and ``dim`` into a mixed colour. With 256 colours this is
-  harmless: all colours of our palettes come back to the same number. With 16 it is not: the nearest
-  colour is guessed, and the terminal's own background is painted over. So "16" and "none" need
-  ``ansi_color=True``.
-* Textual reads NO_COLOR when an App is made, whatever its value. With ``ansi_color`` it removes all
-  colours and keeps bold, dim, underline and reverse; without, it only turns colours grey.
-  ``TEXTUAL_COLOR_SYSTEM`` overrides detection and is read when textual is imported (``none`` crashes),
-  so the command line removes it before that.
+* Without ``ansi_color=True``, it first turns all colours into RGB, the default ones included. Of 256 colours
+  all come back, of 16 the nearest is guessed, so "16" and "none" need it: :func:`is_native`.
+* It reads NO_COLOR when an App is made, see :func:`environment_for`. With ``ansi_color``, that removes all
+  colours and keeps bold, dim, underline and reverse. ``TEXTUAL_COLOR_SYSTEM`` overrides detection when
+  textual is imported (``none`` crashes), so the command line removes it before that.
 
-An app on a terminal therefore does::
-
-    depth = depth_of(colors, os.environ)
-    with environment_for(depth):
-        super().__init__(ansi_color=is_native(depth))
-    for theme in themes_for(depth):
-        self.register_theme(theme)
-
-It takes its palette from ``palette_for(depth, self.current_theme.dark)``, again when the theme changes.
-
-Rich exports SVG in truecolor whatever the console says, and draws default colours on a dark background
-of its own. So pictures need RGB from the start: ``ansi_color=False``, ``themes_for(depth,
-picture=True)``, and ``self.ansi_theme_dark, self.ansi_theme_light = PICTURE_DARK, PICTURE_LIGHT``. No
-terminal is asked there, so ``auto`` is truecolor.
+Rich exports SVG in truecolor, and default colours on its own dark background. So pictures need RGB from the
+start: ``ansi_color=False``, ``themes_for(depth, picture=True)``, and PICTURE_DARK and PICTURE_LIGHT as the
+ANSI themes of the app. No terminal is asked there, so ``auto`` is truecolor.
 """
 
 from __future__ import annotations
@@ -48,21 +32,17 @@ __all__ = ["Depth", "Palette", "palette_for"]
 
 Depth = Literal["none", "16", "256", "truecolor"]
 
-_PALETTES: Final[Mapping[tuple[Depth, bool], Palette]] = {
-    ("none", True): palettes.NO_COLOURS,
-    ("none", False): palettes.NO_COLOURS,
-    ("16", True): palettes.DARK_16,
-    ("16", False): palettes.LIGHT_16,
-    ("256", True): palettes.DARK_256,
-    ("256", False): palettes.LIGHT_256,
-    ("truecolor", True): palettes.DARK,
-    ("truecolor", False): palettes.LIGHT,
+_PALETTES: Final[Mapping[Depth, tuple[Palette, Palette]]] = {  # light, dark
+    "none": (palettes.NO_COLOURS, palettes.NO_COLOURS),
+    "16": (palettes.LIGHT_16, palettes.DARK_16),
+    "256": (palettes.LIGHT_256, palettes.DARK_256),
+    "truecolor": (palettes.LIGHT, palettes.DARK),
 }
 
 
 def palette_for(depth: Depth, dark: bool) -> Palette:
     """Return the palette for a terminal of ``depth`` with a ``dark`` or a light background."""
-    return _PALETTES[depth, dark]
+    return _PALETTES[depth][dark]
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,34 +54,6 @@ class Look:
 
 
 # Colour depth and characters
-#
-# Textual hands rich styles to the terminal through its line filters and then ``Console(color_system=…)``,
-# which rounds RGB to what the terminal has. Two things must be known:
-#
-# * Unless the app was made with ``ansi_color=True``, a filter turns every named and numbered colour, the
-#   default ones included, into RGB (``App.ansi_theme_dark`` and ``_light`` say which) and ``dim`` into a
-#   mixed colour. For 256 colours this is harmless: the way back leads to the same number for all that our
-#   palettes use. For the 16 it is not: the nearest colour is guessed, and the terminal's own background is
-#   painted over. So 16 and none need ``ansi_color=True``.
-# * NO_COLOR is read when an App is made, whatever its value. With ``ansi_color`` it removes all colours and
-#   keeps bold, dim, underline and reverse; without, it only turns them grey. ``TEXTUAL_COLOR_SYSTEM`` beats
-#   detection and is read when textual is imported (``none`` crashes): the command line removes it before
-#   that.
-#
-# An app on a terminal therefore does::
-#
-#     depth = depth_of(colors, os.environ)
-#     with environment_for(depth):
-#         super().__init__(ansi_color=is_native(depth))
-#     for theme in themes_for(depth):
-#         self.register_theme(theme)
-#
-# and takes its palette from ``palette_for(depth, self.current_theme.dark)``, again when the theme changes.
-#
-# Rich exports SVG in truecolor whatever the console says, and draws default colours on a dark background of
-# its own. So for pictures everything must be RGB already: ``ansi_color=False``,
-# ``themes_for(depth, picture=True)``, and ``self.ansi_theme_dark, self.ansi_theme_light = PICTURE_DARK,
-# PICTURE_LIGHT``. There ``auto`` is truecolor, for no terminal is asked.
 
 
 _TRUECOLOR_TERMS: Final = ("alacritty", "foot", "xterm-ghostty", "xterm-kitty", "wezterm")
@@ -127,22 +79,15 @@ def choose_look(
 
 
 def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Depth:
-    """Return the colour depth: the one asked for, else what the environment says of the terminal.
-
-    OpenSSH passes TERM on but not COLORTERM, so that 256 is the normal case there.
-    """
+    """Return the colour depth asked for, else that of the environment; OpenSSH does not pass COLORTERM on."""
     if colors != "auto":
         return colors
     term = environ.get("TERM", "").lower()
     if environ.get("NO_COLOR") or term in _COLOURLESS_TERMS:
         return "none"
     says_truecolor = environ.get("COLORTERM", "").lower() in ("truecolor", "24bit")
-    if (
-        says_truecolor
-        or "WT_SESSION" in environ
-        or term.startswith(_TRUECOLOR_TERMS)
-        or term.endswith("-direct")
-    ):
+    is_truecolor = term.startswith(_TRUECOLOR_TERMS) or term.endswith("-direct")
+    if says_truecolor or is_truecolor or "WT_SESSION" in environ:
         return "truecolor"
     return "256" if "256color" in term else "16"
 
@@ -150,7 +95,7 @@ def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Dep
 def can_encode(encoding: str | None) -> bool:
     """Return whether every character of the Unicode set can be written in ``encoding`` (None: not known)."""
     try:
-        _all_characters(UNICODE).encode(encoding or "ascii")
+        "".join(str(getattr(UNICODE, each.name)) for each in fields(UNICODE)).encode(encoding or "ascii")
     except (UnicodeEncodeError, LookupError):
         return False
     return True
@@ -180,7 +125,3 @@ def _set_environment(values: Mapping[str, str | None]) -> None:
             os.environ.pop(name, None)
         else:
             os.environ[name] = value
-
-
-def _all_characters(glyphs: Glyphs) -> str:
-    return "".join(str(getattr(glyphs, field.name)) for field in fields(glyphs))

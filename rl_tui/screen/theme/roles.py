@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final
+from typing import Any, Final
 
 from rich.color import Color, ColorSystem, ColorType, blend_rgb
 from rich.color_triplet import ColorTriplet
@@ -14,8 +14,7 @@ from rich.style import Style
 
 # Inks
 
-PALEST: Final = 3.0
-"""The least contrast of a sign with its cell."""
+PALEST: Final = 3.0  # the least contrast of a sign with its cell
 _SLIGHT: Final = 1.0 / 3.0
 _STEPS: Final = 24
 _MIXABLE: Final = (ColorType.TRUECOLOR, ColorType.EIGHT_BIT)
@@ -29,7 +28,6 @@ def contrast(one: Color, other: Color) -> float:
 
 
 def _luminance(color: ColorTriplet) -> float:
-    """Return the relative luminance of WCAG 2.2, 0 to 1."""
     red, green, blue = (
         channel / 12.92 if channel <= 0.04045 else ((channel + 0.055) / 1.055) ** 2.4
         for channel in color.normalized
@@ -37,20 +35,19 @@ def _luminance(color: ColorTriplet) -> float:
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
-def with_ink(style: Style, *inks: str) -> Style:
-    """Return ``style``; where it has a background alone, with that of ``inks`` which contrasts most."""
-    ground = style.bgcolor
-    if ground is None or style.color is not None:
-        return style
-    return style + Style(color=max(map(Color.parse, inks), key=lambda ink: contrast(ink, ground)))
+def _with_ink(text: str, inks: Sequence[str]) -> Style:
+    """Return the style that ``text`` says; on a colour alone, with that of ``inks`` which contrasts most."""
+    if not text.startswith("#") and not text.isdigit():
+        return Style.parse(text)
+    ground = Color.parse(f"color({text})" if text.isdigit() else text)
+    return Style(color=max(map(Color.parse, inks), key=lambda ink: contrast(ink, ground)), bgcolor=ground)
 
 
 @lru_cache(4_096)
 def paled(style: Style, share: float) -> Style:
-    """Return ``style`` with its ink so pale that ``share`` (0 to 1) of its contrast above 3 is left.
+    """Return ``style`` with an ink that has ``share`` (0 to 1) of its contrast above 3.
 
-    The 16 colours of a terminal have no paler ones: they stay as they are. Where there is no background, ink
-    is dim, usual or bold.
+    Without a background the ink is dim, usual or bold; the 16 colours of a terminal stay as they are.
     """
     ink, ground = style.color, style.bgcolor
     if ink is None or ground is None:
@@ -68,10 +65,7 @@ def paled(style: Style, share: float) -> Style:
 
 @lru_cache(4_096)
 def faded(style: Style, share: float) -> Style:
-    """Return ``style`` with an ink of which a ``share`` (0 to 1) is left, the rest is its ground.
-
-    The 16 colours of a terminal cannot be mixed: they stay as they are, as does ink without a ground.
-    """
+    """Return ``style`` with a ``share`` (0 to 1) of its ink, the rest is its ground, if they can be mixed."""
     ink, ground = style.color, style.bgcolor
     if ink is None or ground is None or ink.type not in _MIXABLE:
         return style
@@ -89,23 +83,20 @@ class Palette:
     """The styles of one colour depth on a dark or a light background. None of them is empty.
 
     One colour has one meaning: ``press`` can be pressed, ``best`` looks best, ``you`` (``focus`` where a
-    cursor stands) is what a person does, white on ink is the ``agent``, ``source`` is where an update's
-    estimate came from, ``good`` and ``bad`` are the signs of its error.
+    cursor stands) is what a person does, ``source`` is where an update's estimate came from, ``good`` and
+    ``bad`` are the signs of its error.
 
-    ``values`` goes from low to high and is for values alone, ``signed`` (of odd length) from negative through
-    a grey 0 to positive, ``visits`` from few to many; all have a background and a readable foreground where
-    the depth has colours for it. ``unvisited`` is for estimates that were never updated, and the floor of a
-    map, which must not look like a zero. ``agent``, ``updated``, ``source``, ``breakpoint``, ``focus`` and
-    what ends an episode bring their own background, so that they may be laid over any cell; the other roles
-    are foregrounds for the background of the panel. That is the colour of ``page``, by which cells are kept
-    apart; the foreground of ``wall`` is its lit upper edge. ``lane_1`` to ``lane_4`` are those of the lines
-    of runs side by side.
+    ``values``, ``signed`` (through a grey 0, of odd length) and ``visits`` go from low to high, with a
+    background where the depth has colours. ``unvisited`` must not look like a zero. ``agent``, ``updated``,
+    ``source``, ``breakpoint``, ``focus`` and what ends an episode have a background and may be laid over any
+    cell. Other roles are inks for the ``page``.
     """
 
     name: str
     values: tuple[Style, ...]
     signed: tuple[Style, ...]
     visits: tuple[Style, ...]
+    lanes: tuple[Style, ...]
     unvisited: Style
     page: Style
     rule: Style
@@ -126,22 +117,11 @@ class Palette:
     optimum: Style
     greedy_line: Style
     episodes: Style
-    lane_1: Style
-    lane_2: Style
-    lane_3: Style
-    lane_4: Style
     good: Style
     bad: Style
-    slider_done: Style
     slider_rest: Style
-    slider_thumb: Style
     focus: Style
     breakpoint: Style
-
-    @property
-    def lanes(self) -> tuple[Style, ...]:
-        """The styles of runs side by side, in their order."""
-        return self.lane_1, self.lane_2, self.lane_3, self.lane_4
 
     @property
     def tells_lanes_apart(self) -> bool:
@@ -181,28 +161,25 @@ class Palette:
 def dark_and_light(
     depth: str,
     inks: tuple[str, str],
-    values: Sequence[tuple[str, str]],
-    signed: Sequence[tuple[str, str]],
-    visits: Sequence[tuple[str, str]],
+    values: tuple[str, str],
+    signed: tuple[str, str],
+    visits: tuple[str, str],
+    lanes: tuple[str, str],
     **roles: tuple[str, str],
 ) -> tuple[Palette, Palette]:
-    """Return the palettes of ``depth`` for a dark and a light background.
+    """Return the palettes of ``depth``; each role has the style of the dark one, then of the light one.
 
-    In every row of every role the style of the dark one stands first, then that of the light one. What has a
-    background alone gets the better one of ``inks``.
+    A ramp has styles between commas, from low to high; a colour is a background with the better of ``inks``.
     """
 
     def palette(name: str, column: int) -> Palette:
-        def ramp(rows: Sequence[tuple[str, str]]) -> tuple[Style, ...]:
-            return tuple(with_ink(style, *inks) for style in styles(*(row[column] for row in rows)))
-
-        return Palette(
-            name=f"{depth} {name}",
-            values=ramp(values),
-            signed=ramp(signed),
-            visits=ramp(visits),
-            **{role: Style.parse(row[column]) for role, row in roles.items()},
+        low_to_high, around_0, few_to_many = (
+            tuple(_with_ink(text, inks) for text in ramp[column].split(", "))
+            for ramp in (values, signed, visits)
         )
+        others: dict[str, Any] = {role: Style.parse(row[column]) for role, row in roles.items()}
+        inks_of_lanes = styles(*lanes[column].split(", "))
+        return Palette(f"{depth} {name}", low_to_high, around_0, few_to_many, inks_of_lanes, **others)
 
     return palette("dark", 0), palette("light", 1)
 

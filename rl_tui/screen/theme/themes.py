@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, ClassVar, Final
 
+from rich.color import Color
 from rich.terminal_theme import TerminalTheme
 from textual.scrollbar import ScrollBar, ScrollBarRender
 from textual.theme import BUILTIN_THEMES, Theme
@@ -16,10 +17,7 @@ from rl_tui.screen.theme.look import Depth
 def _dark_and_light(
     *, variables: Mapping[str, tuple[str, str]], ansi: bool = False, **colours: tuple[str, str]
 ) -> tuple[Theme, Theme]:
-    """Return the two themes out of rows that have the colour of the dark one, then that of the light one.
-
-    Borders have the primary colour. Colours that are ``ansi`` are those of the terminal, by their names.
-    """
+    """Return two themes; each colour is that of the dark one, then of the light one."""
 
     def theme(name: str, column: int) -> Theme:
         chosen: dict[str, Any] = {role: row[column] for role, row in colours.items()}
@@ -95,59 +93,37 @@ DARK_16, LIGHT_16 = _dark_and_light(
 )
 
 _NAMES: Final = ("black", "red", "green", "yellow", "blue", "magenta", "cyan", "white")
-_NORMAL: Final = (
-    (0, 0, 0),
-    (205, 0, 0),
-    (0, 205, 0),
-    (205, 205, 0),
-    (0, 0, 238),
-    (205, 0, 205),
-    (0, 205, 205),
-    (229, 229, 229),
-)
-_BRIGHT: Final = (
-    (127, 127, 127),
-    (255, 0, 0),
-    (0, 255, 0),
-    (255, 255, 0),
-    (92, 92, 255),
-    (255, 0, 255),
-    (0, 255, 255),
-    (255, 255, 255),
-)
-
 # what xterm makes of the 16 colours
-PICTURE_DARK: Final = TerminalTheme((0, 0, 0), (229, 229, 229), list(_NORMAL), list(_BRIGHT))
-PICTURE_LIGHT: Final = TerminalTheme((255, 255, 255), (0, 0, 0), list(_NORMAL), list(_BRIGHT))
+_NORMAL, _BRIGHT = (
+    [Color.parse(f"#{rgb}").get_truecolor() for rgb in row.split()]
+    for row in (
+        "000000 cd0000 00cd00 cdcd00 0000ee cd00cd 00cdcd e5e5e5",
+        "7f7f7f ff0000 00ff00 ffff00 5c5cff ff00ff 00ffff ffffff",
+    )
+)
+PICTURE_DARK: Final = TerminalTheme((0, 0, 0), (229, 229, 229), [*_NORMAL], [*_BRIGHT])
+PICTURE_LIGHT: Final = TerminalTheme((255, 255, 255), (0, 0, 0), [*_NORMAL], [*_BRIGHT])
 
 
 def themes_for(depth: Depth, *, picture: bool = False) -> tuple[Theme, Theme]:
     """Return the dark and the light theme of ``depth``; for a ``picture`` all of their colours are RGB."""
-    if depth == "truecolor":
-        return DARK, LIGHT
-    if depth == "256":
-        return DARK_256, LIGHT_256
-    if picture:
+    known = {"truecolor": (DARK, LIGHT), "256": (DARK_256, LIGHT_256)}
+    if picture and depth not in known:
         return _in_rgb(DARK_16, PICTURE_DARK), _in_rgb(LIGHT_16, PICTURE_LIGHT)
-    return DARK_16, LIGHT_16
+    return known.get(depth, (DARK_16, LIGHT_16))
 
 
 def _in_rgb(theme: Theme, terminal: TerminalTheme) -> Theme:
-    colours, background = _rgb_of_names(terminal), terminal.background_color.hex
+    names = [*(f"ansi_{name}" for name in _NAMES), *(f"ansi_bright_{name}" for name in _NAMES)]
+    colours = {name: terminal.ansi_colors[number].hex for number, name in enumerate(names)}
+    colours["ansi_default"] = terminal.foreground_color.hex
+    background = terminal.background_color.hex
     drawn = ("primary", "secondary", "accent", "foreground", "success", "warning", "error")
     replaced: dict[str, Any] = {role: colours[getattr(theme, role)] for role in drawn}
     replaced |= dict.fromkeys(("background", "surface", "panel", "boost"), background)
     variables = {name: colours.get(value, value) for name, value in theme.variables.items()}
     variables["scrollbar-background"] = background
     return replace(theme, ansi=False, variables=variables, **replaced)
-
-
-def _rgb_of_names(terminal: TerminalTheme) -> Mapping[str, str]:
-    colours = {f"ansi_{name}": terminal.ansi_colors[index].hex for index, name in enumerate(_NAMES)}
-    colours |= {
-        f"ansi_bright_{name}": terminal.ansi_colors[index + 8].hex for index, name in enumerate(_NAMES)
-    }
-    return colours | {"ansi_default": terminal.foreground_color.hex}
 
 
 class PlainScrollBar(ScrollBarRender):

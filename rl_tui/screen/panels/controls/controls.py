@@ -23,8 +23,7 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 _ROOMY: Final = 8  # rows, from which on a blank one sets the sliders off
-GAMMA: Final = "gamma"
-"""The hyper-parameter whose slider marks flips."""
+GAMMA: Final = "gamma"  # the hyper-parameter whose slider marks flips
 
 _MEANING: Final = (
     "Marks are flip points: there the optimal path from the start changes. While t g is open, those of any "
@@ -33,10 +32,7 @@ _MEANING: Final = (
 
 
 def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = False) -> tuple[Parameter, ...]:
-    """Return the parameters of ``algorithm`` with these ``values`` that have a slider, in order.
-
-    What changes nothing, as γ does not for a bandit, has none.
-    """
+    """Return the parameters of ``algorithm`` that have a slider and an effect, in order."""
     rows = (
         PARAMETERS[name]
         for name in parameters_of(algorithm, values.policy)
@@ -53,10 +49,7 @@ def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
 
 
 def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
-    """Return the marks on the slider of γ: of flips that turn the way from the start, or of ``every`` flip.
-
-    There are none while the answer is hidden.
-    """
+    """Return the marks on the slider of γ: flips of the optimal path, or ``every`` one; none while hidden."""
     known = snapshot.answers.flips
     return tuple(
         SliderMark(
@@ -71,11 +64,7 @@ def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
 
 
 class Controls(Container, BoardPanel):
-    """Sliders and settings; posts the sliders' own messages.
-
-    Its sliders are those of the agent in force, and show what is ``wanted``: a value that was set here stays
-    on its slider while the run has not followed yet.
-    """
+    """Sliders and settings of the agent; they show what is ``wanted``, before the run has followed."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
@@ -98,7 +87,6 @@ class Controls(Container, BoardPanel):
             self.query_one("#sliders").styles.margin = margin
 
     def _write_border(self) -> None:
-        """Write the heading with the keys of the sliders; a single line has a sign in its place."""
         numbers = " ".join(str(number + 1) for number in range(len(self._parameters)))
         explained = f"Agent · {numbers} to turn"
         has_room = self.is_explained and len(explained) <= self.size.width - BORDER_ENDS
@@ -106,7 +94,6 @@ class Controls(Container, BoardPanel):
         self._label_sliders()
 
     def _label_sliders(self) -> None:
-        """Write the name of each slider in a column of its own; in a single line there is no room for any."""
         is_line = self.size.height == 1
         names = {each.name: "" if is_line else each.short_name for each in self._parameters}
         labels = (
@@ -129,10 +116,7 @@ class Controls(Container, BoardPanel):
         yield AgentSettings(self.look, id="settings")
 
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return what is in force and what is wanted, the speed, and the flips that may be marked.
-
-        None while a slider shows something else than is wanted, as one does whose value was refused.
-        """
+        """Return what sliders and settings show; None while a slider shows a refused value."""
         if any(each.value != in_force(self.wanted, each.parameter) for each in self._sliders.values()):
             return None
         agent, playback, episode = snapshot.agent, snapshot.playback, snapshot.counters.episodes
@@ -174,7 +158,6 @@ class Controls(Container, BoardPanel):
         }
 
     async def _mount_sliders(self) -> None:
-        """Mount those that are new, and remove those that are not there any more."""
         box, kept = self.query_one("#sliders"), set(self._sliders.values())
         leaving = [slider for slider in box.query(Slider) if slider not in kept]
         with self.app.batch_update():

@@ -28,10 +28,7 @@ _KEYED: Final = frozenset({"policy", "ties", "initial_q"})  # have a key and an 
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One setting: the key that changes it, its label, its value, the action behind it.
-
-    Where there is no room for all, those of the highest ``rank`` are left out first.
-    """
+    """A setting with its key and action; the one of the highest ``rank`` is left out first."""
 
     key: str
     label: str
@@ -40,12 +37,8 @@ class Setting:
     rank: int
 
 
-def settings_of(snapshot: Snapshot) -> tuple[Setting, ...]:
-    """Return what is in force, for algorithm and policy in force."""
-    return tuple(_settings(snapshot))
-
-
-def _settings(snapshot: Snapshot) -> Iterator[Setting]:
+def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
+    """Yield what is in force, for algorithm and policy in force."""
     values = snapshot.agent.hyperparameters
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
@@ -70,17 +63,13 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
         if is_an_option(parameter) and not idle:
             value = option_text(values.value(name))
             yield Setting("", parameter.symbol, value, "agent.show_options", 7)
-    yield from _decaying(values, parameters, snapshot.counters.episodes)
-    yield Setting("a", "change", "", "menus.open('a')", 2)
-
-
-def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int) -> Iterator[Setting]:
-    """Yield what schedules have made of α and ε by now, where they change them."""
+    episode = snapshot.counters.episodes
     alpha = values.alpha_at(episode)
     if "alpha_decay" in parameters and alpha is not None and alpha_moves(values):
         yield Setting("", "α now", f"{alpha:.3f}", "", 8)
     if "epsilon_decay" in parameters and epsilon_moves(values):
         yield Setting("", "ε now", f"{values.epsilon_at(episode):.3f}", "", 8)
+    yield Setting("a", "change", "", "menus.open('a')", 2)
 
 
 def alpha_moves(values: Hyperparameters) -> bool:
@@ -168,7 +157,7 @@ class AgentSettings(Widget):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw the settings in force."""
-        settings = settings_of(snapshot)
+        settings = tuple(settings_of(snapshot))
         if settings != self._settings:
             self._settings = settings
             self.refresh()

@@ -1,7 +1,6 @@
-"""A slider for one hyper-parameter, one row high: keys, wheel, click, drag, or a value typed in its place.
+"""A slider for one hyper-parameter, one row high: keys, wheel, click, drag, or a typed value.
 
-Keys are shared with the screen: nothing is typed until a key says so that means nothing else, and what is
-typed ends at the first key that cannot belong to it.
+Typing ends at the first key that cannot belong to a value, which then does what it does.
 """
 
 from __future__ import annotations
@@ -41,12 +40,10 @@ _STAY: Final = frozenset({"enter", "tab", "shift+tab", "left", "right", "home", 
 
 
 class Slider(Draggable, can_focus=True):
-    """Shows and sets the value of ``parameter``, which needs a finite range (ValueError otherwise).
+    """Shows and sets the value of ``parameter``; raises ValueError without a finite range.
 
-    ``value`` is a number, or one of the parameter's words (sample-average). Changed is posted for what the
-    user does, not for :meth:`set_value`; of a drag at every cell if it ``reports_at_once``, else when the
-    thumb is let go. A text that is no value is refused: on the slider itself, and by a message that says why.
-    The messages go to the screen at once, so that they are there before the key that ended the typing.
+    Changed is posted for what the user does, of a drag at every cell if it ``reports_at_once``. Messages go
+    to the screen at once, so that they are there before the key that ended the typing.
     """
 
     ALLOW_SELECT = False
@@ -192,7 +189,7 @@ class Slider(Draggable, can_focus=True):
         """Take what belongs to a value; any other key ends the typing, and then does what it does."""
         if self._state.typed is not None:
             self._take_key(event, self._state.typed)
-        elif event.character is not None and self._begins_typing(event.character):
+        elif event.character in _BEGINS_TYPING or (event.character and self._is_sign(event.character)):
             event.stop()
             self._type(event.character)
 
@@ -226,9 +223,6 @@ class Slider(Draggable, can_focus=True):
         elif event.key == "enter":
             event.stop()
             self.action_release()
-
-    def _begins_typing(self, character: str) -> bool:
-        return character in _BEGINS_TYPING or self._is_sign(character)
 
     def _is_sign(self, character: str) -> bool:
         return character == _SIGN and self.parameter.range is not None and self.parameter.range.low < 0
@@ -329,16 +323,12 @@ class Slider(Draggable, can_focus=True):
 
 
 def _first_number(parameter: Parameter, scale: SliderScale, value: float | str) -> float:
-    """Return the number that a slider goes to from a word: the value, or the default of the parameter."""
     default = Hyperparameters().value(parameter.name) if parameter.name in PARAMETERS else scale.low
     return next((float(each) for each in (value, default) if not isinstance(each, str)), scale.low)
 
 
 def key_hints(focused: Widget | None) -> tuple[tuple[tuple[str, str], ...], ...]:
-    """Return what the keys do on the slider in focus, for the key line; nothing where none has the focus.
-
-    There are several ways to say it, the longest first. Each begins with the name of the parameter.
-    """
+    """Return what the keys do on the slider in focus, the longest form first; nothing without one."""
     if not isinstance(focused, Slider):
         return ()
     if not focused.is_typing:

@@ -24,10 +24,9 @@ _NOISE: Final = 12  # decimals; what lies beyond is left over from adding steps
 
 @dataclass(frozen=True, slots=True)
 class SliderScale:
-    """A finite range, walked in steps of a hundredth; ``fine`` is a tenth of a step, ``coarse`` ten.
+    """A finite range in hundredths; ``fine`` is a tenth of a step, ``coarse`` ten.
 
-    A ``logarithmic`` one is walked in equal ratios: its steps are shares of the way from end to end. One of
-    ``whole`` numbers has none that is smaller than 1.
+    A ``logarithmic`` one has equal ratios. One of ``whole`` numbers has no step below 1.
     """
 
     range: Range
@@ -72,7 +71,10 @@ class SliderScale:
 
     def moved(self, value: float, by: float) -> float:
         """Return ``value`` moved within the ends; one typed beyond an end is not brought back to it."""
-        target = self._by_ratio(value, by) if self.logarithmic else round(value + by, _NOISE)
+        if self.logarithmic:  # rounded as fine as it is moved
+            target = _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
+        else:
+            target = round(value + by, _NOISE)
         if by < 0.0:
             return max(target, min(value, self.low))
         return min(target, max(value, self.high))
@@ -107,10 +109,6 @@ class SliderScale:
             return math.log(max(value, self.range.low) / self.range.low) / math.log(self._ratio)
         return (value - self.range.low) / self.span
 
-    def _by_ratio(self, value: float, by: float) -> float:
-        """Return ``value`` moved by a share of the way, rounded as fine as it was moved."""
-        return _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
-
 
 def scale_of(parameter: Parameter) -> SliderScale:
     """Return the scale of the slider of ``parameter``; raises ValueError where it cannot have one."""
@@ -128,10 +126,7 @@ def _significant(value: float, digits: int) -> float:
 
 
 def parsed(text: str, parameter: Parameter) -> float | str:
-    """Return what ``text`` means: a number, or a word of ``parameter``, the start of one, or ``1/N``.
-
-    Raises ValueError where it is neither, or out of range.
-    """
+    """Return the number or word that ``text`` means. Raises ValueError if there is none in range."""
     text = text.strip().lower()
     words = [word for word in parameter.words if text and word.startswith(text)]
     words += [word for form, word in _SHORT_FORMS.items() if text == form and word in parameter.words]
@@ -157,10 +152,7 @@ _WORDS: Final = {SAMPLE_AVERAGE: ("1/N  sample average", "1/N sample average", "
 
 @dataclass(frozen=True, slots=True)
 class SliderMark:
-    """A mark on the track at ``value``; the values ``below`` and ``above`` are beyond it on either side.
-
-    One that ``stands_out`` hides another in the same cell.
-    """
+    """A mark at ``value``, with the values beyond it; one that ``stands_out`` hides others in its cell."""
 
     value: float
     below: float
@@ -170,11 +162,7 @@ class SliderMark:
 
 @dataclass(frozen=True, slots=True)
 class SliderState:
-    """What a slider shows. ``typed`` is the text being typed, else None; ``refused``: it was not accepted.
-
-    Behind its symbol stands its ``name``, where there is room. The label takes at least so many
-    ``label_columns``, those of others above and below it. ``is_pointed_at`` says that a lesson points here.
-    """
+    """What a slider shows; ``typed`` is the text being typed, else None."""
 
     value: float | str
     typed: str | None = None
@@ -248,15 +236,14 @@ def slider_strip(
 
 
 def _track(scale: SliderScale, state: SliderState, value: float, cells: int, look: Look) -> list[Segment]:
-    """Return a segment for each cell of the track: the thumb covers marks, and they the track."""
     palette, glyphs = look.palette, look.glyphs
     thumb = scale.cell_of(value, cells)
-    track = [Segment(glyphs.track_done, palette.slider_done)] * thumb
+    track = [Segment(glyphs.track_done, palette.press)] * thumb
     track += [Segment(glyphs.track_rest, palette.slider_rest)] * (cells - thumb)
     for mark in sorted(state.marks, key=lambda mark: mark.stands_out):
         drawn = (glyphs.flip, palette.best) if mark.stands_out else (glyphs.side_flip, palette.dim)
         track[scale.cell_of(mark.value, cells)] = Segment(*drawn)
-    track[thumb] = Segment(glyphs.thumb, palette.press if state.focused else palette.slider_thumb)
+    track[thumb] = Segment(glyphs.thumb, palette.press if state.focused else palette.strong)
     return [
         Segment("".join(each.text for each in run), style)
         for style, run in groupby(track, attrgetter("style"))

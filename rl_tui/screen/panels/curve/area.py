@@ -1,7 +1,6 @@
-"""The area under the moving mean, and over it the band of the middle half of the returns.
+"""The area under the moving mean, and the band of the middle half of the returns over it.
 
-The area is drawn in eighths of a character. With the band there are two pixels a row. Its quartiles come from
-single returns, of which a long run keeps every second, fourth, eighth and so on.
+The area is drawn in eighths of a character, the band in two pixels a row.
 """
 
 from __future__ import annotations
@@ -68,7 +67,6 @@ def area_styles(palette: Palette, rows: int) -> tuple[Style, ...]:
 
 
 def _shade(palette: Palette, share: float) -> Style:
-    """Return the curve's ink, mixed with the page: ``share`` (0 to 1) is the part of the ink."""
     ink = Style(color=palette.episodes.color, bgcolor=palette.page.color)
     return Style(color=faded(ink, share).color)
 
@@ -93,10 +91,10 @@ class MiddleHalf(NamedTuple):
 
 
 def says_something(plot: Plot, curve: Curve, mean: MovingMean, look: Look) -> bool:
-    """Return whether a band of the middle half helps, and is true to the mean.
+    """Return whether a band of the middle half helps.
 
-    It takes six different returns, seven rows, shades of colour, a height of 5 to 70 % of the axis (the
-    median over the columns), and a mean inside of it in more than 70 % of the columns.
+    It takes enough different returns, rows and colours, a height of 5 to 70 % of the axis, and a mean inside
+    of the band in more than 70 % of the columns.
     """
     if plot.rows < _LEAST_ROWS or not (look.glyphs.braille and look.palette.has_shades):
         return False
@@ -127,9 +125,9 @@ def middle_half(plot: Plot, curve: Curve, mean: MovingMean) -> MiddleHalf:
 
 
 def band_cells(plot: Plot, band: MiddleHalf, mean: MovingMean) -> tuple[IntArray, IntArray]:
-    """Return the characters, 0 for none, and the kinds, of cells, [rows, columns] each.
+    """Return the characters, 0 for none, and the kinds of cells, [rows, columns] each.
 
-    The kind is 4 times the upper pixel and the lower one: 0 page, 1 area, 2 band, 3 mean.
+    The kind is 4 times the upper pixel plus the lower one: 0 page, 1 area, 2 band, 3 mean.
     """
     per_unit = 2 * plot.rows / (plot.top - plot.scale.low)
     low, high, middle = ((each - plot.scale.low) * per_unit for each in (*band, values_of(plot, mean)))

@@ -1,7 +1,6 @@
-"""Return per episode: what was earned, what the greedy policy is worth, and the best there is.
+"""Return per episode: an area for one run, lines for several, with exact levels and labels.
 
-Numbers stand at the left of the plot and labels in columns of their own. All cell arrays are [rows, columns].
-A single run is an area; several runs are lines in their colours.
+All cell arrays are [rows, columns].
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
@@ -47,6 +45,7 @@ from rl_tui.screen.panels.curve.text import (
     BEST_ARM,
     GREEDY,
     LEFT,
+    NOTHING_YET,
     OPTIMAL,
     TITLES,
     LineLabel,
@@ -55,7 +54,6 @@ from rl_tui.screen.panels.curve.text import (
     barren_words,
     below_note,
     decimals_of_labels,
-    empty_words,
     gap_note,
     heads,
     labels,
@@ -68,31 +66,36 @@ from rl_tui.screen.panels.curve.text import (
 )
 from rl_tui.screen.panels.policies.studied import studied_answer
 from rl_tui.screen.theme.look import Look, Palette
-from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 # The lines of several runs, which areas would hide, and of one run over the band of many seeds
 
 
 _TURN: Final = 2  # columns in which one of several lines in the same cells is seen
 _MARKS_APART: Final = 16  # columns from one number on a line to the next
-_LaneCodes = npt.NDArray[np.int64]
 
 
 class LaneCells(NamedTuple):
-    """What is in each cell, [rows, columns]: the code of its character, 0 for none.
+    """Codes of characters, 0 for none, and whose they are: −1 nobody's, 0 the greedy line's, n run n's."""
 
-    ``line`` tells whose it is: −1 no line's, 0 the greedy line's, n that of run n.
-    """
-
-    codes: _LaneCodes
-    line: _LaneCodes
+    codes: IntArray
+    line: IntArray
 
 
 def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
     """Return the mean of every run, and of the run shown the greedy line."""
-    layers = _in_braille(plot, data) if look.glyphs.braille else _in_ascii(plot, data)
+    if look.glyphs.braille:
+        layers = np.stack([plot.braille_line(line) for line in data.lines])
+        layers[layers == braille.BLANK] = 0
+    else:
+        dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in data.lines])
+        signs = [ord("o"), *(ord(str(number)) for number in range(1, len(data.lines)))]
+        layers = dots * np.array(signs)[:, None, None]
     there = layers > 0
-    line = _whose(_with_greedy_behind(there))
+    in_front = there.copy()
+    # where the greedy line goes up and down through many policies, it would cover the runs
+    in_front[0] &= ~(there[1:].any(axis=0) & (there[0].sum(axis=0) > 1))
+    line = _whose(in_front)
     codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
     codes[line < 0] = 0
     if data.lanes and look.glyphs.braille and not look.palette.tells_lanes_apart:
@@ -100,34 +103,8 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
     return LaneCells(codes, line)
 
 
-def _in_braille(plot: Plot, data: CurveData) -> _LaneCodes:
-    """Return the characters of greedy line and runs, [1 + runs, rows, columns]."""
-    codes = np.stack([plot.braille_line(line) for line in data.lines])
-    return np.where(codes > braille.BLANK, codes, 0)
-
-
-def _in_ascii(plot: Plot, data: CurveData) -> _LaneCodes:
-    """Return a letter for the greedy line and for each run its number."""
-    dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in data.lines])
-    signs = np.array([ord("o"), *(ord(str(number)) for number in range(1, len(data.lines)))])
-    return np.asarray(dots * signs[:, None, None])
-
-
-def _with_greedy_behind(there: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Return the cells of lines, [lines, rows, columns], where the greedy one goes behind the runs.
-
-    That is where it goes up and down: passing through many policies, it would cover all else.
-    """
-    goes_up_or_down = there[0].sum(axis=0) > 1
-    behind = there[1:].any(axis=0) & goes_up_or_down
-    return np.concatenate(((there[0] & ~behind)[None], there[1:]))
-
-
-def _whose(there: npt.NDArray[np.bool_]) -> _LaneCodes:
-    """Return which of the lines that are ``there``, [lines, rows, columns], each cell shows; −1: none.
-
-    Lines that share cells take turns, so that none hides another.
-    """
+def _whose(there: BoolArray) -> IntArray:
+    """Return which line each cell shows, −1 for none; lines that share cells take turns."""
     among = np.cumsum(there, axis=0)
     count = among[-1]
     turn = np.arange(there.shape[2]) // _TURN % np.maximum(count, 1)
@@ -135,8 +112,7 @@ def _whose(there: npt.NDArray[np.bool_]) -> _LaneCodes:
     return np.where(count > 0, chosen.argmax(axis=0), -1)
 
 
-def _mark(codes: _LaneCodes, line: _LaneCodes, there: npt.NDArray[np.bool_]) -> None:
-    """Write the number of each run on its line now and then, in columns of its own."""
+def _mark(codes: IntArray, line: IntArray, there: BoolArray) -> None:
     lanes = len(there) - 1
     for number in range(1, lanes + 1):
         first = (number - 1) * _MARKS_APART // lanes + 1
@@ -179,7 +155,7 @@ def draw_chart(
         else:
             _draw_area(canvas, plot, data, look, has_band=has_band)
     else:
-        _put_message(canvas, plot, empty_words(data.unit), look)
+        _put_message(canvas, plot, NOTHING_YET[data.unit], look)
     for label, row in _rows_of(names[: plot.rows], plot):
         canvas.put(width - columns.labels + label.gap, row, label.text, label.style)
     if (data.barren or data.unlearned) and not data.lanes:
@@ -247,10 +223,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
 
 
 def _put_behind(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData, look: Look) -> None:
-    """Put the level of the optimum, and lines where the world changed, where nothing is yet.
-
-    The level of the policy that is studied is put there in any case.
-    """
+    """Put the level of the optimum and changes of the world where nothing is yet, and the studied policy."""
     if data.optimum is not None:
         row, along = _level(plot, data, data.optimum)
         free = np.flatnonzero(kind[row] == _NOTHING)
@@ -267,13 +240,11 @@ def _put_behind(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData, lo
 
 
 def _level(plot: Plot, data: CurveData, value: float) -> tuple[int, slice]:
-    """Return the row of a level, and its columns over the episodes in the present world."""
     end = min(plot.column(data.furthest) + 1, plot.columns)
     return plot.row(value), slice(plot.column(data.world_since), end)
 
 
 def _put_outliers(codes: IntArray, kind: IntArray, plot: Plot, line: Steps, own: int, look: Look) -> None:
-    """Put a sign into the lowest row where ``line`` leaves the axis, and now and then while it is away."""
     away = plot.below(line)
     if not away.any():
         return
@@ -300,7 +271,6 @@ def _put_cells(
     ground: IntArray,
     styles: Sequence[Sequence[Style]],
 ) -> None:
-    """Write ``codes``, 0 for none, each in that of ``styles`` of its kind on its ``ground``."""
     text = np.where(codes > 0, codes, ord(" ")).astype("<u4").tobytes().decode("utf-32-le")
     for row, (kinds, grounds) in enumerate(zip(kind.tolist(), ground.tolist(), strict=True)):
         line = text[row * plot.columns : (row + 1) * plot.columns]
@@ -320,10 +290,7 @@ def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look) -
 
 
 def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, int]]:
-    """Return ``names`` with a row each: that of their value; names without one give way to them.
-
-    Of equals the optimum, which comes last, is above.
-    """
+    """Return ``names`` with the rows of their values; those without a value give way."""
     downwards = [label for _, label in sorted(enumerate(names), key=lambda each: (-each[1].value, -each[0]))]
     with_value = [label for label in downwards if label.value > -math.inf]
     rows = apart([plot.row(label.value) for label in with_value], plot.rows)
@@ -350,9 +317,9 @@ Words = tuple[str, ...]
 
 
 class ReturnCurve(Panel, can_focus=True):
-    """The curve of a run. Its vertical axis changes in steps only, and starts afresh with a new run.
+    """The curve of a run; its vertical axis changes in steps only.
 
-    ``hints`` are ways to write keys, the longest first, which take the place of the caption.
+    ``hints`` are keys, the longest form first, in place of the caption.
     """
 
     scale: Scale | None = None
@@ -390,12 +357,8 @@ class ReturnCurve(Panel, can_focus=True):
             *(snapshot.exact_answer.expected_return, snapshot.exact_answer.refused),
             *(answers.is_hidden, answers.kept_back, answers.first_update, answers.studied),
             *(answers.policies.get(PolicyKind.BEHAVIOUR), studied_answer(snapshot)),
-            *(
-                playback.phase is Phase.SPENT,
-                _runs(snapshot),
-                passes_too_fast(snapshot),
-                snapshot.run_group.shown,
-            ),
+            *(playback.phase is Phase.SPENT, _runs(snapshot), passes_too_fast(snapshot)),
+            snapshot.run_group.shown,
             *((each.name, each.algorithm, each.episodes, each.results) for each in lanes),
         )
 
@@ -418,17 +381,13 @@ class ReturnCurve(Panel, can_focus=True):
         plot = Plot(columns.left, columns.columns, max(1, height), data.axis.right, scale)
         key = plot, bool(data.lanes), data.seeds, data.is_of_steps
         if self._band[0] != key or not _runs(snapshot):
-            self._band = key, self._has_middle_half(data, plot)
+            is_plain = data.lanes or data.seeds or data.is_of_steps or data.is_bandit or not data.furthest
+            has_band = not is_plain and says_something(plot, data.curve, data.mean, self.look)
+            self._band = key, has_band
         self.heading = self._headed(snapshot, data, plot, columns, width)
         return draw_chart(data, plot, columns, self.look, (width, height), has_band=self._band[1])
 
-    def _has_middle_half(self, data: CurveData, plot: Plot) -> bool:
-        if not data.furthest or data.lanes or data.seeds or data.is_of_steps or data.is_bandit:
-            return False
-        return says_something(plot, data.curve, data.mean, self.look)
-
     def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
-        """Return the vertical axis: steady in a run, in the past as in the present, else what fits best."""
         if data.is_of_steps is not self._is_of_steps:
             self.scale, self._is_of_steps = None, data.is_of_steps
         if snapshot.timeline.in_past and self.scale is not None:
@@ -471,7 +430,7 @@ class ReturnCurve(Panel, can_focus=True):
         if width < _LEAST_WITH_NAMES:
             return spark_line(data, scale, look, width, self._brief(data, decimals))
         title = f"{heads(data, has_band=False)[-1]}  "
-        words = self._brief(data, decimals, has_names=True) or " ".join(empty_words(data.unit))
+        words = self._brief(data, decimals, has_names=True) or " ".join(NOTHING_YET[data.unit])
         line = spark_line(data, scale, look, width - len(title), words)
         return [Piece(title, look.palette.strong), *line]
 

@@ -32,11 +32,7 @@ _RATIO: Final = 1.05  # from one right end of the axis to the next: the picture 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EpisodeAxis:
-    """An axis from 0 to ``right`` episodes. Between A moments both steps and episodes go evenly.
-
-    ``step`` and ``episode``, [A], rise from 0. Inside an episode the place goes by its steps. The unfinished
-    episode takes part of one. ``right`` is little further than the last of them.
-    """
+    """An axis from 0 to ``right`` episodes; ``step`` and ``episode``, [A], rise from 0."""
 
     step: FloatArray
     episode: FloatArray
@@ -53,10 +49,7 @@ class EpisodeAxis:
 
 @lru_cache(2)
 def episode_axis(snapshot: Snapshot) -> EpisodeAxis:
-    """Return the axis of the branch shown, from its beginning to as far as it has come.
-
-    The curve and the timeline both ask for the axis of a snapshot.
-    """
+    """Return the axis of the shown branch, as far as it has come."""
     timeline, counters = snapshot.timeline, snapshot.counters
     furthest = timeline.furthest if timeline.in_past else None
     known = furthest or Furthest(counters, snapshot.results)
@@ -94,7 +87,6 @@ def _moments(
 
 
 def _right_end(last: float, limit: float | None) -> float:
-    """Return the first of the round ends that holds ``last`` episodes, no further than there will be any."""
     if last <= 0.0:
         return 1.0
     right = _RATIO ** math.ceil(math.log(last) / math.log(_RATIO) - 1e-9)
@@ -121,10 +113,9 @@ class StudiedLevel(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MovingMean:
-    """The mean of the last ``window`` episodes at any moment, of B bins of episodes.
+    """The mean of the last ``window`` episodes at any moment, of B bins.
 
-    ``end`` and ``total``, [B + 1], are the last episode of each bin and the sum up to it, both from 0. Inside
-    a bin all episodes count as its mean.
+    ``end`` and ``total``, [B + 1], are the last episode of each bin and the sum up to it.
     """
 
     end: FloatArray
@@ -149,10 +140,7 @@ class MovingMean:
 
 
 def moving_mean(curve: Curve, mean: FloatArray, right: float) -> MovingMean:
-    """Return the moving mean of ``mean``, [B], of the bins of ``curve``.
-
-    Its window is a twentieth of the axis up to ``right``, from 10 to 100 episodes, and a bin at least.
-    """
+    """Return the moving mean of ``mean``, [B]; its window is a twentieth of the axis, 10 to 100 episodes."""
     count = np.diff(curve.episode, prepend=0)
     window = int(min(RECENT, max(_LEAST_WINDOW, right // _WINDOWS)))
     if len(count):
@@ -165,11 +153,8 @@ def moving_mean(curve: Curve, mean: FloatArray, right: float) -> MovingMean:
 class LaneLine:
     """One of several runs side by side.
 
-    ``number`` counts from 1. ``line`` is the smoothed mean of its returns (or steps, as of the run shown); of
-    a planner, which has none, the return of its greedy policy (then ``is_exact``). ``value`` is where that
-    line ends: the mean of the last 100 episodes, None before the first. ``greedy_now`` is None where unknown,
-    hidden, or the line itself.
-    ``greedy_ends`` is as in :class:`CurveData`.
+    ``line`` is the smoothed mean of its returns or steps; of a planner the greedy return (``is_exact``).
+    ``value`` is where it ends, None before. ``greedy_now`` is None where unknown, hidden, or the line itself.
     """
 
     number: int
@@ -187,21 +172,12 @@ class LaneLine:
 class CurveData:
     """The curve and the numbers beside it, all of the run shown.
 
-    ``curve`` has the bins. ``mean`` is of the returns, or where they are all equal (``is_of_steps``) of the
-    steps per episode; then nothing is compared with it. ``greedy`` is the exact return of the greedy policy
-    over episodes from 0.
-    ``greedy_now``, ``mean_now`` (of the window of ``mean``), ``optimum``, ``acting_now`` (of the agent as it
-    acts) and ``studied`` are None where unknown, hidden, or drawn already. ``hides_optimum`` says that the
-    optimum is hidden, of a bandit the greedy arm as well, and ``has_key`` that a key shows it.
-
-    ``barren`` says that there were many episodes without any reward, ``unlearned`` that no estimate has moved
-    in many, ``is_decided`` that somewhere one action is estimated above another (false where ``greedy_now``
-    is unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends.
-    ``unit`` is what ``axis`` counts: pulls, a planner's sweeps, or episodes. ``has_estimates`` is false for a
-    program without a table. Only after the last of ``world_changes`` do optimum and studied policy hold.
-
-    ``lanes`` are the runs side by side, the one shown among them; none if it is alone. ``seeds`` is what many
-    seeds say of the same runs, none where that is unknown.
+    ``mean`` is that of the returns, or of the steps per episode where all returns are equal
+    (``is_of_steps``). ``greedy_now``, ``mean_now``, ``optimum``, ``acting_now`` and ``studied`` are None
+    where unknown, hidden, or drawn already; ``has_key`` says that a key shows what is hidden. ``barren``
+    means no reward in many episodes, ``unlearned`` no update in many, ``is_decided`` that estimates differ
+    somewhere. ``greedy_ends`` is how likely the greedy policy ends, where it has no return. ``unit`` is what
+    ``axis`` counts.
     """
 
     finished: int
@@ -249,10 +225,9 @@ class CurveData:
 
     @property
     def range(self) -> tuple[float, float]:
-        """The lowest and highest value of the vertical axis.
+        """The lowest and highest value of the vertical axis: 2 to 100 % of the means after the first twelfth.
 
-        These are 2 to 100 % of the means after the first twelfth, stretched to the optimum and to policies
-        that are not too far below. Steps begin at 0, and so does what costs less than 40 % of the axis.
+        It is stretched to the optimum and to policies that are not too far below; steps begin at 0.
         """
         means = [self.mean.means, *(lane.line.low for lane in self.lanes if not lane.is_exact)]
         late = [each[len(each) // _EARLY :] for each in means if len(each)]
@@ -267,7 +242,7 @@ class CurveData:
             highs.append(self.optimum)
         known = np.array([each for each in exact if each is not None])
         if not late:  # only planners
-            known = np.concatenate((known, *(_known(line.low) for line in self.lines)))
+            known = np.concatenate((known, *(line.low[~np.isnan(line.low)] for line in self.lines)))
         if not lows and not len(known):
             return 0.0, 0.0
         high = max(*highs, float(known.max(initial=-np.inf)), -np.inf)
@@ -276,18 +251,15 @@ class CurveData:
         return (0.0 if 0.0 < low < _COST_OF_ZERO * high else low), high
 
 
-def _known(values: FloatArray) -> FloatArray:
-    return np.asarray(values[~np.isnan(values)])
-
-
 def curve_data(snapshot: Snapshot) -> CurveData:
     """Return what there is to draw; what would give the answer away only where it is not hidden."""
-    is_bandit = isinstance(snapshot.world.drawing, Arms)
-    plans = snapshot.agent.row.planner
+    is_bandit, first_update = isinstance(snapshot.world.drawing, Arms), snapshot.answers.first_update
     lanes, results, axis = snapshot.run_group.lanes, snapshot.results, episode_axis(snapshot)
     of_steps = _returns_are_equal([lane.results for lane in lanes] or [results])
     curve = results.curve
     mean = moving_mean(curve, curve.length_mean if of_steps else curve.return_mean, axis.right)
+    is_short = len(mean.means) > 0 and mean.window != RECENT  # of 100 episodes the mean is exact
+    last_100 = results.length_last_100 if of_steps else results.return_last_100
     hidden = hides_greedy(snapshot) or of_steps
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
     return CurveData(
@@ -297,15 +269,15 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         curve=curve,
         greedy=NO_STEPS if hidden else _greedy(results, snapshot.counters.episodes),
         greedy_now=None if hidden else results.greedy_return,
-        mean_now=_mean_now(results, mean, of_steps=of_steps),
+        mean_now=float(mean.means[-1]) if is_short else last_100,
         optimum=None if hides_optimum or of_steps else snapshot.exact_answer.expected_return,
         is_of_steps=of_steps,
         is_bandit=is_bandit,
-        unit=unit_of(plans=plans, is_bandit=is_bandit),
+        unit=unit_of(plans=snapshot.agent.row.planner, is_bandit=is_bandit),
         hides_optimum=hides_optimum,
         has_key=not keeps_back(snapshot, "answer"),
         barren=_barren(snapshot),
-        unlearned=_is_unlearned(snapshot),
+        unlearned=first_update is not None and first_update.is_long and not keeps_back(snapshot, "why"),
         is_decided=is_decided(snapshot),
         greedy_ends=None if hidden else results.greedy_ends,
         acting_now=_acting(snapshot),
@@ -321,7 +293,6 @@ def curve_data(snapshot: Snapshot) -> CurveData:
 
 
 def _returns_are_equal(every: Sequence[RunResults]) -> bool:
-    """Return whether no return differs from another of its run, but their lengths do."""
     curves = [results.curve for results in every if len(results.curve.episode)]
     return (
         bool(curves)
@@ -330,25 +301,12 @@ def _returns_are_equal(every: Sequence[RunResults]) -> bool:
     )
 
 
-def _mean_now(results: RunResults, mean: MovingMean, *, of_steps: bool) -> float | None:
-    """Return the newest moving mean: of 100 episodes the exact one."""
-    if not len(mean.means) or mean.window == RECENT:
-        return results.length_last_100 if of_steps else results.return_last_100
-    return float(mean.means[-1])
-
-
 def unit_of(*, plans: bool, is_bandit: bool) -> str:
     """Return what the horizontal axis counts."""
     return "sweep" if plans else "pull" if is_bandit else "episode"
 
 
-def _is_unlearned(snapshot: Snapshot) -> bool:
-    first = snapshot.answers.first_update
-    return first is not None and first.is_long and not keeps_back(snapshot, "why")
-
-
 def _acting(snapshot: Snapshot) -> float | None:
-    """Return the exact return of the agent as it acts now: known always, or since it was asked for."""
     if is_secret(snapshot):
         return None
     answer = snapshot.answers.policies.get(PolicyKind.BEHAVIOUR)
@@ -357,7 +315,6 @@ def _acting(snapshot: Snapshot) -> float | None:
 
 
 def _studied(snapshot: Snapshot) -> StudiedLevel | None:
-    """Return the level of the policy that is studied; the greedy one and the best have lines already."""
     kind = snapshot.answers.studied
     answer = studied_answer(snapshot)
     if kind not in _STUDIED or answer is None or answer.expected_return is None:
@@ -395,7 +352,6 @@ def _episodes(curve: Curve, values: FloatArray) -> Steps:
 
 
 def _greedy(results: RunResults, episodes: int) -> Steps:
-    """Return the marks, each held until the next, and the value of this very moment at the end."""
     marks = results.marks
     now = np.nan if results.greedy_return is None else results.greedy_return
     episode = np.concatenate((marks.episode.astype(np.float64), [float(episodes)]))
@@ -416,10 +372,7 @@ def is_decided(snapshot: Snapshot) -> bool:
 
 
 def _barren(snapshot: Snapshot) -> bool:
-    """Return whether there were many episodes without any reward, not just with rewards that cancel out.
-
-    Where the rewards are not known, or a planner sees them anyway, that is not claimed.
-    """
+    """Return whether many episodes had no reward at all; unknown rewards do not count."""
     curve, mdp = snapshot.results.curve, snapshot.world.mdp
     if mdp is None or not len(curve.episode):
         return False

@@ -12,7 +12,6 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.chart_plot import Plot
-from rl_tui.screen.kit.panel import LegendSign
 from rl_tui.screen.kit.snapshot_facts import current_study, episodes_reached
 from rl_tui.screen.panels.seed_figures import LAST_100, decimals_of, estimate_text, last_100_of, until_of
 from rl_tui.screen.theme.look import Look
@@ -33,8 +32,7 @@ def smoothed(values: FloatArray) -> FloatArray:
     return np.asarray((sums[behind] - sums[first]) / (behind - first))
 
 
-_ERRORS: Final = 2.0
-"""Standard errors on either side of the mean."""
+_ERRORS: Final = 2.0  # standard errors on either side of the mean
 _FULL: Final = 0x28FF
 _LATE: Final = 0.25  # of the bins: from here on the axis makes room for the band
 
@@ -43,9 +41,7 @@ _LATE: Final = 0.25  # of the bins: from here on the axis makes room for the ban
 class SeedBand:
     """One run under ``seeds`` seeds: two standard errors on either side of their mean return.
 
-    ``number`` is that of its lane, from 1. ``last_100`` is the mean return of the last 100 episodes, None
-    where that is not known; ``recent`` is what it is called, and ``until`` says at which episode the seeds
-    end, empty where that is where the runs are.
+    ``last_100`` is None where unknown, and called ``recent``; ``until`` is where the seeds end, if not here.
     """
 
     number: int
@@ -91,10 +87,7 @@ def with_room_for(known: tuple[float, float], seeds: Sequence[SeedBand]) -> tupl
 
 
 def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntArray, IntArray]:
-    """Return the characters of the bands, 0 where there are none, and whose they are, [rows, columns] each.
-
-    A band takes at least one dot, however certain its mean is. The last band lies over the others.
-    """
+    """Return the characters of the bands, 0 for none, and whose they are, [rows, columns] each."""
     codes = np.zeros((plot.rows, plot.columns), dtype=np.int64)
     whose = np.zeros_like(codes)
     for each in seeds:
@@ -110,15 +103,11 @@ def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntAr
 
 def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
     """Return what the bands are, with the mean and its error of each run; the longest form first."""
-    estimates = [each.last_100 for each in seeds if each.last_100 is not None]
-    decimals = decimals_of(estimates)
-    texts = [
-        f"{each.number}) {estimate_text(each.last_100, decimals, look.glyphs)}"
-        for each in seeds
-        if each.last_100 is not None
-    ]
-    sign, meaning, *_ = seed_sign(seeds, look)
-    band = f"{sign} {meaning}"
+    estimates = {each.number: each.last_100 for each in seeds if each.last_100 is not None}
+    decimals = decimals_of([*estimates.values()])
+    texts = [f"{number}) {estimate_text(each, decimals, look.glyphs)}" for number, each in estimates.items()]
+    sign = chr(_FULL) if look.glyphs.braille else "="
+    band = f"{sign} {seeds[0].seeds} seeds: mean ± 2 errors"
     if not texts:
         return (band,)
     means, which = ", ".join(texts), f"{sign} {seeds[0].seeds} seeds{seeds[0].until}"
@@ -129,9 +118,3 @@ def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
         f"{which}: {means}",
         band,
     )
-
-
-def seed_sign(seeds: Sequence[SeedBand], look: Look) -> LegendSign:
-    """Return the entry of the legend."""
-    sign = chr(_FULL) if look.glyphs.braille else "="
-    return LegendSign(sign, f"{seeds[0].seeds} seeds: mean ± 2 errors", look.palette.dim)

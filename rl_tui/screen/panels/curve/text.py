@@ -31,8 +31,7 @@ RETURN: Final = "Return"
 REWARD: Final = "Reward"
 STEPS: Final = "Steps"
 SWEEPS: Final = "Greedy return"
-TITLES: Final = {"episode": RETURN, "pull": REWARD, "sweep": SWEEPS}
-"""By what the horizontal axis counts."""
+TITLES: Final = {"episode": RETURN, "pull": REWARD, "sweep": SWEEPS}  # by what the horizontal axis counts
 MEAN: Final = "mean"
 MEAN_AND_BAND: Final = "mean and middle half"
 AFTER_SWEEP: Final = "exact, after each sweep"
@@ -56,9 +55,12 @@ NO_LINE_WITHOUT_END: Final = (
     f"gap in greedy: {MAY_NEVER_END}",
 )
 
-NO_SWEEP_YET: Final = ("no sweep has ended:", "space: run · e: sweep")
-NO_PULL_YET: Final = ("no arm was pulled:", "space: run · s: pull")
-NO_EPISODE_YET: Final = ("no episode has ended:", "space: run · e: episode")
+NOTHING_YET: Final = {
+    "sweep": ("no sweep has ended:", "space: run · e: sweep"),
+    "pull": ("no arm was pulled:", "space: run · s: pull"),
+    "episode": ("no episode has ended:", "space: run · e: episode"),
+}
+"""What to do before the first has ended, by what the horizontal axis counts."""
 NOTHING_LEARNED: Final = "nothing learned"
 NO_REWARD: Final = "no reward yet"
 
@@ -85,19 +87,16 @@ class LineLabel:
     gap: int
 
 
-def decimals_for(low: float, high: float) -> int:
-    """Return the decimals that tell values on an axis from ``low`` to ``high`` apart: 2 on 0 .. 1.
-
-    More than 5 are too many to be written: then all have exponents.
-    """
-    extent = max(high - low, numbers.NEGLIGIBLE)
+def decimals_for(extent: float) -> int:
+    """Return the decimals that tell values on an axis of ``extent`` apart; more than 5 mean exponents."""
+    extent = max(extent, numbers.NEGLIGIBLE)
     decimals = max(0, 2 - math.floor(math.log10(extent)))
     return min(_MOST_DECIMALS, decimals) if extent >= _LEAST_FIXED else decimals
 
 
 def decimals_of_labels(scale: Scale) -> int:
     """Return the decimals of the labels right of the plot: two digits tell them apart."""
-    return decimals_for(0.0, _TWO_DIGITS * (scale.high - scale.low))
+    return decimals_for(_TWO_DIGITS * (scale.high - scale.low))
 
 
 def amount(x: float, decimals: int, glyphs: Glyphs, width: int = NUMBER) -> str:
@@ -114,12 +113,9 @@ def amount(x: float, decimals: int, glyphs: Glyphs, width: int = NUMBER) -> str:
     return numbers.whole(x, glyphs) if text.removeprefix(glyphs.minus).isdigit() else text
 
 
-def no_end(ends: float, *, short: bool = False) -> str:
+def no_end(ends: float) -> str:
     """Return what stands in place of the return of a policy that has none: it ``ends`` so likely (0 to 1)."""
-    if ends > 0.0:
-        share = numbers.percent(ends)
-        return f"{share} end" if short else f"ends in {share}"
-    return NO_END if short else "never ends"
+    return f"{numbers.percent(ends)} end" if ends > 0.0 else NO_END
 
 
 def label_gap(columns: int) -> int:
@@ -130,10 +126,7 @@ def label_gap(columns: int) -> int:
 def labels(
     data: CurveData, look: Look, decimals: int, columns: int, *, greedy: bool = True, mean: bool = True
 ) -> list[LineLabel]:
-    """Return the labels in so many ``columns``, the most important first; none without room.
-
-    ``greedy`` and ``mean`` say whether the greedy line and the mean of the episodes have one.
-    """
+    """Return the labels in so many ``columns``, the most important first; none without room."""
     if not columns:
         return []
     palette, gap = look.palette, label_gap(columns)
@@ -156,7 +149,7 @@ def labels(
             found.append(LineLabel(_in_room(name, number, room), value, style, gap))
     if not greedy or data.greedy_ends is None:
         return found
-    text = no_end(data.greedy_ends, short=True)
+    text = no_end(data.greedy_ends)
     if len(GREEDY) + 1 + len(text) <= room:
         text = _in_room(GREEDY, text, room)
     return [LineLabel(text, -math.inf, palette.greedy_line, gap), *found]
@@ -207,7 +200,6 @@ def remark(
 
 
 def _gap(data: CurveData, last_100: float | None, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
-    """Return the gap between greedy policy and the last 100 episodes, if the cost of exploring is unknown."""
     if data.greedy_now is None or last_100 is None or not _has_learned(data):
         return ()
     gap = data.greedy_now - last_100
@@ -241,11 +233,9 @@ def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
 
 
 def _has_learned(data: CurveData) -> bool:
-    """Return whether the gap may be laid to exploring rather than to what is not known yet.
+    """Return whether the gap comes from exploring, and not from what is not learned yet.
 
-    That is claimed only of a greedy policy that is more than ties and that, over all the episodes whose mean
-    is shown, falls short of the optimum by no more than a third of the optimum's size: .5 and up of .75, −16
-    and up of −12.
+    It does where the greedy policy has no ties everywhere, and stays within a third of the optimum.
     """
     if data.greedy_now is None or data.optimum is None or data.barren or not data.is_decided:
         return False
@@ -254,15 +244,6 @@ def _has_learned(data: CurveData) -> bool:
     recent = data.greedy.low[data.greedy.end > data.finished - RECENT]
     least = data.optimum - abs(data.optimum) / 3 - numbers.NEGLIGIBLE
     return data.greedy_now >= least and bool((recent >= least).all())
-
-
-def empty_words(unit: str) -> tuple[str, ...]:
-    """Return what to do before the first pull, sweep or episode has ended."""
-    if unit == "sweep":
-        return NO_SWEEP_YET
-    if unit == "pull":
-        return NO_PULL_YET
-    return NO_EPISODE_YET
 
 
 def barren_words(data: CurveData) -> tuple[str, ...]:
@@ -284,7 +265,7 @@ _OTHERS: Final = 16  # columns of the labels that are no run's
 
 
 class _Form(NamedTuple):
-    """How much is said of a lane where its line ends: ``name`` is the cells of the longest name."""
+    """How much the label of a run says; ``name`` is the cells of the longest name."""
 
     name: int
     number: bool
@@ -308,20 +289,18 @@ def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> lis
         return []
     shown = _names(names, look, form.name)
     lanes = sorted(zip(data.lanes, shown, strict=True), key=lambda each: not each[0].shown)
-    found = [
-        LineLabel(_said(lane, name, form, decimals, look.glyphs), _place(lane), _style(lane, look), _GAP)
-        for lane, name in lanes
-        if lane.value is not None or (lane.is_exact and lane.greedy_ends is not None)
-    ]
+    found = []
+    for lane, name in lanes:
+        if lane.value is not None or (lane.is_exact and lane.greedy_ends is not None):
+            value, ink = -math.inf if lane.value is None else lane.value, look.palette.lanes[lane.number - 1]
+            style = ink + Style(bold=True) if lane.shown else ink
+            found.append(LineLabel(_said(lane, name, form, decimals, look.glyphs), value, style, _GAP))
     has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
     return [*found, *labels(data, look, decimals, min(columns, _OTHERS), greedy=has_greedy, mean=False)]
 
 
 def lane_columns(names: Sequence[str], look: Look, room: int) -> int:
-    """Return how many of ``room`` columns the labels of runs with these ``names`` take.
-
-    They take the fullest form that leaves the lines their share, else the shortest; none if it is small.
-    """
+    """Return how many of ``room`` columns the labels of runs with these ``names`` take."""
     if room < _ROOM_FOR_NAMES:
         return 0
     widths = [_columns(names, look, form) for form in _FORMS]
@@ -338,10 +317,7 @@ def lane_heads(data: CurveData, usual: Sequence[str], glyphs: Glyphs) -> tuple[s
 
 
 def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tuple[str, ...]:
-    """Return what the numbers of the labels are, and of how many seeds, the longest form first.
-
-    ``counts_seeds`` says that many seeds do for these runs.
-    """
+    """Return what the numbers of the labels are, and of how many seeds, the longest form first."""
     if not data.furthest:
         return ()
     if data.seeds:
@@ -369,7 +345,6 @@ def _columns(names: Sequence[str], look: Look, form: _Form) -> int:
 
 
 def _names(names: Sequence[str], look: Look, width: int) -> list[str]:
-    """Return the names in at most ``width`` cells, with their numbers where they would not tell enough."""
     glyphs = look.glyphs
     names = [to_ascii(name, glyphs) for name in names]
     is_enough = look.palette.tells_lanes_apart and glyphs.braille
@@ -396,26 +371,15 @@ def _said(lane: LaneLine, name: str, form: _Form, decimals: int, glyphs: Glyphs)
 
 
 def _figure(value: float | None, ends: float | None, decimals: int, glyphs: Glyphs) -> str:
-    """Return a return, or that a policy has none because it may never end; empty if neither is known."""
     if value is not None:
         return amount(value, decimals, glyphs)
-    return "" if ends is None else no_end(ends, short=True)
-
-
-def _place(lane: LaneLine) -> float:
-    return -math.inf if lane.value is None else lane.value
-
-
-def _style(lane: LaneLine, look: Look) -> Style:
-    style = look.palette.lanes[lane.number - 1]
-    return style + Style(bold=True) if lane.shown else style
+    return "" if ends is None else no_end(ends)
 
 
 # The columns of the plot
 
 
-LEFT: Final = 5
-"""Columns of the numbers left of the plot."""
+LEFT: Final = 5  # columns of the numbers left of the plot
 _LABELS: Final = ((60, 15), (36, 13))  # columns of the labels at the right, by the least width
 
 

@@ -6,23 +6,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from rich.style import Style
 
 from rl_tui.screen.draw.block_signs import SignName, block_numbers, block_sign, sign_size
 from rl_tui.screen.draw.canvas import Canvas, centred
-from rl_tui.screen.kit.snapshot_facts import followed_step, is_secret
+from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.panels.graph.layout import GraphLayout
 from rl_tui.screen.panels.graph.routing import Box
-from rl_tui.screen.panels.graph.shape import GraphScene, GraphShape, Signs, reward_text
+from rl_tui.screen.panels.graph.shape import GraphScene, GraphShape, reward_text
 from rl_tui.screen.panels.world.edit_marks import marks_of
 
 if TYPE_CHECKING:
+    from rl_tui.agents.last_step import LastStep
     from rl_tui.live.snapshot import Snapshot
-    from rl_tui.screen.draw.number_form import NumberForm
-    from rl_tui.screen.panels.world.shown_policy import StateValues
     from rl_tui.screen.theme.look import Look
     from rl_tui.worlds.mdp.space import FiniteSpace
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -52,8 +51,9 @@ def _box_size(step: int) -> tuple[int, int]:
     return wide, max(_LEAST_HEIGHT, 2 * wide // 3 | 1)
 
 
-def chain_boxes(chain: tuple[int, ...], width: int, height: int) -> tuple[Box, ...] | None:
-    """Return the boxes of ``chain`` in the order of the states; None where they do not fit."""
+@lru_cache(maxsize=32)
+def chain_layout(chain: tuple[int, ...], width: int, height: int) -> GraphLayout | None:
+    """Return the layout of ``chain``, which has no edges; None where its boxes do not fit."""
     step = width // len(chain)
     if step < _LEAST_STEP or height < 1:
         return None
@@ -62,14 +62,7 @@ def chain_boxes(chain: tuple[int, ...], width: int, height: int) -> tuple[Box, .
     top = max(0, (height - high - _AROUND) // 2) + (height > 1)
     left = (width - step * (len(chain) - 1) - wide) // 2
     boxes = {state: Box(left + place * step, top, wide, high) for place, state in enumerate(chain)}
-    return tuple(boxes[state] for state in range(len(chain)))
-
-
-@lru_cache(maxsize=32)
-def chain_layout(chain: tuple[int, ...], width: int, height: int) -> GraphLayout | None:
-    """Return the layout of ``chain``, which has no edges; None where its boxes do not fit."""
-    boxes = chain_boxes(chain, width, height)
-    return None if boxes is None else GraphLayout(boxes, (), (), (), ())
+    return GraphLayout(tuple(boxes[state] for state in range(len(chain))), (), (), (), ())
 
 
 # Ends
@@ -83,36 +76,6 @@ def end_rewards(mdp: TabularMDP) -> Mapping[int, float | None]:
 
 
 # The picture
-
-
-class ChainScene(NamedTuple):
-    """What a chain looks like at one moment.
-
-    ``rewards`` are those of :func:`end_rewards`, ``exact`` is that of :func:`exact_v`.
-    ``updated`` is the state of the last update, with the sign of its error.
-    """
-
-    values: StateValues
-    form: NumberForm
-    signs: Signs
-    rewards: Mapping[int, float | None]
-    exact: tuple[float, ...] | None
-    updated: tuple[int, int] | None
-    way: tuple[int, int] | None
-    """The states between which the last step led."""
-
-
-def chain_scene(
-    space: FiniteSpace, snapshot: Snapshot, scene: GraphScene, rewards: Mapping[int, float | None]
-) -> ChainScene:
-    """Return the scene of ``snapshot``."""
-    last = followed_step(snapshot)
-    updated = way = None
-    if last is not None and last.updated_pair >= 0:
-        updated = space.state_of(last.updated_pair), last.error_sign
-    if last is not None and not last.planned:
-        way = last.state, last.next_state
-    return ChainScene(*scene, rewards, exact_v(space, snapshot), updated, way)
 
 
 def exact_v(space: FiniteSpace, snapshot: Snapshot) -> tuple[float, ...] | None:
@@ -131,8 +94,11 @@ class ChainPicture:
     canvas: Canvas
     shape: GraphShape
     boxes: tuple[Box, ...]
-    scene: ChainScene
+    scene: GraphScene
     look: Look
+    rewards: Mapping[int, float | None]  # those of end_rewards
+    exact: tuple[float, ...] | None
+    last: LastStep | None  # where it can be followed
 
     def draw(self) -> None:
         """Draw links, boxes, agent and exact values."""
@@ -150,18 +116,19 @@ class ChainPicture:
     def _put_links(self) -> None:
         glyphs, palette = self.look.glyphs, self.look.palette
         row = sorted(enumerate(self.boxes), key=lambda each: each[1].x)
+        way = (self.last.state, self.last.next_state) if self.last and not self.last.planned else None
         for (state, box), (after, following) in pairwise(row):
             x, y = box.x + box.width, box.y + box.height // 2
             gap = following.x - x
             line, style = glyphs.thin * gap, palette.dim
-            if self.scene.way == (state, after):
+            if way == (state, after):
                 line, style = glyphs.track_done * (gap - 1) + glyphs.head_right, palette.agent
-            elif self.scene.way == (after, state):
+            elif way == (after, state):
                 line, style = glyphs.head_left + glyphs.track_done * (gap - 1), palette.agent
             self.canvas.put(x, y, line, style)
 
     def _ground(self, state: int) -> Style:
-        palette, reward = self.look.palette, self.scene.rewards.get(state)
+        palette, reward = self.look.palette, self.rewards.get(state)
         if not self.shape.nodes[state].terminal:
             return self.scene.values.style(state, self.look)
         return palette.goal if reward is not None and reward > 0.0 else palette.hole
@@ -177,7 +144,7 @@ class ChainPicture:
         return fits
 
     def _put_end(self, state: int, box: Box) -> None:
-        glyphs, style, reward = self.look.glyphs, self._ground(state), self.scene.rewards.get(state)
+        glyphs, style, reward = self.look.glyphs, self._ground(state), self.rewards.get(state)
         sign = glyphs.goal if reward is not None and reward > 0.0 else glyphs.hole
         paid = "" if reward is None else reward_text(reward, glyphs)
         name, edge = self.shape.nodes[state].name, int(box.height >= 5)
@@ -223,7 +190,6 @@ class ChainPicture:
         return len({each.name for each in self.shape.actions}) > 1
 
     def _numbers(self, box: Box) -> Mapping[str, tuple[str, ...]]:
-        """Return the values in blocks; empty if the box is too small for them."""
         if box.height < _BLOCK_NUMBER + _ARROW_ROWS * self._has_choice or not self.look.glyphs.braille:
             return {}
         texts = (
@@ -249,8 +215,9 @@ class ChainPicture:
     def _put_marks(self, state: int, box: Box) -> None:
         scene, glyphs, palette = self.scene, self.look.glyphs, self.look.palette
         right, last = box.x + box.width - 1, box.y + box.height - 1
-        if scene.updated is not None and scene.updated[0] == state and box.width >= 3:
-            colour = palette.error(scene.updated[1])
+        pairs = self.shape.pairs_of(state)
+        if self.last is not None and self.last.updated_pair in pairs and box.width >= 3:
+            colour = palette.error(self.last.error_sign)
             if not glyphs.braille:
                 low = last - int(box.height >= 5)
                 self.canvas.restyle(box.x, low, box.width, Style(reverse=True))
@@ -265,11 +232,9 @@ class ChainPicture:
 
     def _put_agent(self) -> None:
         box, sign = self.boxes[self.scene.signs.agent], self.look.glyphs.agent
-        x = box.x + (box.width - 1) // 2
-        if box.width >= 3:
-            self.canvas.put(x - 1, max(0, box.y - 1), f" {sign} ", self.look.palette.agent)
-        else:
-            self.canvas.put(x, max(0, box.y - 1), sign, self.look.palette.agent)
+        text = f" {sign} " if box.width >= 3 else sign
+        x = box.x + (box.width - 1) // 2 - len(text) // 2
+        self.canvas.put(x, max(0, box.y - 1), text, self.look.palette.agent)
 
     def _put_exact(self) -> None:
         scene, look = self.scene, self.look
@@ -277,10 +242,10 @@ class ChainPicture:
         first, y = row[0][1], row[0][1].y + row[0][1].height
         is_end = self.shape.nodes[row[0][0]].terminal
         start, room = (first.x, first.width) if is_end else (0, first.x - 1)
-        if scene.exact is None or y >= self.canvas.height or room < len(_EXACT):
+        if self.exact is None or y >= self.canvas.height or room < len(_EXACT):
             return
         self.canvas.put(start, y, _EXACT, look.palette.dim)
         for state, box in row:
-            text = scene.form.text(scene.exact[state], look.glyphs)
+            text = scene.form.text(self.exact[state], look.glyphs)
             if not self.shape.nodes[state].terminal and len(text) <= box.width:
                 self.canvas.put(box.x, y, centred(text, box.width), look.palette.dim)

@@ -1,7 +1,4 @@
-"""An MDP drawn as a graph: states as boxes with V(s), actions as edges, the greedy ones bold.
-
-A chain is a row of boxes. Where boxes and edges do not fit, a list of the edges takes their place.
-"""
+"""An MDP as a graph of boxes and edges, a chain as a row of boxes, else a list of edges."""
 
 from __future__ import annotations
 
@@ -21,8 +18,8 @@ from rl_tui.screen.draw.names import DEPENDS
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
-from rl_tui.screen.kit.snapshot_facts import keeps_back
-from rl_tui.screen.panels.graph.chain import ChainPicture, chain_layout, chain_scene, end_rewards, exact_v
+from rl_tui.screen.kit.snapshot_facts import followed_step, keeps_back
+from rl_tui.screen.panels.graph.chain import ChainPicture, chain_layout, end_rewards, exact_v
 from rl_tui.screen.panels.graph.layout import GraphLayout, graph_layout
 from rl_tui.screen.panels.graph.routing import Box
 from rl_tui.screen.panels.graph.shape import (
@@ -48,19 +45,10 @@ from rl_tui.worlds.world import Prospect, World
 # The graph while it is edited
 
 
-class _Graphs(NamedTuple):
-    """What is drawn, what is in force, and the number of each state: those in force keep theirs."""
-
-    draft: GraphDraft
-    base: GraphDraft
-    number_of: Mapping[str, int]
-
-
 def draft_shape(editor: EditorView, world: World, graph: Graph, glyphs: Glyphs) -> GraphShape | None:
-    """Return the shape of what is drawn; states of ``world`` come first and keep their numbers.
+    """Return the shape of what is drawn, None where all of it applies or a state has no place.
 
-    Actions that are not in force are hatched. Their pairs have numbers below 0 where ``world`` has none. None
-    where all that is drawn is in force, or nobody knows where a state stands.
+    States of ``world`` keep their numbers. Actions that do not apply yet are hatched.
     """
     draft, base = editor.draft, editor.base
     if draft is base or not isinstance(draft, GraphDraft) or not isinstance(base, GraphDraft):
@@ -74,14 +62,15 @@ def draft_shape(editor: EditorView, world: World, graph: Graph, glyphs: Glyphs) 
     known = [place for place in places if place is not None]
     if len(known) < len(names):
         return None
-    graphs = _Graphs(draft, base, {name: number for number, name in enumerate(names)})
+    number_of = {name: number for number, name in enumerate(names)}
     acting = {str(each.get("state")) for each in draft.transitions}
     nodes = tuple(
-        Node(to_ascii(name, glyphs), column, row, name not in acting)
-        for name, (column, row) in zip(names, on_grid(known), strict=True)
+        Node(to_ascii(name, glyphs), *place, name not in acting)
+        for name, place in zip(names, on_grid(known), strict=True)
     )
     actions = [
-        _action(graphs, entry, -1 - number, world, glyphs) for number, entry in enumerate(draft.transitions)
+        _action(entry, -1 - number, base, number_of, world, glyphs)
+        for number, entry in enumerate(draft.transitions)
     ]
     return GraphShape(nodes, tuple(sorted(actions, key=lambda action: action.source)))
 
@@ -93,17 +82,21 @@ def _place(draft: GraphDraft, name: str) -> tuple[int, int] | None:
 
 
 def _action(
-    graphs: _Graphs, entry: Mapping[str, Any], missing: int, world: World, glyphs: Glyphs
+    entry: Mapping[str, Any],
+    missing: int,
+    base: GraphDraft,
+    number_of: Mapping[str, int],
+    world: World,
+    glyphs: Glyphs,
 ) -> GraphAction:
-    """Return the action of ``entry``; its pair is ``missing`` where the world has none of that name."""
     state, name, space = str(entry.get("state")), str(entry.get("action")), world.space
-    source = graphs.number_of[state]
+    source = number_of[state]
     pair = None
     if source < space.states and name in space.action_names:
         pair = space.pair_of(source, space.action_names.index(name))
-    is_new = graphs.base.entry(state, name) != entry
+    is_new = base.entry(state, name) != entry
     prospects = [
-        Prospect(graphs.number_of[target], chance, (_reward(entry, target),))
+        Prospect(number_of[target], chance, (_reward(entry, target),))
         for target, chance in chances_of(entry).items()
     ]
     shown = f"{glyphs.drafted if is_new else ''}{to_ascii(name, glyphs)}"
@@ -167,14 +160,15 @@ class GraphView(WorldView):
         drawn = draft_shape(editor, self.world, self.world.drawing, self.look.glyphs)
         if drawn is not None:
             self._shape, self._is_draft = drawn, True
-        elif (
-            self._is_draft or self._shape_glyphs is not self.look.glyphs or self._keeps_chances is not is_kept
-        ):
+        elif self._is_draft or self._shape_of != (self.look.glyphs, is_kept):
             self._take_shape(is_kept=is_kept)
         heading = f"{HEADING} {self.policy_shown}"
         forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
         self.heading = self.fitting(forms, width) or heading
-        values = _with_new(state_values(self.world.space, snapshot, self.tints), self._shape)
+        values = state_values(self.world.space, snapshot, self.tints)
+        # states that are only drawn have no value, as an end, or an unknown one
+        new = (None if each.terminal else math.nan for each in self._shape.nodes[len(values.value) :])
+        values = replace(values, value=(*values.value, *new))
         chain = () if self._is_draft else self._graph.chain
         layout = chain_layout(chain, width, height) if chain else None
         form = values.number_form(
@@ -183,12 +177,12 @@ class GraphView(WorldView):
         stops = snapshot.playback.breakpoints
         signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)
         scene, canvas = GraphScene(values, form, signs), Canvas(width, height, self.look.palette.text)
+        exact = exact_v(self.world.space, snapshot)
         self._layout, self.footing = layout or graph_layout(self._shape, width, height), ""
         if layout is not None:
-            in_chain = chain_scene(self.world.space, snapshot, scene, self._ends)
-            ChainPicture(canvas, self._shape, layout.boxes, in_chain, self.look).draw()
+            last = followed_step(snapshot)
+            ChainPicture(canvas, self._shape, layout.boxes, scene, self.look, self._ends, exact, last).draw()
         elif self._layout is not None:
-            exact = exact_v(self.world.space, snapshot)
             draw_graph(canvas, self._shape, self._layout, scene, exact, self.look)
         else:
             rows = len(self._shape.actions)
@@ -198,34 +192,28 @@ class GraphView(WorldView):
         return canvas.strips()
 
     def _take_shape(self, *, is_kept: bool) -> None:
-        """Lay out boxes and edges anew, without probabilities where a lesson keeps them back."""
-        self._shape_glyphs, self._keeps_chances, self._is_draft = self.look.glyphs, is_kept, False
+        self._shape_of, self._is_draft = (self.look.glyphs, is_kept), False
         self._shape = graph_shape(self.world, self._graph, self.look.glyphs, is_kept=is_kept)
 
     def signs(self) -> Legend:
         """Return the signs of states and edges."""
-        palette = self.look.palette
-        unknown = "depends" if self.world.prospects else "kept back" if self._keeps_chances else ""
+        palette, greedy = self.look.palette, self.policy_shown
+        if self._is_draft or not self._graph.chain:
+            policy: Legend = (LegendSign("bold", greedy, palette.best),)
+        else:
+            has_choice = len(self.world.space.action_names) > 1
+            policy = (LegendSign(self.look.glyphs.right, greedy, palette.strong),) if has_choice else ()
+        unknown = "depends" if self.world.prospects else "kept back" if self._shape_of[1] else ""
         return (
             *self.valueless_signs(),
             *([LegendSign(DEPENDS, unknown, palette.text)] if unknown else ()),
-            *self._policy_signs(),
+            *policy,
             *self.missing_table_signs(),
             self.agent_sign(),
         )
 
-    def _policy_signs(self) -> Legend:
-        if self._is_draft or not self._graph.chain:
-            return (LegendSign("bold", self.policy_shown, self.look.palette.best),)
-        if len(self.world.space.action_names) == 1:
-            return ()
-        return (LegendSign(self.look.glyphs.right, self.policy_shown, self.look.palette.strong),)
-
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the nearest state in that direction, ``place`` itself if there is none.
-
-        In the list of edges it is the state so many places further, of those that are listed.
-        """
+        """Return the nearest state in that direction, in a list the next one, else ``place``."""
         if self._layout is None:
             listed = sorted(
                 {action.source for action in self._shape.actions if self._has(action.source)} | {place}
@@ -249,7 +237,6 @@ class GraphView(WorldView):
         return next(filter(self._has, places), None)
 
     def _has(self, place: int) -> bool:
-        """Return whether a state is in force, and not only drawn."""
         return place < self.world.space.states
 
     def keep_in_view(self, place: int) -> None:
@@ -287,7 +274,7 @@ def draw_graph(
     look: Look,
 ) -> None:
     """Draw ``layout`` with the values, the greedy actions, agent, cursor and breakpoints stamped on it."""
-    values, form, signs = scene
+    (values, form, signs), palette, glyphs = scene, look.palette, look.glyphs
     texts = [values.text(state, form, look) for state in range(len(shape.nodes))]
     has_blocks = layout.boxes[0].height >= _LEAST_BLOCK and look.glyphs.braille
     width_inside = min(box.width for box in layout.boxes) - 2
@@ -301,29 +288,21 @@ def draw_graph(
         _draw_box(canvas, box, node, value, state, scene, look)
     _draw_lines(canvas, layout, values, signs.agent, look)
     for fork in layout.forks:
-        canvas.put(fork.x, fork.y, look.glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
-    heads = (look.glyphs.head_up, look.glyphs.head_right, look.glyphs.head_down, look.glyphs.head_left)
+        canvas.put(fork.x, fork.y, glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
+    heads = (glyphs.head_up, glyphs.head_right, glyphs.head_down, glyphs.head_left)
     for head in layout.heads:
         canvas.put(head.x, head.y, heads[head.direction], _edge_style(head.pair in values.greedy, look))
     for label in layout.labels:
-        greedy = label.pair in values.greedy
-        style = look.palette.best if greedy else look.palette.text
+        style = palette.best if label.pair in values.greedy else palette.text
         if label.pair in signs.breakpoints.pairs:
-            style = look.palette.breakpoint
+            style = palette.breakpoint
         canvas.put(label.x, label.y, label.text, style)
-    for state in signs.breakpoints.states:
-        box = layout.boxes[state]
-        canvas.put(box.x + box.width - 1, box.y, look.glyphs.breakpoint, look.palette.breakpoint)
     for state, box in enumerate(layout.boxes):
+        if state in signs.breakpoints.states:
+            canvas.put(box.x + box.width - 1, box.y, glyphs.breakpoint, palette.breakpoint)
         edits = marks_of(signs.editor, state).signs(look)
         for y, mark in zip((box.y, box.y + box.height - 1), edits, strict=False):
             canvas.put(box.x, y, *mark)
-
-
-def _with_new(values: StateValues, shape: GraphShape) -> StateValues:
-    """Return ``values`` with those of states that are only drawn: none, as of an end, or unknown."""
-    new = shape.nodes[len(values.value) :]
-    return replace(values, value=(*values.value, *(None if each.terminal else math.nan for each in new)))
 
 
 def _draw_box(
@@ -377,7 +356,6 @@ def _edge_style(greedy: bool, look: Look) -> Style:
 
 
 def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent: int, look: Look) -> None:
-    """Draw all lines; where two meet or cross, their arms are joined, and a bold one gives the style."""
     arms: dict[tuple[int, int], StrokeArms] = {}
     styles: dict[tuple[int, int], Style] = {}
     for stroke in sorted(layout.strokes, key=lambda each: each.pair in values.greedy):

@@ -73,11 +73,7 @@ def runs_of(cells: Sequence[Cell], directions: Sequence[int]) -> tuple[LineRun, 
 
 
 def place_labels(obstacles: Obstacles, wanted: Iterable[WantedLabel]) -> tuple[list[EdgeLabel], float, int]:
-    """Return the lines of all labels that find a place, what they cost, and how many found none.
-
-    Those with the fewest places to choose from go first; names before or after probabilities, whichever comes
-    out better.
-    """
+    """Return the lines of all labels that find a place, what they cost, and how many found none."""
     choices = sorted(
         ((each, list(_choices(obstacles, each))) for each in wanted), key=lambda choice: len(choice[1])
     )
@@ -113,7 +109,6 @@ def _placed(
 
 
 def _choices(obstacles: Obstacles, wanted: WantedLabel) -> Iterator[tuple[float, Block]]:
-    """Yield blocks of lines near the edge, with what their place costs, that stand on free cells."""
     for lines in _broken(wanted.text):
         for run in wanted.runs:
             blocks = _beside_horizontal(run, lines) if run.horizontal else _beside_vertical(run, lines)

@@ -1,7 +1,6 @@
 """The layout of a graph in a panel of one size: boxes, lines, forks, arrow heads and labels.
 
-Several arrangements of the boxes are tried, and the one with the best places for labels is kept. There
-is no layout where some part has no place. All positions are in terminal cells.
+Several arrangements are tried, and the one with the best places for labels is kept.
 """
 
 from __future__ import annotations
@@ -87,7 +86,6 @@ def places(shape: GraphShape, width: int, height: int) -> Iterator[Places]:
 
 
 def _height(shape: GraphShape, height: int) -> int:
-    """Return the wished rows of a box: half of its share of ``height``, within limits."""
     rows = 1 + max(node.row for node in shape.nodes)
     return max(_BOX_HEIGHTS[0], min(_TALLEST, height // rows // 2))
 
@@ -111,8 +109,7 @@ def _lefts(
 ) -> list[int] | None:
     """Return the first column of each column of boxes, None if they do not fit.
 
-    ``wants`` are the characters for left margin, gaps and right margin. The margins get theirs, the gaps
-    share what is left up to theirs, and what is then still left widens everything.
+    Margins get what they want first, then the gaps up to theirs; what is left widens everything.
     """
     least = [_LEAST_GAP if crossed else 2 for crossed in across]
     room = [float(each) for each in (wants[0], *least, wants[-1])]
@@ -154,7 +151,6 @@ def _tops(rows: int, height: int, box_height: int, wants: Sequence[int]) -> list
 
 
 def _lines_between(shape: GraphShape, row: int) -> int:
-    """Return the lines that labels want between two rows of boxes."""
     between = [
         action
         for action in shape.actions
@@ -179,15 +175,10 @@ def _wants(shape: GraphShape, columns: int) -> tuple[list[bool], list[int]]:
             if branch.target == action.source:
                 wants[first + 1] = max(wants[first + 1], len(branch.label or action.label) + 4)
             elif first == last:
-                side = first if first == 0 else first + 1
-                wants[side] = max(wants[side], _in_two_lines(_label(action)))
+                side, words = first if first == 0 else first + 1, _label(action).split()
+                broken = ((" ".join(words[:place]), " ".join(words[place:])) for place in range(len(words)))
+                wants[side] = max(wants[side], min(max(map(len, lines)) for lines in broken))
     return across, wants
-
-
-def _in_two_lines(text: str) -> int:
-    """Return the width of ``text`` broken once at the best blank."""
-    words = text.split()
-    return min(max(len(" ".join(words[:place])), len(" ".join(words[place:]))) for place in range(len(words)))
 
 
 def _label(action: GraphAction) -> str:
@@ -266,8 +257,6 @@ def graph_layout(shape: GraphShape, width: int, height: int) -> GraphLayout | No
 
 
 class _Drawing:
-    """One arrangement of boxes while its lines and labels are put in."""
-
     def __init__(self, shape: GraphShape, boxes: Places, width: int, height: int) -> None:
         self._shape, self._boxes = shape, boxes
         self._sheet = RoutingSheet(width, height, {cell for box in boxes for cell in box.cells()})
@@ -300,7 +289,7 @@ class _Drawing:
         return cost, layout
 
     def _length(self, action: GraphAction) -> tuple[bool, float]:
-        """Order: short edges between neighbours first, actions that only lead back to their state last."""
+        """Order short edges first, and actions that only lead back to their state last."""
         main = self._branches(action)[0]
         source, target = self._shape.nodes[action.source], self._shape.nodes[main.target]
         distance = abs(source.column - target.column) + abs(source.row - target.row)
@@ -343,7 +332,6 @@ class _Drawing:
         return True
 
     def _fork_index(self, path: Route) -> int | None:
-        """Return the place of a straight, uncrossed cell of ``path``, near its beginning."""
         wish = 1 if len(path.cells) < 9 else 2
         straight = [
             index
@@ -357,7 +345,6 @@ class _Drawing:
             self._wanted.append(WantedLabel(line, text, runs, inline))
 
     def _enter(self, line: LineOf, path: Route) -> None:
-        """Take the cells of ``path``; its head stands before the side of a box, but in its top or bottom."""
         pair, start, end = line[0], path.start, path.end
         self._route_cost += path.cost
         self._sheet.take(path)
@@ -370,12 +357,8 @@ class _Drawing:
         self._taken_ports |= {start.cell, end.cell}
 
     def _ports(self, action: GraphAction, target: int) -> tuple[dict[Port, float], dict[Port, float]]:
-        """Return where the line of ``action`` may leave its box and where it may enter that of ``target``."""
-        centres = self._centres(action.source, target, action)
-        starts = {
-            Port(port.cell, reverse(port.direction)): cost
-            for port, cost in self._ends(action.source, centres).items()
-        }
+        leaving = self._ends(action.source, self._centres(action.source, target, action))
+        starts = {Port(port.cell, reverse(port.direction)): cost for port, cost in leaving.items()}
         return starts, self._ends(target, self._centres(target, action.source, action))
 
     def _loop(self, state: int) -> Route | None:
@@ -413,20 +396,16 @@ class _Drawing:
         return ends
 
     def _centres(self, state: int, other: int | None, action: GraphAction | None = None) -> dict[int, float]:
-        """Return the wished columns on top and bottom of a box, shared out among the lines between two."""
         box = self._boxes[state]
         share = 0.5
         if other is not None and action is not None:
-            between = list(self._between(state, other))
+            nodes = self._shape.nodes
+            between = [
+                each
+                for each in self._shape.actions
+                if {each.source, self._branches(each)[0].target} == {state, other}
+            ]
+            # those that go up or left come first
+            between.sort(key=lambda each: (-nodes[each.source].row, -nodes[each.source].column))
             share = (between.index(action) + 1) / (len(between) + 1)
         return dict.fromkeys((UP, DOWN), box.x + round(share * (box.width - 1)))
-
-    def _between(self, state: int, other: int) -> Iterator[GraphAction]:
-        """Yield the actions whose main line joins two boxes, those that go up or left first."""
-        nodes = self._shape.nodes
-        joining = [
-            action
-            for action in self._shape.actions
-            if {action.source, self._branches(action)[0].target} == {state, other}
-        ]
-        yield from sorted(joining, key=lambda each: (-nodes[each.source].row, -nodes[each.source].column))

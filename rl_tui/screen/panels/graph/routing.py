@@ -106,12 +106,6 @@ class RoutingSheet:
         for costs in self._entry_costs:
             costs.clear()
 
-    def crossable(self, cell: Cell, direction: int) -> bool:
-        """Return whether a line going in ``direction`` may cross the one that runs through ``cell``."""
-        arms = self.lines[cell]
-        across = {UP, DOWN} if direction in HORIZONTAL else {LEFT, RIGHT}
-        return cell not in self.barred and arms == across
-
     def entry_cost(self, cell: Cell, direction: int) -> float:
         """Return the cost of going on into ``cell``, infinite where it is taken."""
         known = self._entry_costs[direction]
@@ -126,7 +120,7 @@ class RoutingSheet:
             return math.inf
         cost = _LENGTH[direction]
         if cell in self.lines:
-            if not self.crossable(cell, direction):
+            if self.lines[cell] != ({UP, DOWN} if direction in HORIZONTAL else {LEFT, RIGHT}):
                 return math.inf
             cost += _CROSSING
         for side in _TURNS[direction][1:]:
@@ -139,11 +133,7 @@ class RoutingSheet:
 
 
 def route(sheet: RoutingSheet, starts: Mapping[Port, float], ends: Mapping[Port, float]) -> Route | None:
-    """Return the cheapest line from one of ``starts`` to one of ``ends`` (port → extra cost), None if none.
-
-    The direction of a start points away from its box, that of an end into its box. A line enters a box from
-    the side on a straight last cell, where its head will stand.
-    """
+    """Return the cheapest line from one of ``starts`` to one of ``ends`` (port → extra cost), if any."""
     order = count()
     queue: list[tuple[float, int, Port, float]] = []
     came_from: dict[Port, Port] = {}
@@ -184,7 +174,6 @@ def route(sheet: RoutingSheet, starts: Mapping[Port, float], ends: Mapping[Port,
 
 
 def _least_cost_to(ends: Iterable[Port]) -> Callable[[int, int], float]:
-    """Return a lower bound of what is left to pay from a cell: the way to the rectangle around all ends."""
     columns = [port.cell[0] for port in ends] or [0]
     rows = [port.cell[1] for port in ends] or [0]
     left, right, top, bottom = min(columns), max(columns), min(rows), max(rows)

@@ -1,4 +1,4 @@
-"""An MDP as labelled nodes and edges, before any layout, and as a list of edges in text.
+"""An MDP as labelled nodes and edges, and as a list of edges in text.
 
 Rewards on edges are r(s, a, s′) (Sutton & Barto, 2nd ed., equation 3.6).
 """
@@ -41,10 +41,7 @@ class Node(NamedTuple):
 
 
 class GraphBranch(NamedTuple):
-    """Where an action may lead. ``label`` is empty where the label of the action says it all.
-
-    ``probability`` is None where it depends on how one came there, or is kept back.
-    """
+    """Where an action may lead; ``probability`` is None where it is hidden or depends on the history."""
 
     target: int
     probability: float | None
@@ -68,23 +65,19 @@ class GraphShape:
     nodes: tuple[Node, ...]
     actions: tuple[GraphAction, ...]
 
-
-NO_BREAKPOINTS: Final = Breakpoints()
-NOBODY_DRAWS: Final = EditorView()
+    def pairs_of(self, state: int) -> set[int]:
+        """Return the pairs of ``state``."""
+        return {action.pair for action in self.actions if action.source == state}
 
 
 class Signs(NamedTuple):
-    """What is marked in a graph besides its values: the states of agent and cursor, and the breakpoints.
-
-    ``cursor`` is None where no cursor is to be seen. ``differing`` are the states whose greedy actions are
-    others in the lane beside. ``editor`` knows what a person draws.
-    """
+    """What is marked besides the values; ``differing`` states have other greedy actions in the run beside."""
 
     agent: int
-    cursor: int | None = None
-    breakpoints: Breakpoints = NO_BREAKPOINTS
-    differing: frozenset[int] = frozenset()
-    editor: EditorView = NOBODY_DRAWS
+    cursor: int | None
+    breakpoints: Breakpoints
+    differing: frozenset[int]
+    editor: EditorView
 
 
 class GraphScene(NamedTuple):
@@ -96,16 +89,12 @@ class GraphScene(NamedTuple):
 
 
 def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = False) -> GraphShape:
-    """Return the shape of ``world``. Columns and rows that ``graph`` leaves empty are left out.
-
-    Where the model ``is_kept`` back, it does not depend on the probabilities.
-    """
+    """Return the shape of ``world`` without empty columns and rows; ``is_kept`` hides probabilities."""
     space, mdp = world.space, world.mdp
+    places = zip(space.state_names, on_grid(graph.places), strict=True)
     nodes = tuple(
-        Node(to_ascii(name, glyphs), column, row, not space.pairs_of(state))
-        for state, (name, (column, row)) in enumerate(
-            zip(space.state_names, on_grid(graph.places), strict=True)
-        )
+        Node(to_ascii(name, glyphs), *place, not space.pairs_of(state))
+        for state, (name, place) in enumerate(places)
     )
     actions = tuple(
         graph_action(
@@ -129,7 +118,6 @@ def on_grid(places: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
 
 
 def _prospects(mdp: TabularMDP, pair: int, *, is_kept: bool) -> tuple[Prospect, ...]:
-    """Return where ``pair`` leads, each state once, with r(s, a, s′), equation 3.6."""
     probabilities: dict[int, float] = {}
     rewards: dict[int, float] = {}
     for outcome in mdp.outcomes_of(pair):
@@ -153,23 +141,16 @@ def graph_action(
         texts = dict.fromkeys(texts, "")
     else:
         label = name
-    branches = tuple(
-        GraphBranch(
-            each.next_state,
-            each.probability,
-            f"{_chance_text(each)} {texts[each.next_state]}".strip() if len(targets) > 1 else "",
-        )
-        for each in targets
-    )
-    return GraphAction(pair, state, name, label, branches)
-
-
-def _chance_text(prospect: Prospect) -> str:
-    return DEPENDS if prospect.probability is None else probability_text(prospect.probability)
+    branches = []
+    for each in targets:
+        chance = DEPENDS if each.probability is None else probability_text(each.probability)
+        said = f"{chance} {texts[each.next_state]}".strip() if len(targets) > 1 else ""
+        branches.append(GraphBranch(each.next_state, each.probability, said))
+    return GraphAction(pair, state, name, label, tuple(branches))
 
 
 def _rewards_text(rewards: Sequence[float], glyphs: Glyphs) -> str:
-    """Return one reward, or the least and the largest, which depend on how one came there: 0..+10?."""
+    """Return one reward, or the least and the largest where they depend on the history: 0..+10?."""
     texts = [reward_text(reward, glyphs) for reward in rewards]
     return texts[0] if len(texts) == 1 else f"{texts[0]}..{texts[-1]}{DEPENDS}"
 
@@ -196,10 +177,7 @@ _LEAST_TEXT: Final = 20  # of an edge, below which names and values are left out
 
 
 def draw_edge_list(canvas: Canvas, shape: GraphShape, scene: GraphScene, look: Look, top: int) -> None:
-    """Draw one line an action from number ``top`` on: state, V, action with its reward, where it may lead.
-
-    In narrow panels V is left out, then the names of the states.
-    """
+    """Draw a line per action from number ``top`` on; narrow panels leave out V, then names."""
     (values, form, signs), width = scene, canvas.width
     names = max((len(shape.nodes[action.source].name) for action in shape.actions), default=0)
     with_values = width >= names + _VALUE_WIDTH + 3 + _LEAST_TEXT
@@ -247,10 +225,7 @@ def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> N
 def edge_text(
     shape: GraphShape, action: GraphAction, greedy: bool, look: Look, *, is_tight: bool = False
 ) -> str:
-    """Return ``─study −2─▶ Pass .8 / Class .2``, with a bold line where the action is greedy.
-
-    Where it ``is_tight``, without the cells that tell nothing: ``─study −2▶Pass .8/Class .2``.
-    """
+    """Return ``─study −2─▶ Pass .8 / Class .2``; where it ``is_tight``, ``─study −2▶Pass .8/Class .2``."""
     line = look.glyphs.bold if greedy else look.glyphs.thin
     targets = (f"{shape.nodes[branch.target].name} {branch.label}".strip() for branch in action.branches)
     if is_tight:

@@ -1,7 +1,4 @@
-"""The last step: what the agent did and why, the result, and the update in numbers.
-
-A planner takes no steps: its last backup is shown instead.
-"""
+"""The last step, or the last backup of a planner: what happened, why, and the update in numbers."""
 
 from __future__ import annotations
 
@@ -124,7 +121,6 @@ class StepWriter:
     # What happened
 
     def _happened(self, *, is_short: bool = False) -> Line:
-        """Return ``in 6 meant ← slipped ↓ to 10   reward 0``, in the longest form that fits."""
         words = self.words
         if self._last.planned:
             return [self._plain(f" {self._which_sweep}")] if is_short else self._sweep()
@@ -148,7 +144,6 @@ class StepWriter:
         )
 
     def _way(self) -> Line:
-        """Return what was done and where that led: `` meant ← slipped ↓ to 10``, `` did ← to 10``."""
         words = self.words
         way = [self._dim(" did "), self._strong(words.action)]
         if words.went and words.went != words.meant:
@@ -186,7 +181,7 @@ class StepWriter:
         return [self._dim(f" {self._equation.left.word} = "), self._strong(self.words.update.after)]
 
     def _bar(self) -> Line:
-        """Return δ as a bar to the left or right of 0, as a share of the range of all estimates."""
+        """Draw δ as a bar to the left or right of 0, as a share of the range of all estimates."""
         glyphs, palette = self._look.glyphs, self._look.palette
         label, error = spelled([self._dim(f" {_SURPRISE}"), self._error], self._look)
         start = cell_len(label.text)
@@ -208,19 +203,17 @@ class StepWriter:
         return [label, *sides[0], middle, *sides[1], number]
 
     def _change(self) -> Line:
-        words, update = self.words, self.words.update
-        if words.changes_nothing:
-            stays = [self._strong(words.estimate), self._plain(" stays "), self._strong(update.after)]
-            whole = self._dim(" your program changed nothing: ")
-            return self._fitting([[whole, *stays], [self._dim(" "), *stays]])
-        moved = [
-            self._strong(words.estimate),
-            self._plain(f" from {update.before} to "),
-            self._strong(update.after),
-            *([self._plain(" ("), self._error, self._plain(")")]),
-        ]
-        forms = ([self._dim(start), *moved] for start in (" your program moved ", " "))
-        return self._fitting([*forms, [self._dim(" "), *moved[:3]]])
+        estimate, after = self._strong(self.words.estimate), self._strong(self.words.update.after)
+        if self.words.changes_nothing:
+            stays, starts = (
+                [estimate, self._plain(" stays "), after],
+                (" your program changed nothing: ", " "),
+            )
+            return self._fitting([self._dim(start), *stays] for start in starts)
+        moved = [estimate, self._plain(f" from {self.words.update.before} to "), after]
+        by = [self._plain(" ("), self._error, self._plain(")")]
+        forms = ([self._dim(start), *moved, *by] for start in (" your program moved ", " "))
+        return self._fitting([*forms, [self._dim(" "), *moved]])
 
     def _why_no_equation(self) -> Line:
         return self._fitting([self._dim(f" {each}")] for each in self.words.why_no_equation)
@@ -241,7 +234,6 @@ class StepWriter:
         return "end of a sweep" if self._story.ends_episode else f"sweep {self._last.episode:,}"
 
     def _planning(self) -> list[str]:
-        """Return how the sweep is getting on, in full and its first part."""
         planning = self._story.planning
         if planning.startswith("sweep "):  # the line above has its number
             planning = planning.partition(": ")[2]
@@ -260,14 +252,12 @@ class StepWriter:
         return lines
 
     def _action_backup(self, action: ActionText, signs: int) -> Line:
-        """Return ``→  0 + .99·.34 = .34``, dim where it makes no part of the result."""
         write = self._plain if action.counts else self._dim
         result = self._strong(action.q) if action.counts else self._dim(action.q)
         sign = f"{_GAP}{action.sign:<{signs}}  "
         return self._fitting([[write(f"{sign}{action.worked_out} = "), result], [write(sign), result]])
 
     def _bellman(self, backup: BackupText, tail: Sequence[str] = ()) -> Line:
-        """Return ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``, behind it as much of ``tail`` as fits."""
         start = self._dim(f" {backup.left} {self._look.glyphs.arrow_update} ")
         rights = [f"{each} = " for each in backup.right]
         result = self._strong(backup.result)
@@ -293,10 +283,7 @@ OF_ANOTHER_WORLD: Final = "no step yet in this world: s takes one"
 
 
 class LastStepPanel(Panel):
-    """The action, its result, and the update: words above its numbers, or one line of it.
-
-    It is drawn from the last step of the snapshot only, so that all its numbers belong together.
-    """
+    """The last step: words above the numbers of the update, or one line of it."""
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the picture of the last step of ``snapshot``."""
@@ -306,7 +293,6 @@ class LastStepPanel(Panel):
 
 
 def _choices(snapshot: Snapshot | None, look: Look) -> Sequence[str]:
-    """Return how the action was chosen; nothing while steps pass too fast, since a title costs a redraw."""
     story = None if snapshot is None or passes_too_fast(snapshot) else story_of(snapshot)
     return () if story is None else words_of(story, look.glyphs).choices
 

@@ -29,9 +29,7 @@ _LAWS: Final = {
 
 
 class ActionText(NamedTuple):
-    """One action: its sign, ``0 + .99·.34``, empty where that is not known, what it comes to, and whether
-    it is one of those that make the result.
-    """
+    """The sign of an action, its ``0 + .99·.34`` or nothing, the result, and whether that counts."""
 
     sign: str
     worked_out: str
@@ -41,11 +39,7 @@ class ActionText(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class BackupText:
-    """What the panels write of a backup: ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``.
-
-    ``kind`` is what is done, in a word, and ``law`` the equation in symbols. ``left`` is what is given a
-    value, ``right`` how that came about, the longest form first, and ``result`` the value or the actions.
-    """
+    """The texts of a backup: ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``; the longest form of ``right`` first."""
 
     kind: str
     law: str
@@ -62,10 +56,7 @@ class BackupText:
 
 @lru_cache(maxsize=2)
 def backup_text(world: World, backup: StateBackup, glyphs: Glyphs) -> BackupText:
-    """Return the texts of ``backup``, with as few decimals as let the printed arithmetic come out.
-
-    They are kept until those of two others were asked for: all panels of a frame tell the same.
-    """
+    """Return the texts of ``backup``, with as few decimals as let the printed arithmetic come out."""
     fewest = _FEWEST + leading_zeros(backup.value, *backup.q.tolist())
     text = _Writer(world, backup, glyphs, fewest)
     for decimals in range(fewest, fewest + _MOST):
@@ -75,28 +66,26 @@ def backup_text(world: World, backup: StateBackup, glyphs: Glyphs) -> BackupText
     return text.text()
 
 
-class _Estimate(NamedTuple):
-    """What is written of an action, by its ``place`` among all; ``counts``: it is taken."""
-
-    place: int
-    q: str
-    counts: bool
-
-
 class _Writer:
-    """Writes a backup with so many decimals."""
-
     def __init__(self, world: World, backup: StateBackup, glyphs: Glyphs, decimals: int) -> None:
         self._world = world
         self._backup = backup
         self._glyphs = glyphs
         self._decimals = decimals
-        places = [pair - backup.pairs.start for pair in shown_pairs(world, backup.pairs)]
-        self._estimates = [
-            _Estimate(place, self._figure(float(backup.q[place])), backup.chance[place] > 0.0)
-            for place in places
+        pairs = shown_pairs(world, backup.pairs)
+        self._places = [pair - backup.pairs.start for pair in pairs]
+        numbers = [int(world.space.pair_action[pair]) for pair in pairs]
+        self._are_directions = all(names.is_direction(world, number) for number in numbers)
+        self._actions = [
+            ActionText(
+                names.action_name(world, number, glyphs),
+                self._worked_out(place),
+                self._figure(float(backup.q[place])),
+                backup.chance[place] > 0.0,
+            )
+            for number, place in zip(numbers, self._places, strict=True)
         ]
-        self._taken = [each for each in self._estimates if each.counts]
+        self._taken = [each for each in self._actions if each.counts]
         self._value = self._figure(backup.value)
 
     def _figure(self, x: float) -> str:
@@ -104,7 +93,7 @@ class _Writer:
 
     @property
     def comes_out(self) -> bool:
-        """Whether working out what is printed gives what is printed, and the best is seen to be the best."""
+        """Whether the printed numbers give the printed result, and the best is seen to be the best."""
         backup = self._backup
         if backup.phase == "evaluation":
             mean = sum(parsed(each.q, self._glyphs) for each in self._taken) / max(1, len(self._taken))
@@ -112,17 +101,18 @@ class _Writer:
                 return False
         else:
             of_best = {each.q for each in self._taken}
-            others = {each.q for each in self._estimates if not each.counts}
+            others = {each.q for each in self._actions if not each.counts}
             if len(of_best) > 1:  # they are as good, but are rounded to either side
                 return False
             if of_best & others and float(np.ptp(backup.q)) > 10.0 ** -(self._decimals + 2):
                 return False
-        return not backup.is_split or all(map(self._adds_up, self._estimates))
-
-    def _adds_up(self, estimate: _Estimate) -> bool:
-        reward, bootstrap = self._terms(estimate.place)
-        worked_out = parsed(reward, self._glyphs) + self._backup.gamma * parsed(bootstrap, self._glyphs)
-        return agrees(worked_out, estimate.q, self._glyphs, self._decimals)
+        if not backup.is_split:
+            return True
+        for place, action in zip(self._places, self._actions, strict=True):
+            reward, bootstrap = (parsed(each, self._glyphs) for each in self._terms(place))
+            if not agrees(reward + backup.gamma * bootstrap, action.q, self._glyphs, self._decimals):
+                return False
+        return True
 
     def _terms(self, place: int) -> tuple[str, str]:
         reward, bootstrap = self._backup.reward[place], self._backup.bootstrap[place]
@@ -141,21 +131,8 @@ class _Writer:
             left=f"{'π' if improves else 'V'}{state}",
             right=right,
             result=self._chosen() if improves else self._value,
-            actions=[
-                ActionText(self._sign(place), self._worked_out(place), q, counts)
-                for place, q, counts in self._estimates
-            ],
+            actions=self._actions,
         )
-
-    def _sign(self, place: int) -> str:
-        space = self._world.space
-        action = int(space.pair_action[self._backup.pairs.start + place])
-        return names.action_name(self._world, action, self._glyphs)
-
-    @property
-    def _are_directions(self) -> bool:
-        space, pairs = self._world.space, self._backup.pairs
-        return all(names.is_direction(self._world, int(space.pair_action[pair])) for pair in pairs)
 
     def _worked_out(self, place: int) -> str:
         if not self._backup.is_split:
@@ -165,40 +142,31 @@ class _Writer:
         return f"{reward} + {gamma}{self._glyphs.times}{in_brackets(bootstrap, self._glyphs)}"
 
     def _mean(self) -> Sequence[str]:
-        """Return the expectation over the policy, which shares itself out equally."""
         first, *others = self._taken
         if not others:
-            worked = self._worked_out(first.place)
-            return (worked,) if worked else ()
-        share = names.chance(float(self._backup.chance[first.place]), self._glyphs)
-        added, more = [self._added(each.q) for each in others], f" + {self._glyphs.ellipsis}"
+            return (first.worked_out,) if first.worked_out else ()
+        share = names.chance(float(self._backup.chance.max()), self._glyphs)
+        minus, more = self._glyphs.minus, f" + {self._glyphs.ellipsis}"
+        added = [f" + {each.q}".replace(f"+ {minus}", f"{minus} ") for each in others]
         sums = ("".join(added), *((more + added[-1],) if len(added) > 1 else ()), more)
         return [f"{share}{self._glyphs.times}({first.q}{each})" for each in sums]
 
-    def _added(self, number: str) -> str:
-        """Return ``number`` as a sum goes on with it: `` + .06``, `` − 2``."""
-        minus = self._glyphs.minus
-        return f" {minus} {number.removeprefix(minus)}" if number.startswith(minus) else f" + {number}"
-
     def _best(self, of: str) -> Sequence[str]:
         gap, between = ("", " ") if self._are_directions else (" ", ", ")
-        signed = [f"{self._sign(each.place)}{gap}{each.q}" for each in self._estimates]
-        numbers = [", ".join(each.q for each in self._estimates)] if of == "max" else []
+        signed = [f"{each.sign}{gap}{each.q}" for each in self._actions]
+        numbers = [", ".join(each.q for each in self._actions)] if of == "max" else []
         forms = [between.join(signed), *numbers, *self._elided(signed, between)]
         return [f"{of}{{{each}}}" for each in forms]
 
     def _elided(self, signed: Sequence[str], between: str) -> Iterator[str]:
-        """Yield ``signed`` without the least of them, then without more, until one of the best is left."""
-
-        def rank(number: int) -> tuple[bool, float]:
-            estimate = self._estimates[number]
-            return not estimate.counts, -float(self._backup.q[estimate.place])
-
-        best_first = sorted(range(len(signed)), key=rank)
+        """Yield ``signed`` without the lowest, then without more, until one of the best is left."""
+        values = self._backup.q[self._places].tolist()
+        ranks = [(not each.counts, -value) for each, value in zip(self._actions, values, strict=True)]
+        best_first = sorted(range(len(signed)), key=ranks.__getitem__)
         for count in range(len(signed) - 1, 0, -1):
             kept = sorted(best_first[:count])
             yield between.join((*(signed[each] for each in kept), self._glyphs.ellipsis))
 
     def _chosen(self) -> str:
         gap = "" if self._are_directions else " or "
-        return gap.join(self._sign(each.place) for each in self._taken)
+        return gap.join(each.sign for each in self._taken)

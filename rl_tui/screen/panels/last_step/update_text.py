@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from rl_tui.agents.last_step import LastStep
 from rl_tui.screen.draw import numbers
@@ -36,10 +35,7 @@ class UpdateText:
     after: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Rounding:
-    """How many decimals the terms of the right-hand side and the results get."""
-
+class _Rounding(NamedTuple):
     terms: int
     results: int
 
@@ -47,16 +43,15 @@ class _Rounding:
 def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
     """Write the numbers of ``last`` with as few decimals as let the printed arithmetic come out.
 
-    What is worked out from the printed terms is what is printed up to half of the last digit; where so few
-    decimals do not do that, up to a whole one. Mostly the printed δ is the printed target less the printed
-    estimate to the last digit: :func:`subtracts` says whether. ``alpha`` is the step size in force: a step of
-    1/N that is not it is written as a fraction. Without ``bootstraps`` the target is what was gathered.
+    It comes out up to half of the last digit, or a whole one where half takes too many decimals. A step of
+    1/N that is not ``alpha`` is a fraction. Without ``bootstraps`` the target is what was gathered.
     """
     closest: dict[float, UpdateText] = {}  # the first one that comes out to so much of the last digit
     most = _DIGITS - magnitude(_largest(last))
     fewest = min(_decimals_that_show(last), most)
     longest = most + _FINER
-    for rounding in _roundings(fewest, most):
+    finer = range(_FINER + 1)
+    for rounding in (_Rounding(each + more, each) for each in range(fewest, most + 1) for more in finer):
         text = _written(last, alpha, glyphs, rounding, bootstraps=bootstraps)
         if closest and (rounding.results > fewest + _CLOSER or rounding.terms > longest):
             break
@@ -111,21 +106,10 @@ def setting(x: float, glyphs: Glyphs) -> str:
     return numbers.brief(x, glyphs)
 
 
-def step_size_text(step_size: float, alpha: float | str, glyphs: Glyphs) -> str:
-    """Return ``1/842`` where the step was the sample average's, otherwise the number."""
-    visits = _visits(step_size, alpha)
-    return f"1/{visits}" if visits else setting(step_size, glyphs)
-
-
-def _visits(step_size: float, alpha: float | str) -> int:
-    """Return the N of a step of 1/N that is not the step size in force; 0 where it is no such step."""
-    visits = round(1.0 / step_size) if step_size > 0.0 else 0
-    return visits if step_size != alpha and abs(step_size * visits - 1.0) < 1e-12 else 0
-
-
 def _step_size(last: LastStep, alpha: float | str, decimals: int, glyphs: Glyphs) -> str:
-    if _visits(last.step_size, alpha):
-        return step_size_text(last.step_size, alpha, glyphs)
+    visits = round(1.0 / last.step_size) if last.step_size > 0.0 else 0
+    if last.step_size != alpha and visits and abs(last.step_size * visits - 1.0) < 1e-12:
+        return f"1/{visits}"
     return _factor(last.step_size, last.td_error, decimals, glyphs)
 
 
@@ -139,22 +123,11 @@ def _factor(x: float, factor: float, decimals: int, glyphs: Glyphs) -> str:
 
 
 def _largest(last: LastStep) -> float:
-    """Return the size of the largest term; what is far smaller is what rounding errors left."""
     return max(map(abs, (last.before, last.gathered, last.discount * last.bootstrap)))
 
 
-def _roundings(fewest: int, most: int) -> Iterator[_Rounding]:
-    for results in range(fewest, most + 1):
-        for terms in range(results, results + _FINER + 1):
-            yield _Rounding(terms, results)
-
-
 def _decimals_that_show(last: LastStep) -> int:
-    """Return the fewest decimals with which no term looks whole that is not, and the change is seen.
-
-    That is as far as four digits behind the zeros after the point show it. Of δ two digits are seen, so that
-    it is no rough guess.
-    """
+    """Return the fewest decimals that show the change, two digits of δ, and no fraction as a whole."""
     terms = (last.before, last.bootstrap, last.after, last.td_error)
     zeros = leading_zeros(last.before, last.target, last.after)
     most = _MOST_FOR_CHANGE + zeros
@@ -171,7 +144,6 @@ def _decimals_that_show(last: LastStep) -> int:
 def _comes_out(
     last: LastStep, text: UpdateText, rounding: _Rounding, glyphs: Glyphs, *, bootstraps: bool, digits: float
 ) -> bool:
-    """Return whether working out the terms of ``text`` gives what it says, to so much of the last digit."""
     before, gathered, discount, bootstrap = (
         parsed(each, glyphs) for each in (text.before, text.gathered, text.discount, text.bootstrap)
     )

@@ -1,6 +1,6 @@
-"""A step in words: the five parts of the loop, and its update as an equation with numbers.
+"""A step in words, and its update as an equation: Sutton & Barto, 2nd ed., Fig. 3.1.
 
-The loop is that of Sutton & Barto, 2nd ed., Fig. 3.1. Most texts have several forms, the longest first.
+Most texts have several forms, the longest first.
 """
 
 from __future__ import annotations
@@ -39,13 +39,11 @@ _MORE: Final = 6  # decimals beyond those that show its first digit
 
 @dataclass(frozen=True, slots=True)
 class StepWords:
-    """What both layouts write of ``story``. Empty texts are left out; several forms begin with the longest.
+    """The texts of ``story``; empty where there is nothing to say.
 
-    ``choices`` say how the action came about, ``endings`` how the episode ended. ``meant`` and ``went`` name
-    actions, and are empty where the world does not slip. ``estimate`` is what the update moved, ``Q(6,←)``,
-    ``bootstrap`` the estimate in its target in symbols, and ``others`` tells of its further updates.
-    ``backup`` is the Bellman equation of the state that a planner backed up, None where there is none.
-    ``why_no_equation`` says of somebody's program why only the change is known; empty where more is.
+    ``choices`` say how the action came about, ``endings`` how the episode ended. ``meant`` and ``went`` are
+    empty without slipping. ``estimate`` is what was updated, ``bootstrap`` the estimate in its target,
+    ``others`` counts further updates, ``why_no_equation`` is about programs whose rule is unknown.
     """
 
     story: StepStory
@@ -69,10 +67,7 @@ class StepWords:
 
     @property
     def outcome(self) -> str:
-        """What the environment made of the action: ``meant ←, slipped ↓``, elsewhere ``→ Pass``.
-
-        Where the wind blew it says so: ``wind ↑ 1, → 4``.
-        """
+        """What the environment made of the action: ``wind ↑ 1, → 4``, ``meant ←, slipped ↓``, ``→ Pass``."""
         moved = f"meant {self.meant}, {self.slip}" if self.went else f"→ {self.next_state}"
         return f"{self.wind}, {moved}" if self.wind else moved
 
@@ -97,12 +92,13 @@ class StepWords:
 @lru_cache(maxsize=1)
 def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
     """Return the words of ``story``; they are kept, since all panels of a frame show the same."""
-    world, last = story.world, story.last
+    world, last, others = story.world, story.last, f"{story.last.others:,}"
     if story.has_equation:
         update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
     else:
         update = _change_text(last, glyphs)
     reward = numbers.brief(last.reward, glyphs, decimals=4)
+    estimate = f"Q{_TABLES[last.table]}({names.pair_name(world, last.updated_pair, glyphs)})"
 
     def action(number: int | None) -> str:
         return "" if number is None else names.action_name(world, number, glyphs)
@@ -120,11 +116,11 @@ def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
         next_state="" if story.is_bandit else names.state_name(world, last.next_state, glyphs),
         landmark=names.landmark(world, last.next_state),
         endings=_endings(story),
-        estimate=f"Q{_TABLES[last.table]}({names.pair_name(world, last.updated_pair, glyphs)})"
-        if last.learned
-        else "",
+        estimate=estimate if last.learned else "",
         bootstrap=_bootstrap(story, glyphs),
-        others=_others(story),
+        others=(f"and {others} {story.terms.others}", f"and {others} more", f"+{others}")
+        if last.others and story.has_equation
+        else (),
         update=update,
         backup=None if story.state_backup is None else backup_text(world, story.state_backup, glyphs),
         why_no_equation=() if story.has_equation else _why_no_equation(story),
@@ -132,7 +128,6 @@ def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
 
 
 def _bootstrap(story: StepStory, glyphs: Glyphs) -> str:
-    """Return the estimate behind the reward in symbols; empty where there is none."""
     last, symbols = story.last, story.terms.bootstrap
     if last.planned or not story.bootstraps:
         return symbols if last.planned else ""
@@ -155,15 +150,7 @@ def _endings(story: StepStory) -> Sequence[str]:
     return ()
 
 
-def _others(story: StepStory) -> Sequence[str]:
-    count = f"{story.last.others:,}"
-    if not story.last.others or not story.has_equation:
-        return ()
-    return f"and {count} {story.terms.others}", f"and {count} more", f"+{count}"
-
-
 def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
-    """Return how the action came about, in full and in short; nothing for a planner."""
     last, best = story.last, story.greedy
     if last.planned:
         return ()
@@ -182,7 +169,6 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
 
 
 def _share(epsilon: float) -> str:
-    """Return how many actions are random: ``1 in 10``, ``15 %``."""
     if not 0.0 < epsilon < 1.0:
         return "all"
     one_in = 1.0 / epsilon
@@ -206,11 +192,7 @@ def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
 
 
 def _choice_texts_of_program(pair: int, best: Sequence[int], count: int) -> Sequence[str]:
-    """Return how a program chose ``pair``, in full and in short; ``best`` are greedy, none if not known.
-
-    How it explores is not known, so an action that is not greedy is not called a random one, and one of
-    ``count`` that are all equal not a greedy one.
-    """
+    """Return how a program chose ``pair``; never called random, since how it explores is unknown."""
     if not best:
         return "your program chose it", "its choice"
     if pair not in best:
@@ -224,10 +206,7 @@ def _choice_texts_of_program(pair: int, best: Sequence[int], count: int) -> Sequ
 
 
 def _change_text(last: LastStep, glyphs: Glyphs) -> UpdateText:
-    """Write the estimate before and after ``last`` and their difference, and nothing that is not known.
-
-    There are as many decimals as show the change, and let the printed difference come out.
-    """
+    """Write the estimate before and after, and the difference, with the decimals that show the change."""
     before = 0.0 if math.isnan(last.before) else last.before
     difference, first = last.after - before, _FEWEST + leading_zeros(before, last.after)
     texts = ["", "", ""]
@@ -242,7 +221,6 @@ def _change_text(last: LastStep, glyphs: Glyphs) -> UpdateText:
 
 
 def _why_no_equation(story: StepStory) -> Sequence[str]:
-    """Return why no more is said of the update of a program, the longest form first."""
     last, program = story.last, story.program
     if last.others:
         cells = f"{last.others + 1:,} cells"
@@ -263,8 +241,7 @@ def _why_no_equation(story: StepStory) -> Sequence[str]:
 # The update as an equation
 
 
-NOW: Final = "now"
-"""The word for the estimate of the pair that was taken, once it is updated."""
+NOW: Final = "now"  # the word for the estimate of the pair that was taken, once it is updated
 _WHICH: Final = {
     Lookup.BEST: "best",
     Lookup.NEXT: "next",
@@ -278,10 +255,7 @@ _WHICH: Final = {
 def equation(
     words: StepWords, look: Look, before: Style, bootstrap: Style, after: Style, label: str
 ) -> Equation:
-    """Return ``now = was + α·(r + γ·best − was)`` with its numbers, three of them in styles of their own.
-
-    The ``label`` is that of its error. A planner's has neither the estimate before nor a step size.
-    """
+    """Return ``now = was + α·(r + γ·best − was)`` with its numbers; a planner has neither ``was`` nor α."""
     story, update, glyphs = words.story, words.update, look.glyphs
     is_own = story.last.updated_pair == story.last.pair and not story.last.table
     left = Term("", NOW if is_own else words.estimate, update.after, after)

@@ -61,7 +61,8 @@ class MatrixForm:
         for name, following in zip(names, (*names[1:], ""), strict=True):
             # the gap may be used where no other name begins right behind it
             reach = self._column if cell_len(following) < width - 1 else width
-            text += padded(_centred(shortened(name, reach, ellipsis), width), self._column)
+            head = shortened(name, reach, ellipsis)
+            text += padded(" " * ((width - cell_len(head)) // 2) + head, self._column)
         return [Segment(text, self.scene.look.palette.dim)]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
@@ -124,8 +125,7 @@ class MatrixForm:
 def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:
     """Return the form for ``width`` cells and ``lines`` rows of states, None where the columns do not fit.
 
-    Several blocks only where they save all scrolling; no gaps, and names of states in short, only where the
-    columns do not fit otherwise.
+    Several blocks stand side by side only where they save all scrolling.
     """
     needed = -(-len(scene.world.live) // max(1, lines))
     if needed > 1:
@@ -148,20 +148,11 @@ def _form(
 
 
 def _fits_narrow(scene: Scene) -> bool:
-    """Return whether the numbers say enough in three cells: fractions without signs, and nothing above 9.
-
-    What is to come counts too, so that the layout does not change with the first number: a difference has a
-    sign sooner or later, and so have estimates where rewards are negative.
-    """
+    """Return whether three cells say enough: fractions without a sign, now and with any reward to come."""
     figures = scene.shown
     if figures.layer not in (Layer.Q, *LEARNED_NOT) or scene.world.least_reward < 0.0:
         return False
     return figures.low >= 0.0 and len(numbers.fixed(figures.high, 1)) <= LEAST_FIELD
-
-
-def _centred(text: str, width: int) -> str:
-    """Return ``text`` with the blanks before it that put it in the middle of ``width`` cells."""
-    return " " * (max(0, width - cell_len(text)) // 2) + text
 
 
 # The list
@@ -183,7 +174,7 @@ Draw = Callable[[int, bool], Pieces]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of ``width`` cells. Of several, the one of the highest ``rank`` is left out first.
+    """A column of ``width`` cells; the one of the highest ``rank`` is left out first.
 
     ``draw`` takes the pair and whether its state was not named above.
     """
@@ -201,8 +192,7 @@ class ListForm:
 
     scene: Scene
     columns: tuple[Column, ...]
-    blocks: ClassVar[int] = 1
-    """How many blocks stand side by side."""
+    blocks: ClassVar[int] = 1  # how many blocks stand side by side
 
     @property
     def block_width(self) -> int:
@@ -223,13 +213,12 @@ class ListForm:
     def entry(self, entry: int, is_first: bool) -> Pieces:
         """Return the row of a pair; the state is named in its first row and in the first of all."""
         world, pair = self.scene.world, self._pair_of(entry)
-        is_new = is_first or entry == int(world.space.first_pair[world.space.state_of(pair)])
+        is_new = is_first or entry == world.siblings(pair).start
         return [segment for column in self.columns for segment in column.draw(pair, is_new)]
 
     def pairs_in(self, entry: int) -> range:
         """Return the pairs of the state of the row, among them that of the row."""
-        space = self.scene.world.space
-        return space.pairs_of(space.state_of(entry))
+        return self.scene.world.siblings(entry)
 
     def entry_of(self, state: int) -> int:
         """Return the row of the first pair of ``state``."""
@@ -239,8 +228,7 @@ class ListForm:
     def entry_of_pair(self, pair: int) -> int:
         """Return the row of ``pair``: states are listed in their order."""
         world = self.scene.world
-        state = world.space.state_of(pair)
-        return int(world.space.first_pair[state]) + world.pairs_shown(state).index(pair)
+        return world.siblings(pair).start + world.pairs_shown(world.space.state_of(pair)).index(pair)
 
     def moved(self, pair: int, rows: int, columns: int) -> int:
         """Return the pair so many rows below."""
@@ -253,7 +241,7 @@ class ListForm:
     def _pair_of(self, entry: int) -> int:
         world = self.scene.world
         state = world.space.state_of(entry)  # its rows are as many as its pairs, and in the same place
-        return world.pairs_shown(state)[entry - int(world.space.first_pair[state])]
+        return world.pairs_shown(state)[entry - world.siblings(entry).start]
 
 
 def list_form(scene: Scene, width: int) -> ListForm:
@@ -303,7 +291,7 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
 
     def state_name(pair: int, is_new: bool) -> Pieces:
         name = world.state_name(world.space.state_of(pair), state) if is_new else ""
-        pointed = bool(name) and scene.is_pointed(world.space.pairs_of(world.space.state_of(pair)))
+        pointed = bool(name) and scene.is_pointed(world.siblings(pair))
         style = look.palette.focus if pointed else look.palette.strong
         blank = padded("", state + gap - cell_len(name))
         differs = scene.mark_behind(world.space.state_of(pair)) if name else None
@@ -334,9 +322,10 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
         exact = [layer for layer in exact if layer is in_force]
 
     def last(pair: int, _: bool) -> Pieces:
-        if pair == scene.last_pair:
-            return [Segment(look.glyphs.agent, look.palette.agent)]
-        return [Segment(" ", look.palette.text)]
+        is_last = pair == scene.last_pair
+        return [
+            Segment(look.glyphs.agent, look.palette.agent) if is_last else Segment(" ", look.palette.text)
+        ]
 
     def arm(pair: int, _: bool) -> Pieces:
         name = aligned_right(world.action_names[world.action_of(pair)], label)
@@ -358,28 +347,15 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
 
 
 def _compared(scene: Scene) -> list[Layer]:
-    """Return what estimates of arms are held against: what is exact, and another run if that is asked for.
-
-    A bandit is asked for its means by a key of its own; until then the figures have nothing exact.
-    """
     compared = (*EXACT_LAYERS, Layer.LANES) if scene.shown.layer is Layer.LANES else EXACT_LAYERS
     return [layer for layer in compared if layer in scene.figures]
 
 
 def _beside(layer: Layer) -> list[Layer]:
-    """Return what stands side by side where ``layer`` is asked for: Q, and what it is made of.
-
-    What is exact comes only then: else the answer would stand beside the estimates before the first step.
-    """
-    match layer:
-        case Layer.OPTIMAL:
-            return [Layer.Q, Layer.OPTIMAL]
-        case Layer.ERROR:
-            return [Layer.Q, Layer.OPTIMAL, Layer.ERROR]
-        case Layer.LANES | Layer.POLICY:
-            return [Layer.Q, layer]
-        case _:
-            return [Layer.Q]
+    """Return what stands side by side for ``layer``; nothing exact unless it is asked for."""
+    if layer is Layer.ERROR:
+        return [Layer.Q, Layer.OPTIMAL, layer]
+    return [Layer.Q, layer] if layer in (Layer.OPTIMAL, Layer.LANES, Layer.POLICY) else [Layer.Q]
 
 
 def _shared(first: int, second: int, room: int) -> tuple[int, int]:
@@ -393,20 +369,15 @@ def _shared(first: int, second: int, room: int) -> tuple[int, int]:
 
 
 def _widening(wanted: int, room: int) -> int:
-    """Return ``wanted`` cells, or none where they are not there."""
     return wanted if 0 < wanted <= room else 0
 
 
 def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
-    """Return a column a layer. One has the frames and the cursor: what is exact, if it is in force.
-
-    While visits are in force they have them.
-    """
+    """Return a column per layer; one, the exact one if it applies, has the frames and the cursor."""
     _share_form(scene, layers)
-    main = (
-        scene.shown.layer if scene.shown.layer in LEARNED_NOT and scene.shown.layer in layers else layers[0]
-    )
-    counts = scene.shown.layer is Layer.VISITS
+    in_force = scene.shown.layer
+    main = in_force if in_force in LEARNED_NOT and in_force in layers else layers[0]
+    counts = in_force is Layer.VISITS
     shown = replace(scene, cursor=None) if counts else scene
     columns = []
     for layer in layers:
@@ -430,12 +401,8 @@ def _value(scene: Scene, layer: Layer, is_main: bool, has_frames: bool) -> Draw:
 
     def draw(pair: int, _: bool) -> Pieces:
         if is_main or layer is scene.shown.layer:
-            greedy = (
-                is_main
-                and has_frames
-                and pair in figures.framed(world.space.pairs_of(world.space.state_of(pair)))
-            )
-            return boxed(scene, figures, pair, DIGITS, DIGITS, greedy)
+            is_framed = is_main and has_frames and pair in figures.framed(world.siblings(pair))
+            return boxed(scene, figures, pair, DIGITS, DIGITS, is_framed)
         return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.style(pair, is_tinted=False))]
 
     return draw
@@ -448,8 +415,7 @@ def _count_column(scene: Scene) -> Column:
     def draw(pair: int, _: bool) -> Pieces:
         number = figures.text(pair, COUNT - 2).rjust(COUNT - 2)
         if is_shown:
-            greedy = figures.framed(world.space.pairs_of(world.space.state_of(pair)))
-            return framed(scene, figures, pair, number, pair in greedy)
+            return framed(scene, figures, pair, number, pair in figures.framed(world.siblings(pair)))
         return [Segment(" ", text), Segment(number, figures.style(pair, is_tinted=False)), Segment(" ", text)]
 
     return Column("N", COUNT, 0 if is_shown else 3, draw, _right)
@@ -466,5 +432,4 @@ def _share_column(scene: Scene, width: int) -> Column:
 
 
 def _right(text: str, width: int) -> str:
-    """Return ``text`` at the right, a blank after it: above the last digit of a number between marks."""
     return f"{aligned_right(text, width - 1)} "

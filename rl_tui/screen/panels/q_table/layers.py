@@ -31,17 +31,12 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
-LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)
-"""Layers of which nothing was learned."""
-_OF_THE_MAP: Final = (Layer.Q, *EXACT_LAYERS, Layer.VISITS)
-"""Layers with the scale of the map."""
+LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)  # layers of which nothing was learned
+_OF_THE_MAP: Final = (Layer.Q, *EXACT_LAYERS, Layer.VISITS)  # layers with the scale of the map
 
 
 def policy_q(snapshot: Snapshot) -> Exact | None:
-    """Return Q of the policy that is studied and the pairs that it takes most likely, [P] each, or None.
-
-    There is none for a bandit, in which nothing follows an action.
-    """
+    """Return Q and the likeliest pairs of the studied policy, [P] each; None without one or for a bandit."""
     answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.q is None or answer.policy is None:
         return None
@@ -66,11 +61,7 @@ def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
 
 
 def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
-    """Return the layers there are: where the answer is hidden those that give nothing away.
-
-    The difference from another run is there while runs are side by side, and a policy's while it is studied.
-    Without estimates there is nothing to compare. The landscape is one of the world alone.
-    """
+    """Return the available layers: nothing that a hidden answer or a missing table, run or study lacks."""
     missing = {Layer.LANDSCAPE}
     if snapshot is None or other_lane(snapshot) is None:
         missing.add(Layer.LANES)
@@ -97,16 +88,12 @@ def lit_pair(snapshot: Snapshot) -> Lit | None:
 
 
 class Figures:
-    """One layer at one moment. ``exact`` is what :func:`exact_of` returns; the exact layers need it.
+    """The numbers of one layer at one moment, their texts and their styles.
 
-    Ties between greedy pairs are exact equality of Q, as the agent compares, and those of the solution in the
-    layer of Q*; in that of a policy the pairs are its likeliest. No pair is greedy where nothing is known
-    about the state. ``sources`` are pairs that the last update looked up.
-
-    All ``numbers`` of a layer have one form, which ``forms`` keeps steady from one moment to the next. Those
-    of the lane beside this one are among them. Of a large world they are what the snapshot holds, which is
-    what is in view and around. Tints are those of the map, by its ``scale`` in this layer; a policy and the
-    difference from another run, which it does not show, have one of their own.
+    Greedy pairs are exactly equal, as the agent compares; none is greedy where nothing is known of a state.
+    ``sources`` are the pairs that the last update looked up. All ``numbers``, those of the run beside
+    included, have one form, which ``forms`` keeps steady. Tints are those of the map where it shows this
+    layer.
     """
 
     def __init__(
@@ -162,10 +149,7 @@ class Figures:
         return self._form(width).cells
 
     def style(self, pair: int, *, is_tinted: bool = True) -> Style:
-        """Return the style of the number of ``pair``: that of a pair looked up or never tried.
-
-        Any other has the tint of its number, unless another layer is the tinted one.
-        """
+        """Return the style of the number of ``pair``: looked up, never tried, or tinted."""
         palette = self._look.palette
         if is_tinted and self._held is not None and not self._held[pair]:
             return palette.text
@@ -224,7 +208,12 @@ class Figures:
     def _own_scale(self, snapshot: Snapshot, exact: Exact | None) -> ValueScale | None:
         if self.layer is Layer.LANES:
             return ValueScale(self.low, self.high, Ramp.ERRORS)
-        return value_scale(_best_of_policy(snapshot, exact))
+        best = [np.empty(0)]  # of each state under the policy, in both lanes
+        for lane in lanes_in_view(snapshot):
+            known = exact if lane is snapshot else exact_of(lane, Layer.POLICY)
+            if known is not None:
+                best.append(np.asarray(best_of_states(lane.world.space, known[0])))
+        return value_scale(finite(np.concatenate(best)))
 
     def _form(self, width: int) -> NumberForm:
         form = self._forms.get(width)
@@ -250,16 +239,6 @@ def _values(
     if exact is None:
         raise ValueError(f"the layer {layer} needs the exact answer")
     return exact[0] if layer in LEARNED_NOT else np.asarray(snapshot.agent.q - exact[0])
-
-
-def _best_of_policy(snapshot: Snapshot, exact: Exact | None) -> FloatArray:
-    """Return the greatest number of each state in the layer of a policy, in both lanes."""
-    found = [np.empty(0)]
-    for lane in lanes_in_view(snapshot):
-        known = exact if lane is snapshot else exact_of(lane, Layer.POLICY)
-        if known is not None:
-            found.append(np.asarray(best_of_states(lane.world.space, known[0])))
-    return finite(np.concatenate(found))
 
 
 def _numbers(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArray:

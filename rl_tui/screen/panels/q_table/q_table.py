@@ -6,8 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
+from rich.segment import Segment
 from textual import events
 from textual.binding import BindingType
+from textual.cache import LRUCache
 from textual.geometry import Size
 from textual.message import Message
 from textual.strip import Strip
@@ -19,7 +21,7 @@ from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.counterparts import are_alike, pair_in, pairs_in
-from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, has_exact_key, shown_exact
+from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, shown_exact, veils_exact
 from rl_tui.screen.kit.panel import (
     GREEDY_IN_FULL,
     BoardPanel,
@@ -53,7 +55,6 @@ from rl_tui.screen.panels.q_table.sheet import (
     headings,
     layer_at,
     no_answer,
-    strip_cache,
 )
 from rl_tui.screen.panels.q_table.world import NO_ROW, Scene, TableWorld, state_followed
 from rl_tui.screen.panels.world.edit_marks import mark_signs
@@ -61,15 +62,15 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
+_MOST_CACHED: Final = 512  # rows
 
 
 class QTable(Panel, can_focus=True):
-    """Rows are states and columns actions; a row a pair where few pairs are legal or the columns do not fit.
+    """The table of Q: a row per state and a column per action, or a row per pair.
 
-    It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back to it.
-    ``lights`` lets the cell that was just updated light up, while steps are slow enough to follow;
-    ``sources`` are the pairs that light up because the update looked them up. Beside the table of another
-    lane ``lane`` is the number of its own, and ``differing`` are the states with other greedy actions there.
+    It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back. With
+    ``lights`` the cell updated last is highlighted, and so are the ``sources`` that the update looked up.
+    Beside the table of another run it has the number ``lane`` and marks ``differing`` states.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -107,8 +108,7 @@ class QTable(Panel, can_focus=True):
         self.heading = "Q"
         self.wanted_layer = Layer.Q
         """What is shown of each pair, if there is that; the same as in the world beside it."""
-        self.cell: Size | None = None
-        """The size of a cell of the map beside it, as the board gives it."""
+        self.cell: Size | None = None  # the size of a cell of the map beside it, as the board gives it
         self._choices = layer_choices(None)
         self._following = True
         self.pointed = NOWHERE
@@ -116,7 +116,7 @@ class QTable(Panel, can_focus=True):
         self._height = 0  # of the picture drawn last
         self._world: TableWorld | None = None
         self._sheet: Sheet | None = None
-        self._cache = strip_cache()
+        self._cache = LRUCache[tuple[Segment, ...], Strip](_MOST_CACHED)
         self._requested: RowRange | None = None
         self._forms = SteadyForms()
         self._scale = SteadyScale()
@@ -252,19 +252,15 @@ class QTable(Panel, can_focus=True):
     def action_follow(self) -> None:
         """Follow the agent again."""
         self.cursor_pair, self._following = None, True
-        self.redraw()
-        self.post_message(self.CursorMoved(None))
-        self._tell()
+        self._show_moved()
 
     def on_click(self, event: events.Click) -> None:
         """Put the cursor on the cell under the pointer; on the border go to the layer named there."""
-        column = self.footing_column(event)
-        layer = (
-            None if column is None else layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
-        )
-        if layer is not None:
-            event.prevent_default()
-            self.post_message(self.LayerChosen(layer))
+        if (column := self.footing_column(event)) is not None:
+            layer = layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
+            if layer is not None:
+                event.prevent_default()
+                self.post_message(self.LayerChosen(layer))
         offset = event.get_content_offset(self)
         pair = None if offset is None else self.pair_at(*offset)
         if pair is not None:
@@ -315,7 +311,6 @@ class QTable(Panel, can_focus=True):
             self.cursor_pair, self._following, self._first = twin.cursor_pair, twin._following, twin._first
 
     def _translate(self, twin: QTable, theirs: World, own: World) -> None:
-        """Put the cursor where it is in the other world of ``twin``; if led by it, begin with its row."""
         cursor = None if twin.cursor_pair is None else pair_in(twin.cursor_pair, theirs, own)
         if cursor is not None or self.is_led:
             self.cursor_pair = cursor
@@ -333,16 +328,16 @@ class QTable(Panel, can_focus=True):
         if self._sheet is not None:
             self._sheet.scroll_to(self._first, pair)
             self._first = self._sheet.first
+        self._show_moved()
+
+    def _show_moved(self) -> None:
         self.redraw()
-        self.post_message(self.CursorMoved(pair))
+        self.post_message(self.CursorMoved(self.cursor_pair))
         self._tell()
 
     @property
     def shown_cursor(self) -> int | None:
-        """The pair of the cursor: until it is moved the first of the agent's state, or of the table.
-
-        None before the first snapshot.
-        """
+        """The pair of the cursor, by default the first of the agent's state; None without a snapshot."""
         if self.cursor_pair is not None or self.snapshot is None:
             return self.cursor_pair
         world = self._world_of(self.snapshot)
@@ -394,10 +389,7 @@ class QTable(Panel, can_focus=True):
         )
 
     def _footing(self, width: int, part: str = "") -> str:
-        snapshot = self.snapshot
-        is_hidden = (
-            snapshot is not None and has_exact_key(snapshot) and not self._world_of(snapshot).is_bandit
-        )
+        is_hidden = self.snapshot is not None and veils_exact(self.snapshot)
         wanted = self.wanted_layer if self.wanted_layer in self.layer_choices else Layer.Q
         forms = footings(wanted, self.layer_choices, self.look.glyphs, hides_exact=is_hidden)
         if part:

@@ -14,7 +14,7 @@ from rl_tui.screen.draw.canvas import Piece, wrapped
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.layers import Layer, other_lane
 from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.kit.scrolling import kept_in_view
+from rl_tui.screen.kit.scrolling import kept_in_view, scroll_bar, scrolled_to
 from rl_tui.screen.kit.snapshot_facts import has_estimates
 from rl_tui.screen.panels.policies.studied import POLICY_NAMES
 from rl_tui.screen.panels.q_table.forms import ListForm, MatrixForm, greedy_line
@@ -25,11 +25,9 @@ from rl_tui.screen.theme.look import Look
 # The rows in view
 
 
-_MOST_CACHED: Final = 512
 _STATES_IN_GREEDY_LINE: Final = 12
 
-Form = MatrixForm | ListForm
-"""A scene laid out for one width. An entry is a row of the table, counted from 0."""
+Form = MatrixForm | ListForm  # a scene laid out for one width. An entry is a row of the table, counted from 0
 
 
 class Sheet:
@@ -45,24 +43,15 @@ class Sheet:
         self._entries, self._block_width = form.entries, form.block_width
         self._lines = min(height - self._head_rows, -(-self._entries // form.blocks))
         self.shown = min(self._entries, self._lines * form.blocks)
-        self.is_scrolled = self.shown < self._entries
-        """Whether there are more entries than are in view."""
+        self.is_scrolled = self.shown < self._entries  # whether there are more entries than are in view
+        self.part = f"{self.shown} of {self._entries:,}"  # how many of all entries are in view
+        self.page = max(1, self._lines)  # how many rows a page is
 
     @property
     def free_rows(self) -> int:
         """How many rows below the last entry, or below the notes, are empty."""
         below = self._height - self._head_rows - self._lines
         return 0 if self.is_scrolled else below - len(self._notes(below))
-
-    @property
-    def part(self) -> str:
-        """How many of all entries are in view."""
-        return f"{self.shown} of {self._entries:,}"
-
-    @property
-    def page(self) -> int:
-        """How many rows a page is."""
-        return max(1, self._lines)
 
     @property
     def pairs(self) -> range:
@@ -79,8 +68,7 @@ class Sheet:
 
     def scroll_to(self, first: int, pair: int) -> None:
         """Start at entry ``first``, or as near to it as keeps ``pair`` in view."""
-        entry = self.form.entry_of_pair(pair)
-        self.scroll(max(entry - self.shown + 1, min(first, entry)))
+        self.scroll(scrolled_to(first, self.form.entry_of_pair(pair), self.shown))
 
     def reach(self, pair: int, state: int) -> None:
         """Scroll so far that ``pair`` is in view as well, if ``state`` stays in view."""
@@ -101,12 +89,15 @@ class Sheet:
     def strips(self, cache: LRUCache[tuple[Segment, ...], Strip]) -> list[Strip]:
         """Return the rows; those that were drawn before come from ``cache``."""
         rows = [self.form.heads() * self.form.blocks] * self._head_rows
-        rows += [self._row(line) for line in range(self._lines)]
+        bar = []
+        if self.is_scrolled and self._lines:
+            bar = scroll_bar(self.first, self.shown, self._entries, self._lines, self._scene.look)
+        rows += [self._row(line, bar[line : line + 1]) for line in range(self._lines)]
         rows += self._notes(self._height - len(rows))
         rows += [[]] * (self._height - len(rows))
         return [self._strip(row, cache) for row in rows]
 
-    def _row(self, line: int) -> Pieces:
+    def _row(self, line: int, bar: Pieces) -> Pieces:
         pieces: Pieces = []
         gap = self._width - 1
         for block in range(self.form.blocks):
@@ -114,50 +105,28 @@ class Sheet:
             if entry < self._entries:
                 pieces += self.form.entry(entry, is_first=line == 0)
                 gap -= self._block_width
-        if not self.is_scrolled:
-            return pieces
-        return [*pieces, Segment(" " * gap, self._scene.look.palette.text), self._scroll_bar(line)]
-
-    def _scroll_bar(self, line: int) -> Segment:
-        palette, glyphs = self._scene.look.palette, self._scene.look.glyphs
-        length = max(1, self._lines * self.shown // self._entries)
-        room = self._lines - length
-        start = round(room * self.first / (self._entries - self.shown))
-        inside = start <= line < start + length
-        return Segment(glyphs.bar if inside else glyphs.axis_vertical, palette.dim)
+        return [*pieces, Segment(" " * gap, self._scene.look.palette.text), *bar] if bar else pieces
 
     def _notes(self, room: int) -> list[Pieces]:
+        scene, palette = self._scene, self._scene.look.palette
         if room < 2 or not isinstance(self.form, ListForm):
             return []
-        note = self._bandit_note() if self._scene.world.is_bandit else self._greedy_note()
+        note: Pieces = []
+        if scene.world.is_bandit and scene.hides_means:
+            note = [Segment("  w h", palette.press), Segment("  show the true means q*", palette.dim)]
+        elif not scene.world.is_bandit and len(scene.world.live) <= _STATES_IN_GREEDY_LINE:
+            text = separated(greedy_line(scene), scene.look.glyphs)
+            note = [Segment(f" {text}", palette.dim)] if text else []
         return [[], note] if note and sum(segment.cell_length for segment in note) <= self._width else []
 
-    def _bandit_note(self) -> Pieces:
-        palette = self._scene.look.palette
-        if not self._scene.hides_means:
-            return []
-        return [Segment("  w h", palette.press), Segment("  show the true means q*", palette.dim)]
-
-    def _greedy_note(self) -> Pieces:
-        if len(self._scene.world.live) > _STATES_IN_GREEDY_LINE:
-            return []
-        text = separated(greedy_line(self._scene), self._scene.look.glyphs)
-        return [Segment(f" {text}", self._scene.look.palette.dim)] if text else []
-
     def _strip(self, row: Pieces, cache: LRUCache[tuple[Segment, ...], Strip]) -> Strip:
-        key = (*row, Segment(str(self._width), self._scene.look.palette.text))
+        text = self._scene.look.palette.text
+        key = (*row, Segment(str(self._width), text))
         strip = cache.get(key)
         if strip is None:
-            text = self._scene.look.palette.text
             blank = Segment(" " * self._width, text)
-            strip = Strip(row or [blank]).adjust_cell_length(self._width, text)
-            cache[key] = strip
+            strip = cache[key] = Strip(row or [blank]).adjust_cell_length(self._width, text)
         return strip
-
-
-def strip_cache() -> LRUCache[tuple[Segment, ...], Strip]:
-    """Return an empty cache for :meth:`Sheet.strips`."""
-    return LRUCache(_MOST_CACHED)
 
 
 # Texts on the border
@@ -189,11 +158,7 @@ _NAMES: Final[tuple[dict[Layer, str], ...]] = (
 
 
 def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> tuple[str, ...]:
-    """Return what ``panel`` is called while it shows ``layer``, the longest form first.
-
-    ``lane`` is the number of the lane where another table stands beside it. Alone, and with runs side by
-    side, it is marked with the number of the shown one.
-    """
+    """Return the titles of ``panel`` for ``layer``, the longest first; ``lane`` is the number of its run."""
     group = snapshot.run_group
     if group.lanes and not lane:
         lane = f"{panel.look.glyphs.cursor}{group.shown + 1}"
@@ -214,10 +179,7 @@ def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> 
 
 
 def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
-    """Return the key and the layers that it goes through, the longest form first, then only ``layer``.
-
-    Behind them stands the key that shows what is exact, where ``hides_exact`` says that this is hidden.
-    """
+    """Return the key and its layers, the longest form first, and the key that shows what is hidden."""
     forms = []
     for names in _NAMES:
         texts = [(each, names.get(each, each)) for each in choices]

@@ -1,8 +1,4 @@
-"""The world as a Q-table shows it: the names of states and actions, and the marks on their cells.
-
-Only states with actions have a row. Both forms of the table, a matrix and a list of pairs, draw from
-this.
-"""
+"""The world as a Q-table shows it: names of states and actions, and the marks on their cells."""
 
 from __future__ import annotations
 
@@ -27,7 +23,6 @@ from rl_tui.screen.draw.names import action_name, with_minus
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.layers import Layer
-from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.world.edit_marks import marks_of
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -47,10 +42,7 @@ _LEADING_ZERO: Final = re.compile(r"(?<![\d.])0(?=\.\d)")
 
 
 class TableWorld:
-    """A world's states and pairs as the table lists them: live states only, in their order.
-
-    ``shown_actions`` are the numbers of all actions in the order of the columns.
-    """
+    """A world's states with actions, and its pairs, in the order of the table."""
 
     def __init__(self, world: World, glyphs: Glyphs) -> None:
         self.world = world
@@ -83,10 +75,7 @@ class TableWorld:
         return 0.0 if mdp is None else min(0.0, float(mdp.reward.min()))
 
     def _longest(self, form: Callable[[str], str]) -> int:
-        """Return the cells of the longest name; of very many states, those of the last and of a sample.
-
-        A name that the sample overlooks is drawn shortened.
-        """
+        """Return the cells of the longest name; of very many states, those of a sample."""
         names, live = self.space.state_names, self.live
         if isinstance(names, NumberNames):
             live = live[-1:]  # they rise
@@ -101,6 +90,10 @@ class TableWorld:
     def action_of(self, pair: int) -> int:
         """Return the action of ``pair``."""
         return int(self.space.pair_action[pair])
+
+    def siblings(self, pair: int) -> range:
+        """Return the pairs of the state that owns ``pair``."""
+        return self.space.pairs_of(self.space.state_of(pair))
 
     def pairs_shown(self, state: int) -> list[int]:
         """Return the pairs of ``state`` in the order in which their actions are shown."""
@@ -131,7 +124,6 @@ def state_followed(snapshot: Snapshot) -> int:
 
 
 def _brief(name: str) -> str:
-    """Return ``-.03,1.8`` for ``-0.03, 1.8``."""
     return _LEADING_ZERO.sub("", name.replace(", ", ","))
 
 
@@ -139,19 +131,14 @@ def _brief(name: str) -> str:
 
 
 Pieces = list[Segment]
-NO_BREAKPOINTS: Final = Breakpoints()
-NOBODY_DRAWS: Final = EditorView()
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What is drawn: the figures of each layer that can be shown, the agent's state and the cursor's pair.
+    """What both forms of the table draw: numbers of each layer, marks, cursor and breakpoints.
 
-    ``shown`` are those of the layer in force.
-    ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen; ``pointed`` are
-    the pairs on which the cursor of another panel stands, or none. ``hides_means`` says that the means of a
-    bandit are hidden. ``differing`` are the states whose greedy actions are others in the lane beside,
-    ``editor`` knows what a person draws.
+    ``shown`` is the current layer. ``cursor`` is None unless it is visible, ``pointed`` are the pairs under
+    the cursor of another panel, ``differing`` the states with other greedy actions in the run beside.
     """
 
     world: TableWorld
@@ -163,10 +150,10 @@ class Scene:
     hides_means: bool
     look: Look
     forms: SteadyForms
-    breakpoints: Breakpoints = NO_BREAKPOINTS
-    pointed: range = NOWHERE
-    differing: frozenset[int] = frozenset()
-    editor: EditorView = NOBODY_DRAWS
+    breakpoints: Breakpoints
+    pointed: range
+    differing: frozenset[int]
+    editor: EditorView
 
     def state_mark(self, state: int) -> Segment:
         """Return the mark before a state: of the agent, of a breakpoint, or of both, or a blank."""
@@ -194,11 +181,7 @@ def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is
 
 
 def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bool) -> Pieces:
-    """Return the cell of ``pair``: ``number`` between marks.
-
-    Marks stand on the background of the panel, so that they are seen beside every tint; a breakpoint takes
-    the place of the left one.
-    """
+    """Return the cell of ``pair``: ``number`` between marks on the background of the panel."""
     palette, glyphs = scene.look.palette, scene.look.glyphs
     style = palette.focus if pair == scene.cursor else figures.style(pair, is_tinted=figures is scene.shown)
     left = Segment(glyphs.mark_left if is_greedy else " ", palette.best)
@@ -218,7 +201,7 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
 
 
 def _in_margin(number: str, sign: str, at: int) -> str:
-    """Return ``number`` with ``sign`` in place of the blank at its start (0) or end (−1), if there is one."""
+    """Put ``sign`` in place of a blank at the start (0) or end (−1) of ``number``, if there is one."""
     if number[at : at + 1 or None] != " ":
         return number
     return number[:-1] + sign if at else sign + number[1:]

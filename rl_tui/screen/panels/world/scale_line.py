@@ -22,10 +22,7 @@ _MOST_KEPT: Final = 64  # the same line is drawn in every frame
 
 
 class NamedScale(NamedTuple):
-    """A ``scale`` and the ``word`` for what its tints say; ``unknown`` is said where it has no numbers.
-
-    A ``note`` about the picture comes behind it.
-    """
+    """A ``scale`` with the ``word`` for its numbers, or ``unknown``, and a ``note`` about the picture."""
 
     word: str
     scale: ValueScale
@@ -37,10 +34,7 @@ class NamedScale(NamedTuple):
 def scale_line(
     said: tuple[Piece, ...], named: NamedScale | None, signs: Legend, width: int, look: Look
 ) -> Strip:
-    """Return one row of ``width`` cells: what is ``said`` first, the scale, then ``signs`` as there is room.
-
-    Without a scale the signs follow at once.
-    """
+    """Return one row of ``width`` cells: what is ``said``, the scale, and as many ``signs`` as fit."""
     line = list(said)
     forms = _scale_forms(named, look) if named is not None else ()
     _add(line, forms, width, look)
@@ -53,7 +47,6 @@ def scale_line(
 
 
 def _add(line: list[Piece], forms: Iterable[Line], width: int, look: Look) -> None:
-    """Put the longest of ``forms`` that fits at the end of ``line``; nothing where none does."""
     gap = [Piece(_GAP, look.palette.text)] if line else []
     for form in forms:
         if length(spelled([*line, *gap, *form], look)) <= width:

@@ -1,8 +1,4 @@
-"""The values and actions in a picture of a world, and the policy they belong to.
-
-They are those of the agent, of the policy that a planner keeps, or of the policy being studied (drawn by
-hand, say).
-"""
+"""The values and actions in a picture of a world: the agent's, a planner's, or a studied policy's."""
 
 from __future__ import annotations
 
@@ -30,8 +26,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 # A drawn policy
 
 
-AT_RANDOM: Final = "?"
-"""In place of an arrow: no action was drawn, so it acts at random."""
+AT_RANDOM: Final = "?"  # in place of an arrow: no action was drawn, so it acts at random
 
 
 def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
@@ -41,10 +36,7 @@ def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
 
 
 def drawn_pairs(space: FiniteSpace, snapshot: Snapshot) -> tuple[frozenset[int], frozenset[int]] | None:
-    """Return the pairs drawn, and the states in which none was; None as :func:`drawn_actions`.
-
-    Where a state has a single action, that is its pair.
-    """
+    """Return the pairs drawn, and the states in which none was; None as :func:`drawn_actions`."""
     drawn = drawn_actions(snapshot)
     if drawn is None:
         return None
@@ -85,16 +77,13 @@ class PolicyPicture(Panel):
     """The policy whose values and actions are drawn; None: they are what the agent has learned."""
     shows_drawing = False
     """Whether actions are those that a person drew, whether their values are known or not."""
-    policy_shown = "greedy"
-    """What the arrows are, in a word."""
-    lacks_table = False
-    """Whether a program is watched of which no table is known."""
+    policy_shown = "greedy"  # what the arrows are, in a word
+    lacks_table = False  # whether a program is watched of which no table is known
     names_policies_key = True
     """Whether it names the key that opens the panel of policies: not while that is open."""
     differing: frozenset[int] = frozenset()
     """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
-    tints = ValueScale()
-    """The scale of the tints as it was drawn last."""
+    tints = ValueScale()  # the scale of the tints as it was drawn last
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot`` with values and actions of the policy that is studied, else of the agent."""
@@ -156,13 +145,11 @@ _DECIMALS: Final = 2
 
 @dataclass(frozen=True, slots=True)
 class StateValues:
-    """``value[s]`` is max over a of Q(s, a), None where nothing can be done.
+    """``value[s]`` is V(s), None where nothing can be done; ``greedy`` are pairs, all ties.
 
-    ``known`` holds the states about which something was learned: updated, or with estimates that differ;
-    ``greedy`` the greedy pairs of those states, all ties. Where policy iteration keeps a policy, value and
-    pairs are those of that. Where a drawn one is studied, the pairs are those drawn, ``at_random`` has the
-    states in which none was, and ``off_way`` those of them to which it never comes. ``numbers`` are all
-    values that have one form: of two lanes side by side those of both. ``scale`` is that of their tints.
+    ``known`` are the states about which something was learned. Of a drawn policy ``greedy`` are its pairs,
+    ``at_random`` the states without one, and ``off_way`` those that it never reaches. ``numbers`` are all
+    values that share a form, and ``scale`` is that of their tints.
     """
 
     value: tuple[float | None, ...]

@@ -48,20 +48,11 @@ _GAP: Final = 3  # columns
 
 
 class WorldView(DrawnPicture, can_focus=True):
-    """A panel with the picture of one world. Before the first snapshot one line says what comes.
+    """A panel with the picture of one world, and below it a line with the scale and what is to be said.
 
-    In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
-    arrow key or a click moves it, it stays with the agent; escape takes it back there. ``is_manual``
-    says that a person is the agent: then the cursor is not drawn. While a mode is on that has keys of its
-    own, ``title`` and ``prompt``, the longest forms first, are said. So is the name of a ``lane`` where
-    another one stands beside it, and without focus a ``note`` about both. If the picture leaves enough
-    ``free_columns``, they show name and ``results`` of the lane.
-
-    On a board a line with the scale of the tints is below the picture, in which all this is said, and the
-    Bellman equation of the state that a planner backed up last, where its steps can be followed.
-
-    Subclasses implement :meth:`drawing`, which may set ``heading`` and ``footing`` on the way, and say what
-    the places are.
+    In focus it has a cursor on a cell, a state or an arm, which follows the agent until it is moved.
+    ``is_manual`` hides it. ``title`` and ``prompt`` are those of a mode, ``lane`` and ``results`` those of
+    one of two runs, ``note`` is about both. Subclasses implement :meth:`drawing` and say what the places are.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -81,23 +72,15 @@ class WorldView(DrawnPicture, can_focus=True):
     prompt: tuple[str, ...] = ()
     lane: tuple[str, ...] = ()
     results: tuple[Line, ...] = ()
-    free_columns = 0
-    """The empty columns right of the picture."""
+    free_columns = 0  # the empty columns right of the picture
     note: tuple[str, ...] = ()
-    replaces_header = False
-    """Whether the line below the picture ends with what the run does and how far it has come."""
-    is_manual = False
-    """Whether a person takes the actions."""
-    wanted_layer = Layer.Q
-    """What is drawn, if this world has that; the same as in the table beside it."""
-    drawn_layer = Layer.Q
-    """The layer that was drawn last."""
-    veils = False
-    """Whether there are dots in place of its numbers, which are hidden."""
-    range_of_v = ValueScale()
-    """The scale of V, by which actions lead, whatever is tinted."""
-    is_numbered = False
-    """Whether the cells of a map have the numbers of their states."""
+    replaces_header = False  # whether the line below ends with what the run does and how far it has come
+    is_manual = False  # whether a person takes the actions
+    wanted_layer = Layer.Q  # what is drawn, if this world has that; the same as in the table beside it
+    drawn_layer = Layer.Q  # the layer that was drawn last
+    veils = False  # whether there are dots in place of its numbers, which are hidden
+    range_of_v = ValueScale()  # the scale of V, by which actions lead, whatever is tinted
+    is_numbered = False  # whether the cells of a map have the numbers of their states
     shows_actions = False
     """Whether the cells of a map show Q of every action, where they have room, in place of V."""
     _is_named_beside = False
@@ -107,15 +90,11 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def __init__(self, world: World, look: Look, **options: Any) -> None:
         super().__init__(look, **options)
-        self.steady_scale = SteadyScale()
-        """The scale of all tints, which that of the lane beside shares."""
+        self.steady_scale = SteadyScale()  # the scale of all tints, which that of the lane beside shares
         self.enter(world)
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
-        """Take ``world`` for the one that is drawn from here on; where it ``goes_on``, the cursor stays.
-
-        Its place is that of :meth:`carried`.
-        """
+        """Take ``world`` for the one that is drawn; where it ``goes_on``, the cursor stays."""
         self.world, self.number_forms = world, SteadyForms()
         if not goes_on:
             self.cursor: int | None = None  # where the user put it; None while it stays with the agent
@@ -131,10 +110,7 @@ class WorldView(DrawnPicture, can_focus=True):
         return True
 
     def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...], *, has_keys: bool) -> None:
-        """Say what mode is on, and which keys it has; without a title none is.
-
-        A thick border says that it ``has_keys`` here and now.
-        """
+        """Say what mode is on, and whether its keys count here; without a title none is."""
         self.set_class(has_keys, "-manual")
         if (title, prompt) != (self.title, self.prompt):
             self.title, self.prompt = title, prompt
@@ -280,7 +256,6 @@ class WorldView(DrawnPicture, can_focus=True):
         return [*strips, self._line(snapshot, width)] if has_line else strips
 
     def _with_results(self, strips: list[Strip], width: int) -> list[Strip]:
-        """Return ``strips`` with name and results of the lane in the free columns at the right."""
         room, palette = self.free_columns - _GAP, self.look.palette
         name, *settings = (self.lane or ("",))[0].split(" · ")
         said = [[Piece(name, palette.strong)], *([Piece(f"  {each}", palette.dim)] for each in settings)]
@@ -296,7 +271,6 @@ class WorldView(DrawnPicture, can_focus=True):
         return snapshot is not None and self._layer_of(snapshot, layer) is layer
 
     def _layer_of(self, snapshot: Snapshot, layer: Layer) -> Layer:
-        """Return what is drawn in ``layer``; while a policy is studied that is its V."""
         if layer is Layer.LANDSCAPE:
             return layer if self.has_landscape else Layer.Q
         return Layer.Q if self.studied is not None else world_layer(snapshot, layer)
@@ -307,14 +281,12 @@ class WorldView(DrawnPicture, can_focus=True):
         return False
 
     def _waiting(self, width: int, height: int) -> list[Strip]:
-        palette, glyphs = self.look.palette, self.look.glyphs
-        canvas = Canvas(width, height, palette.text)
-        text = shortened(WAITING, width, glyphs.ellipsis)
-        canvas.put((width - len(text)) // 2, (height - 1) // 2, text, palette.dim)
+        canvas = Canvas(width, height, self.look.palette.text)
+        text = shortened(WAITING, width, self.look.glyphs.ellipsis)
+        canvas.put((width - len(text)) // 2, (height - 1) // 2, text, self.look.palette.dim)
         return canvas.strips()
 
     def _say_what_matters(self, snapshot: Snapshot, width: int) -> None:
-        """Set heading and footing where a mode, a lane, the cursor or an equation has something to say."""
         if not (self.footing or self.lane or self.is_manual or self.cursor is not None):
             self.footing = self.fitting(self._equation(snapshot), width)
         if not self.footing and self.has_focus:
@@ -326,7 +298,6 @@ class WorldView(DrawnPicture, can_focus=True):
             self._say(titles, self.prompt, width)
 
     def _say(self, headings: Sequence[str], footings: Sequence[str], width: int) -> None:
-        """Set the first of ``headings`` and ``footings`` that fit, and the first pair that fits a line."""
         self.heading, self.footing = self.fitting(headings, width), self.fitting(footings, width)
         pairs = ((heading, footing) for heading in headings for footing in footings)
         room = width - self._taken - (4 if self.title else 2)  # blanks around a mode, before what it says
@@ -340,14 +311,10 @@ class WorldView(DrawnPicture, can_focus=True):
         palette = self.look.palette
         said: list[Piece] = []
         heading, footing = self._said if self.title or self.lane else (self.heading, self.footing)
+        says_lane = self.lane and not self._is_named_beside
         if self.title:
             said += [Piece(f" {heading} ", palette.focus)]
-        elif (
-            (self.lane and not self._is_named_beside)
-            or self.studied is not None
-            or self.is_numbered
-            or self.shows_actions
-        ):
+        elif says_lane or self.studied is not None or self.is_numbered or self.shows_actions:
             said += [Piece(heading, palette.strong)]
         if footing:
             said += [Piece("  " if said else "", palette.text), Piece(footing, palette.dim)]
@@ -372,7 +339,6 @@ class WorldView(DrawnPicture, can_focus=True):
         return NamedScale(WORDS.get(layer, VALUE), self.tints, unknown)
 
     def _name_lane(self, width: int) -> None:
-        """Say the name of the lane, and with it the note, else what the picture shows."""
         shows = self.heading.removeprefix(f"{TITLE} · ")
         footings = (self.footing, *self._about_cursor())
         if not self.has_focus:
@@ -440,18 +406,14 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def on_click(self, event: events.Click) -> None:
         """Put the cursor where the pointer is."""
-        if self.is_drawn_on:
-            return
         offset = event.get_content_offset(self)
-        if offset is None or self.snapshot is None or self.is_manual:
+        if offset is None or self.snapshot is None or self.is_manual or self.is_drawn_on:
             return
-        place = self.place_at(offset.x, offset.y)
-        if place is None:
-            return
-        was_there = place == self.cursor
-        self.put_cursor(place)
-        if was_there:
-            self.post_message(PartPointed(self, self.part_at(*offset)))
+        place, before = self.place_at(*offset), self.cursor
+        if place is not None:
+            self.put_cursor(place)
+            if place == before:
+                self.post_message(PartPointed(self, self.part_at(*offset)))
 
     def on_resize(self) -> None:
         """Bring the part that is in view now into view in the lane beside."""

@@ -1,7 +1,4 @@
-"""Changes to the agent, at any step: algorithm, policy, settings and seed.
-
-Where nothing is learned yet, a dialog explains why and offers what helps.
-"""
+"""Changes to the agent: algorithm, policy, settings and seed; and why nothing is learned yet."""
 
 from __future__ import annotations
 
@@ -38,7 +35,6 @@ _TIES: Final = {
 
 
 def _first_in_words(world: World, glyphs: Glyphs) -> str:
-    """Return in which order the first action counts, where the screen shows another one; else nothing."""
     order = range(len(world.space.action_names))
     if shown_order(world) == tuple(order):
         return ""

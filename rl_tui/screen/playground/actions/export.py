@@ -18,6 +18,7 @@ from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import in_force
 from rl_tui.screen.dialogs.export import (
     COMMAND,
+    KINDS,
     PICTURE,
     POLICY,
     Q_ARRAY,
@@ -28,13 +29,12 @@ from rl_tui.screen.dialogs.export import (
     Working,
     ask_new_file,
     export_choice,
+    lane_shown,
 )
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.world import World
 
-Write = Callable[[Path], None]
-SlowWrite = Callable[[Path, OnProgress], None]
+Write = Callable[[Path, OnProgress], None]
 
 
 class ExportActions(Subject):
@@ -47,113 +47,55 @@ class ExportActions(Subject):
     def choose(self) -> None:
         """Choose what to write."""
         snapshot = self.snapshot
-        if snapshot is None:
-            return
-        is_bandit = isinstance(snapshot.world.drawing, Arms)
-        choice = export_choice(
-            self.glyphs,
-            bandit=is_bandit,
-            no_returns=_without_returns(snapshot),
-            has_drawing=bool(snapshot.answers.drawn.choices),
-            lane=_lane(snapshot),
-            branch=snapshot.timeline.current.name if len(snapshot.timeline.branches) > 1 else "",
-            episodes=snapshot.counters.episodes,
-        )
-        self.ask(choice, partial(self._export, snapshot))
+        if snapshot is not None:
+            self.ask(export_choice(snapshot, self.glyphs), partial(self._export, snapshot))
 
     def _export(self, snapshot: Snapshot, what: str) -> None:
-        export = {
-            COMMAND: self._export_command,
-            SCRIPT: self._export_script,
-            Q_CSV: self._export_q_csv,
-            Q_ARRAY: self._export_q_array,
-            RETURNS: self._export_returns,
-            POLICY: self._export_policy,
-            PICTURE: self._export_picture,
-        }[what]
         try:
-            export(snapshot)
+            if what == COMMAND:
+                self._show_command(snapshot)
+            elif what == SCRIPT:
+                self._ask_file(snapshot, what, _of_text(script_of(snapshot)))
+            else:
+                writers: dict[str, Callable[[Snapshot, Path, OnProgress], None]] = {
+                    Q_CSV: _write_q_csv,
+                    Q_ARRAY: _write_q_array,
+                    RETURNS: _write_returns,
+                    POLICY: self._write_policy,
+                    PICTURE: self._write_picture,
+                }
+                is_slow = what == RETURNS or (what in (Q_CSV, Q_ARRAY) and snapshot.agent.part is not None)
+                self._ask_file(snapshot, what, partial(writers[what], snapshot), takes_time=is_slow)
         except UserError as fault:
             self._say_fault(str(fault))
 
-    def _export_command(self, snapshot: Snapshot) -> None:
-        line = recipe_line(*_run_of(snapshot), _first_actions(snapshot))
-        self._ask_command(snapshot, line, _about_command(snapshot))
-
-    def _export_script(self, snapshot: Snapshot) -> None:
-        self._ask_file(snapshot, "Python script", ".py", partial(write_new, text=script_of(snapshot)))
-
-    def _export_q_csv(self, snapshot: Snapshot) -> None:
-        from rl_tui.runs.export.tables import write_q_csv
-
-        def write(path: Path, on_progress: OnProgress) -> None:
-            write_q_csv(path, snapshot.world.space, *_estimates(snapshot, on_progress))
-
-        self._export_estimates(snapshot, "Q-table as CSV", "-q.csv", write)
-
-    def _export_q_array(self, snapshot: Snapshot) -> None:
-        from rl_tui.runs.export.tables import write_q_array
-
-        def write(path: Path, on_progress: OnProgress) -> None:
-            q, _ = _estimates(snapshot, on_progress)
-            write_q_array(path, snapshot.world.space, q)
-
-        self._export_estimates(snapshot, "Q-table as .npy", "-q.npy", write)
-
-    def _export_estimates(self, snapshot: Snapshot, title: str, ending: str, write: SlowWrite) -> None:
-        if snapshot.agent.part is None:
-            self._ask_file(snapshot, title, ending, lambda path: write(path, no_progress))
-        else:
-            self._ask_file(snapshot, title, ending, write, takes_time=True)
-
-    def _export_returns(self, snapshot: Snapshot) -> None:
-        from rl_tui.runs.export.tables import write_returns
-
-        def write(path: Path, on_progress: OnProgress) -> None:
-            write_returns(path, *_run_of(snapshot), _first_world(snapshot), on_progress)
-
-        self._ask_file(snapshot, "Returns as CSV", "-returns.csv", write, takes_time=True)
-
-    def _export_policy(self, snapshot: Snapshot) -> None:
-        from rl_tui.runs.export.tables import evaluate_line, policy_text
-
-        text = policy_text(snapshot.world.space, snapshot.answers.drawn)
-
-        def write(path: Path) -> None:
-            line = evaluate_line(in_force(snapshot), str(path))
-            write_new(path, text)
-            self._ask_command(snapshot, line, "It prints what the policy you drew is worth in each state.")
-
-        self._ask_file(snapshot, "Drawn policy as JSON", "-policy.json", write, is_of_agent=False)
+    def _show_command(self, snapshot: Snapshot) -> None:
+        world = _first_world(snapshot) or begin(snapshot.recipe).world
+        line = recipe_line(*_run_of(snapshot), world.space.action_names)
+        hint = "It trains this agent as long as the scenario says."
+        if step := snapshot.counters.step:
+            hint = f"It does this run again, bit for bit, up to step {step:,}."
+        self._ask_command(snapshot, line, hint)
 
     def _ask_command(self, snapshot: Snapshot, line: str, hint: str) -> None:
-        """Show ``line`` to copy, or to write to a file."""
-
         def write(_: str) -> None:
-            self._ask_file(snapshot, "Command", ".txt", partial(write_new, text=f"{line}\n"))
+            self._ask_file(snapshot, COMMAND, _of_text(f"{line}\n"))
 
         self.ask(CommandLine(line, hint), write)
 
-    def _export_picture(self, snapshot: Snapshot) -> None:
-        def write(path: Path) -> None:
-            write_new(path, self.screen.app.export_screenshot(title="rl-tui", simplify=True))
+    def _write_policy(self, snapshot: Snapshot, path: Path, _: OnProgress) -> None:
+        from rl_tui.runs.export.tables import evaluate_line, policy_text
 
-        self._ask_file(snapshot, "Screen as SVG", ".svg", write)
+        line = evaluate_line(in_force(snapshot), str(path))
+        write_new(path, policy_text(snapshot.world.space, snapshot.answers.drawn))
+        self._ask_command(snapshot, line, "It prints what the policy you drew is worth in each state.")
 
-    def _ask_file(
-        self,
-        snapshot: Snapshot,
-        title: str,
-        ending: str,
-        write: Callable[..., None],
-        *,
-        takes_time: bool = False,
-        is_of_agent: bool = True,
-    ) -> None:
-        """Ask for a new file, offering a name, and have it written: a SlowWrite where it takes time.
+    def _write_picture(self, snapshot: Snapshot, path: Path, _: OnProgress) -> None:
+        write_new(path, self.screen.app.export_screenshot(title="rl-tui", simplify=True))
 
-        The name has that of the algorithm where the file ``is_of_agent``.
-        """
+    def _ask_file(self, snapshot: Snapshot, what: str, write: Write, *, takes_time: bool = False) -> None:
+        """Ask for a new file, offering a name, and have it written."""
+        title, _, ending = KINDS[what]
 
         def write_to(chosen: float | str) -> None:
             path = Path(str(chosen))
@@ -164,20 +106,19 @@ class ExportActions(Subject):
                 # What is asked is closed by then, so that a picture does not show it
                 self.screen.call_after_refresh(self._write_now, path, write)
 
-        agent = f"-{snapshot.agent.algorithm}" if is_of_agent else ""
+        agent = "" if what == POLICY else f"-{snapshot.agent.algorithm}"
         name = free_name(f"{snapshot.recipe.scenario.id}{agent}", ending)
         self.ask(ask_new_file(title, name, self.glyphs), write_to)
 
     def _write_now(self, path: Path, write: Write) -> None:
         try:
-            write(path)
+            write(path, no_progress)
         except UserError as fault:
             self._say_fault(str(fault))
         else:
             self._say_written(path, "")
 
     def _say_written(self, path: Path, fault: str | None) -> None:
-        """Show where the file was written, or what went wrong; None: it was broken off."""
         if fault is None:
             self.screen.notify("broken off: nothing was written")
         elif fault:
@@ -187,6 +128,28 @@ class ExportActions(Subject):
 
     def _say_fault(self, fault: str) -> None:
         self.screen.notify(fault, severity="error", markup=False)
+
+
+def _of_text(text: str) -> Write:
+    return lambda path, _: write_new(path, text)
+
+
+def _write_q_csv(snapshot: Snapshot, path: Path, on_progress: OnProgress) -> None:
+    from rl_tui.runs.export.tables import write_q_csv
+
+    write_q_csv(path, snapshot.world.space, *_estimates(snapshot, on_progress))
+
+
+def _write_q_array(snapshot: Snapshot, path: Path, on_progress: OnProgress) -> None:
+    from rl_tui.runs.export.tables import write_q_array
+
+    write_q_array(path, snapshot.world.space, _estimates(snapshot, on_progress)[0])
+
+
+def _write_returns(snapshot: Snapshot, path: Path, on_progress: OnProgress) -> None:
+    from rl_tui.runs.export.tables import write_returns
+
+    write_returns(path, *_run_of(snapshot), _first_world(snapshot), on_progress)
 
 
 def script_of(snapshot: Snapshot) -> str:
@@ -202,20 +165,8 @@ def script_of(snapshot: Snapshot) -> str:
         snapshot.world,
         changed=bool(changes),
         episodes_of_run=snapshot.counters.episodes,
-        lane=_lane(snapshot),
+        lane=lane_shown(snapshot),
     )
-
-
-def _lane(snapshot: Snapshot) -> str:
-    """Return which lane of how many is shown, such as ``1 of 2``; empty where there is one run."""
-    group = snapshot.run_group
-    return f"{group.shown + 1} of {len(group.lanes)}" if group.lanes else ""
-
-
-def _about_command(snapshot: Snapshot) -> str:
-    if snapshot.counters.step == 0:
-        return "It trains this agent as long as the scenario says."
-    return f"It does this run again, bit for bit, up to step {snapshot.counters.step:,}."
 
 
 def _run_of(snapshot: Snapshot) -> tuple[Recipe, Sequence[JournalEntry], int]:
@@ -223,28 +174,13 @@ def _run_of(snapshot: Snapshot) -> tuple[Recipe, Sequence[JournalEntry], int]:
 
 
 def _first_world(snapshot: Snapshot) -> World | None:
-    """Return the world that the run began in, None where that is not at hand."""
     return None if snapshot.world_changes else snapshot.world
 
 
-def _first_actions(snapshot: Snapshot) -> Sequence[str]:
-    """Return the names of the actions of the world that the run began in."""
-    world = _first_world(snapshot) or begin(snapshot.recipe).world
-    return world.space.action_names
-
-
 def _estimates(snapshot: Snapshot, on_progress: OnProgress) -> tuple[FloatArray, IntArray]:
-    """Return Q and visits; of a large world a snapshot holds only what is in view: the run is done again."""
+    """Return Q and visits; of a large world, of which a snapshot has a part, the run is done again."""
     from rl_tui.runs.export.tables import estimates_again
 
     if snapshot.agent.part is None:
         return snapshot.agent.q, snapshot.agent.visits
     return estimates_again(*_run_of(snapshot), _first_world(snapshot), on_progress)
-
-
-def _without_returns(snapshot: Snapshot) -> str:
-    """Return why there are no returns to write; empty if there are."""
-    if len(snapshot.results.curve.episode):
-        return ""
-    algorithm = snapshot.agent.row
-    return f"{algorithm.name} plays no episodes" if algorithm.planner else "no episode is finished yet"

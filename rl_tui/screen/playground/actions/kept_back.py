@@ -65,7 +65,9 @@ class KeptBack(Subject):
             return NO_LESSON if action.of_lesson else ""
         if command in _LEAVES:
             return STAYS
-        if command in _STEPS and "run" in record.hidden and not self._is_pause(command):
+        phase = None if self.snapshot is None else self.snapshot.playback.phase
+        pauses = command == "run.run_or_pause" and phase in (Phase.RUNNING, Phase.SEEKING)
+        if command in _STEPS and "run" in record.hidden and not pauses:
             return PREDICT_FIRST
         page = next((page for what in _KEPT.get(command, ()) if (page := keeping_page(record, what))), None)
         return "" if page is None else _kept_until(record, page)
@@ -85,10 +87,6 @@ class KeptBack(Subject):
             return ""
         page = next((page for what in HIDEABLE if (page := keeping_page(record, what))), None)
         return "" if page is None else f"They are {_kept_until(record, page)}."
-
-    def _is_pause(self, command: str) -> bool:
-        phase = None if self.snapshot is None else self.snapshot.playback.phase
-        return command == "run.run_or_pause" and phase in (Phase.RUNNING, Phase.SEEKING)
 
     def show_world_for(self, command: str) -> None:
         """Let the world have the place again where what is done is to be seen there."""

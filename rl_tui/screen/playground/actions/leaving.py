@@ -15,10 +15,7 @@ LEAVING_KEYS: Final = ("escape", "q")
 
 @dataclass(eq=False)
 class Leaving(Subject):
-    """Asks for the same key once more where something was done; ``leave`` goes to the start screen.
-
-    ``is_over`` tells whether a lesson is at its end: then nothing is asked.
-    """
+    """Asks for the same key once more where something was done, unless a lesson is over; then it leaves."""
 
     session: SessionActions
     modes: Modes

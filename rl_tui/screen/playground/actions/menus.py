@@ -31,7 +31,6 @@ class MenuActions(Subject):
         return key == _AGENT and self.snapshot is not None and self.snapshot.program is not None
 
     def _listed(self, key: str) -> list[Action]:
-        """Return the actions of the menu, without those of another kind of run."""
         is_of_program = self._is_of_program(key)
         listed = [action for action in self.screen.actions if action.menu == key]
         return [action for action in listed if action.of_program or not is_of_program]

@@ -16,12 +16,11 @@ from rl_tui.screen.panels.lesson.words import is_last_page
 LAST_PAGE = "this is the last page; esc leaves the lesson"
 
 
+@dataclass
 class LessonWanted(Message):
     """The learner goes on with ``lesson``."""
 
-    def __init__(self, lesson: Lesson) -> None:
-        super().__init__()
-        self.lesson = lesson
+    lesson: Lesson
 
 
 @dataclass(eq=False)

@@ -42,10 +42,7 @@ class MicroscopeActions(Subject):
                 self.board.microscope.action_scroll_rows(_TO_END)  # where the history is
 
     def _follow_cell(self) -> None:
-        """Ask for the history of the pair under a cursor, or of the one updated last.
-
-        In a state that is the one updated last, if it was there, else its greedy pair.
-        """
+        """Ask for the history of the pair under a cursor, or of the one updated last."""
         if self.snapshot is None:
             return
         last, q = self.snapshot.counters.last_step, self.snapshot.agent.q
@@ -62,7 +59,6 @@ class MicroscopeActions(Subject):
         self._show_history(pair)
 
     def _pairs_under_cursor(self) -> range:
-        """Return the pairs under the cursor that was moved last, of world or table; none without a cursor."""
         table, world = self.board.table.cursor_pair, self.board.world
         of_table = NOWHERE if table is None else range(table, table + 1)
         of_world = NOWHERE if world is None or world.cursor is None else world.pairs_at(world.cursor)
@@ -122,7 +118,6 @@ class PolicyActions(Subject):
 
     @property
     def _current(self) -> PolicyKind:
-        """The policy on display: kept, drawn, or last chosen."""
         return self.link.wanted.studied or self._chosen
 
     def _study(self, kind: PolicyKind) -> None:

@@ -1,7 +1,4 @@
-"""Control of the run: start, pause, step, speed, and the change to another scenario.
-
-When the file of the scenario changes on disk, the new world is offered.
-"""
+"""Control of the run: start, pause, step, speed, and the change to another scenario."""
 
 from __future__ import annotations
 
@@ -32,12 +29,10 @@ _UNTIL_READ: Final = 15.0
 
 @dataclass(eq=False)
 class ScenarioActions(Subject):
-    """Goes to other scenarios, and offers what the file of this one says now, where that is not on screen.
+    """Goes to other scenarios, and offers the new content of the scenario's file.
 
-    ``is_known`` tells whether the world came from that file: a session brings its own copy. In a lesson the
-    world stays as it is. ``take`` opens
-    another recipe in place of the run; ``go_by`` goes to a scenario that stands so many places further in the
-    catalogue.
+    ``is_known`` says that the world came from that file, ``take`` opens another recipe, ``go_by`` goes so
+    many places further in the catalogue.
     """
 
     is_known: bool
@@ -61,11 +56,7 @@ class ScenarioActions(Subject):
         open_atlas(self, self.take)
 
     def begin_with_old_or_new(self, start_again: Callable[[], None]) -> None:
-        """Ask whether the run is to begin anew with the new content, if there is any.
-
-        ``start_again`` starts it with the old content: where there is no other, or that is the answer, or the
-        new one has faults, which are shown.
-        """
+        """Ask whether to begin with the new content of the file, if there is any; else ``start_again``."""
         scenario, fault = None, ""
         try:
             if self.is_known and self.link.wanted.lesson is None and not self.screen.in_kiosk:
@@ -73,17 +64,18 @@ class ScenarioActions(Subject):
         except ScenarioError as error:
             more = f"; and {len(error.faults) - 1} more" if len(error.faults) > 1 else ""
             fault = f"the file has changed, and the old world stays: {error.faults[0]}{more}"
-        if scenario is not None and scenario.text != self._declined and not self._is_on_screen(scenario):
+        now = self.snapshot
+        if (
+            scenario is None
+            or scenario.text == self._declined
+            # it was saved from here
+            or (now is not None and is_on_screen(scenario, now.recipe, now.world.mdp))
+        ):
+            start_again()
+            if fault:
+                self._warn(fault)
+        else:
             self._ask(scenario, start_again)
-            return
-        start_again()
-        if fault:
-            self._warn(fault)
-
-    def _is_on_screen(self, scenario: Scenario) -> bool:
-        """Return whether the file says no more than what is on screen: it was saved from here."""
-        snapshot = self.snapshot
-        return snapshot is not None and is_on_screen(scenario, snapshot.recipe, snapshot.world.mdp)
 
     def _ask(self, scenario: Scenario, start_again: Callable[[], None]) -> None:
         def answer(chosen: str) -> None:
@@ -122,8 +114,7 @@ class RunActions(Subject):
     """The run goes on, stands still, or starts again."""
 
     scenario: ScenarioActions
-    _told: ClassVar = set[str]()
-    """What this process has said of machine code: once is enough."""
+    _told: ClassVar = set[str]()  # what this process has said of machine code: once is enough
 
     def announce(self, now: Snapshot) -> None:
         """Say, the first time, why runs stay interpreted."""
@@ -205,10 +196,7 @@ class RunActions(Subject):
         self.link.send(SetSpeed(slower(self.link.wanted.speed)))
 
     def reset(self) -> None:
-        """Start again with the settings in force and the same seed; ask where the file has changed.
-
-        A program that is watched is started again from its seed.
-        """
+        """Start again with the current settings and seed; a watched program starts from its own."""
         if self.snapshot is not None and self.snapshot.program is not None:
             self.screen.tell("Your program starts again, from its seed.")
             self.link.send(Restart(self.link.wanted.recipe))

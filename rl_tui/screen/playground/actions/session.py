@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass
+from functools import partial
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
@@ -18,10 +19,7 @@ from rl_tui.screen.panels.status_line import StatusLine
 
 @dataclass(eq=False)
 class SessionActions(Subject):
-    """The session keeps itself by ``autosave``, None where none is kept.
-
-    ``resumed`` is what it went on with, until that has come out as it was saved.
-    """
+    """Saves the session by ``autosave``, if any; ``resumed`` is what it went on with, until compared."""
 
     status: StatusLine
     autosave: Autosave | None
@@ -37,25 +35,20 @@ class SessionActions(Subject):
 
     def listen(self) -> None:
         """Show from now on what there is to know about the session; it comes from any thread."""
+        notify = partial(self.screen.notify, severity="warning", timeout=15, markup=False)
 
         def listen(notice: str) -> None:
-            self.screen.call_later(self._show_notice, notice)
+            self.screen.call_later(notify, notice)
 
         if self.autosave is not None:
             self.autosave.listen(listen)
-
-    def _show_notice(self, notice: str) -> None:
-        self.screen.notify(notice, severity="warning", timeout=15, markup=False)
 
     def named(self, fault: UserError) -> UserError:
         """Return ``fault`` with the file of the session where that could not be gone on with."""
         return fault if self.resumed is None else SessionError(self.resumed.path, str(fault))
 
     def compare_with_saved(self, snapshot: Snapshot) -> None:
-        """Warn, once the run stands where the session was left, if it came out otherwise than it was saved.
-
-        The file is then left alone, since it holds what was done with other versions.
-        """
+        """Warn, where the session was left, if the run came out otherwise; its file is then left alone."""
         if self.resumed is None or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
             return
         document, self.resumed = self.resumed.document, None

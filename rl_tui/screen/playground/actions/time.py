@@ -5,14 +5,7 @@ from __future__ import annotations
 from rl_tui.live.commands import AddBranch, ChooseBranch, EpisodeBack, GoTo, StepBack
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.dialogs.journal import (
-    BRANCHES,
-    JournalScreen,
-    Moment,
-    goto_form,
-    parse_goto,
-    unit_of,
-)
+from rl_tui.screen.dialogs.journal import BRANCHES, JournalScreen, Moment, goto_form, parse_goto, unit_of
 from rl_tui.screen.kit.snapshot_facts import episode_shown
 from rl_tui.worlds.drawing import Arms
 
@@ -20,8 +13,7 @@ from rl_tui.worlds.drawing import Arms
 class TimeActions(Subject):
     """The run goes back and forth, and from branch to branch."""
 
-    _sought_episode: int | None = None
-    """The episode that the run is on its way to, if it is one."""
+    _sought_episode: int | None = None  # the episode that the run is on its way to, if it is one
     _sought_branch: int | None = None
     """The branch that the run is on its way to, if it goes to another one as such."""
 
@@ -80,26 +72,20 @@ class TimeActions(Subject):
             branch = now.timeline.current
             parent = now.timeline.branches[branch.parent or 0]
             self.screen.tell(f"{branch.name} begins here. m b: back to {parent.name}.")
-        if self._sought_episode is not None or self._sought_branch is not None:
-            self._announce_arrival(now)
-
-    def _announce_arrival(self, now: Snapshot) -> None:
-        """Say where the run has come to: on another branch, or not as far as was asked."""
+        episode, sought = self._sought_episode, self._sought_branch
+        if episode is None and sought is None:
+            return
         if now.playback.phase is Phase.SEEKING or not self.link.wanted.is_taken_in(now):
             return
-        episode, branch = self._sought_episode, self._sought_branch
         self._sought_episode = self._sought_branch = None
-        if episode is not None:
-            self._announce_end(episode, now)
-        if branch is not None and branch == now.timeline.branch:
-            self.screen.tell(_arrived_on_branch(now))
-
-    def _announce_end(self, episode: int, now: Snapshot) -> None:
-        """Say so where the run ends before the ``episode`` that was sought: in the past that is not known."""
         # in the past it was held up, or sent elsewhere: where the run ends is not known there
-        if now.counters.episodes < episode - 1 and not now.timeline.in_past:
+        if episode is not None and now.counters.episodes < episode - 1 and not now.timeline.in_past:
             here = f"{unit_of(now)} {episode_shown(now):,}, step {now.counters.step:,}"
             self.screen.tell(f"End of the run so far ({here}). space: continue.")
+        if sought is not None and sought == now.timeline.branch:
+            unit = "pull" if isinstance(now.world.drawing, Arms) else "step"
+            stays = "as before" if now.timeline.in_past else "as far as it has come"
+            self.screen.tell(f"{now.timeline.current.name}, {unit} {now.counters.step:,}: {stays}")
 
     def _go_back(self, command: StepBack | EpisodeBack) -> None:
         now = self.snapshot
@@ -119,15 +105,7 @@ class TimeActions(Subject):
             self.link.send(GoTo(moment.step))
 
 
-def _arrived_on_branch(now: Snapshot) -> str:
-    """Return which moment of which branch is shown, and why not the one that was shown before."""
-    unit = "pull" if isinstance(now.world.drawing, Arms) else "step"
-    stays = "as before" if now.timeline.in_past else "as far as it has come"
-    return f"{now.timeline.current.name}, {unit} {now.counters.step:,}: {stays}"
-
-
 def _has_forked(before: Snapshot, now: Snapshot) -> bool:
-    """Return whether ``now`` is on a branch that ``before``, a moment of the same run, did not have."""
     is_same_run = before.recipe == now.recipe and before.run_group.shown == now.run_group.shown
     old, new = before.timeline, now.timeline
     return (

@@ -7,13 +7,7 @@ from typing import Final
 from rl_tui.live.commands import ClearBreakpoints, RunUntil, ToggleBreakpoint
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.dialogs.until_options import (
-    Kind,
-    UntilChoice,
-    UntilOption,
-    ask_number,
-    kind_of,
-)
+from rl_tui.screen.dialogs.until_options import Kind, UntilChoice, UntilOption, ask_number, kind_of
 from rl_tui.screen.draw.names import pair_in_words, state_name
 from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.q_table.q_table import QTable
@@ -26,8 +20,7 @@ NO_BREAKPOINTS: Final = "there are no breakpoints; t b sets one at the cursor"
 class UntilActions(Subject):
     """Running until something happens, and breakpoints."""
 
-    _chosen_last = ""
-    """The id of the option chosen last."""
+    _chosen_last = ""  # the id of the option chosen last
 
     def why_not(self, deed: str) -> str:
         """Return why there is no breakpoint to clear."""
@@ -65,18 +58,25 @@ class UntilActions(Subject):
         snapshot = self.snapshot
         if snapshot is None:
             return
-        here = self._breakpoint_here(snapshot)
+        here, stops, kind = self._breakpoint_here(snapshot), snapshot.playback.breakpoints, kind_of(snapshot)
         if here is not None and here.pair is not None:
-            self._toggle_pair(snapshot, here.pair)
-        elif here is not None:
-            self._toggle_state(snapshot, here.state)
-        elif isinstance(snapshot.world.drawing, Arms):
+            name, is_set = pair_in_words(snapshot.world, here.pair, self.glyphs), here.pair in stops.pairs
+            happens = {Kind.AGENT: "taken", Kind.BANDIT: "pulled", Kind.PLANNER: "backed up"}[kind]
+        elif here is not None and here.state is not None:
+            is_set = here.state in stops.states
+            name = f"state {state_name(snapshot.world, here.state, self.glyphs)}"
+            happens = "backed up" if kind is Kind.PLANNER else "reached"
+        elif kind is Kind.BANDIT:
             self.screen.tell("Breakpoints of a bandit are on arms. tab: the arms, arrows: choose one.")
+            return
         else:
             self.screen.tell("No state to stop at here.")
+            return
+        self.link.send(here)
+        stop = f"breakpoint on {name}: pauses each time it is {happens}"
+        self.screen.tell(f"no breakpoint on {name} any more" if is_set else stop)
 
     def _breakpoint_here(self, snapshot: Snapshot) -> ToggleBreakpoint | None:
-        """Return what sets a breakpoint where the cursor is, else where the agent is; None: nowhere."""
         focused = self.screen.focused
         if isinstance(focused, QTable | ArmsView):
             pair = focused.shown_cursor if isinstance(focused, QTable) else focused.cursor_place
@@ -104,32 +104,9 @@ class UntilActions(Subject):
             self.ask(ask_number(option, self.snapshot, self.glyphs), run)
 
     def _pair_under_cursor(self) -> int | None:
-        """Return the pair that a cursor was put on, or stands on in focus; None without one."""
         table, world = self.board.table, self.board.world
         if self.screen.focused is table:
             return table.shown_cursor
         if isinstance(world, ArmsView) and self.screen.focused is world:
             return world.cursor_place
         return table.cursor_pair
-
-    def _toggle_state(self, snapshot: Snapshot, state: int | None) -> None:
-        if state is None:
-            return
-        is_set = state in snapshot.playback.breakpoints.states
-        name = f"state {state_name(snapshot.world, state, self.glyphs)}"
-        happens = "is backed up" if kind_of(snapshot) is Kind.PLANNER else "is reached"
-        self.link.send(ToggleBreakpoint(state=state))
-        self._tell_breakpoint(name, f"each time it {happens}", is_set=is_set)
-
-    def _toggle_pair(self, snapshot: Snapshot, pair: int | None) -> None:
-        if pair is None:
-            return
-        is_set = pair in snapshot.playback.breakpoints.pairs
-        name = pair_in_words(snapshot.world, pair, self.glyphs)
-        happens = {Kind.AGENT: "taken", Kind.BANDIT: "pulled", Kind.PLANNER: "backed up"}[kind_of(snapshot)]
-        self.link.send(ToggleBreakpoint(pair=pair))
-        self._tell_breakpoint(name, f"each time it is {happens}", is_set=is_set)
-
-    def _tell_breakpoint(self, name: str, when: str, *, is_set: bool) -> None:
-        text = f"no breakpoint on {name} any more" if is_set else f"breakpoint on {name}: pauses {when}"
-        self.screen.tell(text)

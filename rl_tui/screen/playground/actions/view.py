@@ -77,10 +77,7 @@ class ViewActions(Subject):
             self.link.send(AskFlips())
 
     def _wants_flips(self, snapshot: Snapshot) -> bool:
-        """Return whether their panel is open or, unless they are hidden, a person is at the slider of γ.
-
-        Where the run goes on by itself, they are wanted for the slider as soon as it rests.
-        """
+        """Return whether flips are wanted: by their panel, or for the slider of γ once the run rests."""
         if self.board.opened == DISCOUNT or is_secret(snapshot):
             return self.board.opened == DISCOUNT
         focused = self.screen.focused
@@ -90,10 +87,7 @@ class ViewActions(Subject):
         return self.link.player.is_automatic and rests and self.board.controls.has_slider(GAMMA)
 
     def next_layer(self) -> None:
-        """Go to the next layer, of those that the world or the table in view has.
-
-        If neither has another one, show only the table.
-        """
+        """Go to the next layer of the world or table in view; if there is none, show only the table."""
         board, order = self.board, list(Layer)
         choices = [layer for layer in board.table.layer_choices if self._is_seen(layer)]
         if len(choices) < 2 and board.zoomed is None:
@@ -107,7 +101,6 @@ class ViewActions(Subject):
         board.show_layer((later or choices)[0])
 
     def _is_seen(self, layer: Layer) -> bool:
-        """Return whether a panel in view shows ``layer``."""
         board, world = self.board, self.board.world
         if layer is not Layer.LANDSCAPE and board.shows(board.table.id or ""):
             return True
@@ -120,8 +113,8 @@ class ViewActions(Subject):
             return
         legends = self.board.legends
         legends.shows_actions = not legends.shows_actions
-        has_actions = self.board.wanted_layer in ACTION_LAYERS or not legends.shows_actions
-        self.board.wanted_layer = self.board.wanted_layer if has_actions else Layer.Q
+        if legends.shows_actions and self.board.wanted_layer not in ACTION_LAYERS:
+            self.board.wanted_layer = Layer.Q
         self.board.apply_switches()
         if view.lacks_room:
             width, height = self.board.size
@@ -174,13 +167,10 @@ class ViewActions(Subject):
         if pair is None and last is not None and (last.learned or not last.planned):
             pair = last.updated_pair if last.planned else last.pair
         self._model = ModelScreen(
-            self.screen.look,
-            self.snapshot,
-            pair,
-            on_scrolled=self.look_at,
-            hide_answer=self.hide_answer,
+            self.screen.look, self.snapshot, pair, on_scrolled=self.look_at, hide_answer=self.hide_answer
         )
-        self.screen.app.push_screen(self._model, self._model_closed)
 
-    def _model_closed(self, _: None) -> None:
-        self._model = None
+        def close(_: None) -> None:
+            self._model = None
+
+        self.screen.app.push_screen(self._model, close)
