@@ -66,7 +66,10 @@ class Wanted:
 
     def take_over(self, lane: LaneView) -> None:
         """Let whatever is changed from here on start from what is in force in ``lane``."""
-        self.recipe = replace(self.recipe, algorithm=lane.algorithm, hyperparameters=lane.hyperparameters)
+        seed = self.recipe.seed if lane.past is None else lane.past.begun.seed
+        self.recipe = replace(
+            self.recipe, algorithm=lane.algorithm, hyperparameters=lane.hyperparameters, seed=seed
+        )
 
     def reconcile(self, snapshot: Snapshot) -> None:
         """Let what is in force count again, once the player has taken in all that was sent."""

@@ -351,7 +351,14 @@ _COMPARE: Final[tuple[Action, ...]] = (
         aliases="lane beside",
         not_for_program=DECIDES,
     ),
-    Action("lanes.another_seed", "c n", "another seed", "Run the same beside this one, with another seed."),
+    Action(
+        "lanes.another_seed",
+        "c n",
+        "another seed",
+        "Run the same beside this one, with the next seed.",
+        aliases="lane beside luck",
+        not_for_program=_ITS_SEED,
+    ),
     Action(
         "lanes.another_branch",
         "c b",
