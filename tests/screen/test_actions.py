@@ -6,7 +6,7 @@ from collections import Counter
 
 import pytest
 from conftest import MakeApp
-from seams import on_screen, playground, press, snapshot
+from seams import notes, on_screen, playground, press, snapshot, train
 from textual.actions import parse
 
 from rl_tui.screen.frame.key_line import fitting
@@ -97,13 +97,43 @@ async def test_every_action_can_be_done_on_its_screen(make_app: MakeApp, place: 
                 assert hasattr(app.screen, f"action_{method}"), action.id
 
 
-async def test_what_cannot_be_done_says_why_in_a_clause(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit")) as pilot:
-        refused = {each.id: each.refused for each in playground(pilot).actions if each.refused}
-        alone = {"lanes.show_runs", "lanes.next_lane", "lanes.one_lane", "lanes.end"}
-        assert alone | {"view.numbers", "run.evaluate", "until.clear_breakpoints"} <= refused.keys()
-        assert not {"run.step", "agent.choose_policy", "board.many_seeds"} & refused.keys()
-        assert all(why == why.strip(" .") for why in refused.values())
+STEPPING = {"run.run_or_pause", "run.step", "run.episode", "run.watch", "until.choose"}
+ALONE = {"lanes.show_runs", "lanes.next_lane", "lanes.one_lane", "lanes.end", "lanes.another_branch"}
+AT_STEP_0 = {"time.step_back", "time.episode_back", "time.back"}
+OF_MAPS = {"view.numbers", "view.turn_actions"}
+
+
+@pytest.mark.parametrize(
+    ("scenario", "steps", "refused", "possible"),
+    [
+        (
+            "frozenlake",
+            0,
+            ALONE | AT_STEP_0 | {"run.evaluate", "until.clear_breakpoints"},
+            STEPPING | OF_MAPS,
+        ),
+        ("bandit", 0, OF_MAPS | {"board.discount", "until.toggle_breakpoint"}, STEPPING),
+        ("bandit", 1_000, STEPPING | {"manual.toggle"}, AT_STEP_0 | {"board.many_seeds"}),
+        ("blackjack", 0, {"board.policies", "board.world_check", "scenario.map_settings"}, {"view.model"}),
+    ],
+)
+async def test_what_cannot_be_done_says_why_in_a_clause_and_does_nothing(
+    make_app: MakeApp, scenario: str, steps: int, refused: set[str], possible: set[str]
+) -> None:
+    async with on_screen(make_app(scenario), notifications=True) as pilot:
+        await train(pilot, steps)
+        screen = playground(pilot)
+        reasons = {each.id: each.refused for each in screen.actions if each.refused}
+        assert refused <= reasons.keys()
+        assert not possible & reasons.keys()
+        assert all(why == why.strip(" .") for why in reasons.values())
+        for each in screen.actions:
+            if each.id in refused and not each.unfocused:
+                sent = screen.link.sent
+                await pilot.app.run_action(each.textual_action, screen)
+                await pilot.pause()
+                assert notes(pilot.app)[-1].rstrip(".").lower() == each.refused.lower()
+                assert (screen.link.sent, pilot.app.screen) == (sent, screen), each.id
 
 
 def test_bindings_carry_id_description_and_tooltip() -> None:

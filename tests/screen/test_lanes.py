@@ -152,6 +152,7 @@ async def test_four_lanes_fit_every_screen(make_app: MakeApp) -> None:
             named = sum(f"α {value}" in text for value in ("0.1", "0.2", "0.5", "0.9"))
             if size == (60, 18):
                 assert all(f"{number} " in text for number in range(1, 5)), "one row has room for numbers"
+                assert "no room for two" in playground(pilot).lanes.why_not("one_lane")
             else:
                 assert named == (2 if size == (80, 24) else 4)  # a name a row
             await press(pilot, "c", "c")

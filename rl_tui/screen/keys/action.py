@@ -42,7 +42,8 @@ class Action:
     Words
         ``label`` has at most two words, ``help`` is one sentence. ``rank`` orders the key line (a lower one
         is kept longer where it is narrow; None: not on it), and ``hint`` replaces key and label there, for
-        two actions that share an entry. While the run goes on, ``while_running`` is the word there.
+        two actions that share an entry; ``entry`` does so on the page of all keys, where it is empty for
+        those that stand in the entry of another. While the run goes on, ``while_running`` is the word there.
         ``aliases`` are other words by which it is found.
     Command
         ``command`` does it; the default is the ``id``. ``object.method`` is a method of an object that the
@@ -52,9 +53,13 @@ class Action:
         What is ``for_the_owner`` of the machine is not for a kiosk; what ``needs_world`` waits until there is
         one; what counts ``everywhere`` does so in dialogs too. What ``leaves`` a panel, a screen or the
         program does not wait for a flood of other keys. ``not_for_program`` is why it cannot be done to a
-        watched program, and what to do instead, with ``{file}`` for the program's file. What is
-        ``of_program`` is for such a program only, what is ``of_lesson`` for a lesson. ``refused`` is why it
-        can do nothing in this world. What is ``unfocused`` counts while no panel has the focus.
+        watched program, and what to do instead, with ``{file}`` for the program's file, ``not_in_lesson`` the
+        same for a lesson. What is ``of_program`` is for such a program only, what is ``of_lesson`` for a
+        lesson. What ``takes_steps``, of this run or another, waits while a prediction is open; what a page
+        may keep back of what it would show is in ``shows``. What ``keeps_page`` leaves a page in view where
+        that takes turns with the world. ``refused`` is why it can do nothing now; what ``stays`` is on the
+        key line all the same, since the next step may change that. What is ``unfocused`` counts while no
+        panel has the focus.
     """
 
     id: str
@@ -69,6 +74,7 @@ class Action:
     old_only_tells: bool = False
     rank: int | None = None
     hint: tuple[str, str] | None = None
+    entry: tuple[str, str] | None = None
     while_running: str = ""
     aliases: str = ""
     for_the_owner: bool = False
@@ -78,7 +84,12 @@ class Action:
     not_for_program: str = ""
     of_program: bool = False
     of_lesson: bool = False
+    not_in_lesson: str = ""
+    takes_steps: bool = False
+    shows: tuple[str, ...] = ()
+    keeps_page: bool = False
     refused: str = ""
+    stays: bool = False
     unfocused: bool = False
 
     @property

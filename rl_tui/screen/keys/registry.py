@@ -204,6 +204,7 @@ def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
             needs_world=True,
             not_for_program=row.not_for_program,
             of_program=row.of_program,
+            shows=row.shows,
         )
         for row in panels
         if row.opened_by is not None

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Drawing
 
 if TYPE_CHECKING:
+    from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.kit.panel import BoardPanel
 
 WORLD: Final = "world"
@@ -50,15 +50,16 @@ class OpeningKey:
 class PanelRow:
     """One panel. ``widget`` names its class, ``module:Class``, imported when a board is made.
 
-    ``title`` and ``help`` explain it in the help. A panel with an ``opened_by`` is closed at first. Open, it
-    has the right column beside the world; with ``wide_rows`` at least these rows of the whole width below
-    world and table if they fit. ``needs`` says whether there is anything to show, by how the
-    world is drawn. ``caption`` says in some five words what the panel is, and ``terms`` are the ids of
-    the terms of the glossary that it is about, what is asked first before the rest. With ``is_twofold`` each
-    of two lanes side by side has one; :func:`beside` is the id of the second. A panel ``of_program`` has
-    something to show only while somebody's own program is watched; ``not_for_program`` says why one has
-    nothing to show of it then, and what to do instead, with ``{file}`` for the program's file. One
-    ``of_lesson`` is there only beside a lesson, one ``of_drawing`` only while a person draws the world.
+    ``title`` and ``help`` explain it in the help. A panel with an ``opened_by`` is closed at first. Open,
+    it has the right column beside the world; with ``wide_rows`` at least these rows of the whole width
+    below world and table if they fit. ``caption`` says in some five words what the panel is, and ``terms``
+    are the ids of the terms of the glossary that it is about, what is asked first before the rest. With
+    ``is_twofold`` each of two lanes side by side has one; :func:`beside` is the id of the second. A panel
+    ``of_program`` has something to show only while somebody's own program is watched; ``not_for_program``
+    says why one has nothing to show of it then, and what to do instead, with ``{file}`` for the program's
+    file. One ``of_lesson`` is there only beside a lesson, one ``of_drawing`` only while a person draws the
+    world. ``shows`` is what a page of a lesson may keep back of it, and ``lacks`` says why it has nothing
+    to show of a snapshot, as a clause.
     """
 
     id: str
@@ -71,11 +72,12 @@ class PanelRow:
     wide_rows: int = 0
     has_border: bool = True
     is_twofold: bool = False
-    needs: Callable[[Drawing | None], bool] = lambda _: True
     of_program: bool = False
     not_for_program: str = ""
     of_lesson: bool = False
     of_drawing: bool = False
+    shows: tuple[str, ...] = ()
+    lacks: Callable[[Snapshot], str] = lambda _: ""
 
     def make(self, look: Look, panel_id: str | None = None) -> BoardPanel:
         """Return the panel, hidden if a key opens it; ``panel_id`` is its id, None: that of the row."""

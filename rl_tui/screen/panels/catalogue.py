@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.screen.kit.row import (
     BUDGET,
@@ -25,11 +25,27 @@ from rl_tui.screen.kit.row import (
     OpeningKey,
     PanelRow,
 )
-from rl_tui.worlds.drawing import Arms, Drawing
+
+if TYPE_CHECKING:
+    from rl_tui.live.snapshot import Snapshot
 
 
-def _has_arms(drawing: Drawing | None) -> bool:
-    return isinstance(drawing, Arms)
+def _without_table(snapshot: Snapshot) -> str:
+    from rl_tui.runs.exact_answers import NO_TABLE
+
+    return NO_TABLE if snapshot.world.mdp is None else ""
+
+
+def _without_flips(snapshot: Snapshot) -> str:
+    from rl_tui.screen.panels.discount import why_empty
+
+    return why_empty(snapshot)
+
+
+def _without_check(snapshot: Snapshot) -> str:
+    from rl_tui.studies.world_check.world_checks import why_unchecked
+
+    return why_unchecked(snapshot.world)
 
 
 PANELS: Final[tuple[PanelRow, ...]] = (
@@ -161,7 +177,6 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "reward",
             "step",
         ),
-        needs=_has_arms,
     ),
     PanelRow(
         CONTROLS,
@@ -240,6 +255,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Open the last step under the microscope.",
             rank=9,
         ),
+        shows=("model",),
     ),
     PanelRow(
         MANY_SEEDS,
@@ -271,6 +287,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         ),
         wide_rows=12,
         not_for_program="this runs built-in agents; rl-tui grade {file} runs your program under many seeds",
+        shows=("many seeds",),
     ),
     PanelRow(
         DISCOUNT,
@@ -294,6 +311,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             old="G",
         ),
         wide_rows=15,
+        shows=("flips", "answer"),
+        lacks=_without_flips,
     ),
     PanelRow(
         POLICIES,
@@ -317,6 +336,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Compare policies by their exact return.",
             old="P",
         ),
+        shows=("policies",),
+        lacks=_without_table,
     ),
     PanelRow(
         WORLD_CHECK,
@@ -341,6 +362,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             old="Q",
         ),
         not_for_program="this checks worlds of scenarios; rl-tui check --deep checks one by its id or file",
+        shows=("policies", "why", "flips", "answer"),
+        lacks=_without_check,
     ),
     PanelRow(
         FINDINGS,

@@ -8,7 +8,6 @@ from functools import partial
 from typing import ClassVar, Final, Self
 
 from textual import on
-from textual.actions import parse
 from textual.binding import BindingType
 from textual.events import DescendantBlur, DescendantFocus, Key
 from textual.message import Message
@@ -198,13 +197,13 @@ class Playground(ActionScreen):
 
     def why_not(self, action: Action) -> str:
         """Return why ``action`` can do nothing now, as a clause; empty where it can."""
-        target, deed, _ = parse(action.command or action.id)
+        target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self, target, None)
         may_wait = action.of_lesson or self.wanted.lesson is not None
         return (
             self.program.why_not_to_it(action)
             or (self.kept_back.why_not_yet(action) if may_wait else "")
-            or (subject.why_not(deed) if isinstance(subject, Subject) else "")
+            or (subject.why_not(deed) if isinstance(subject, Subject | Board) else "")
         )
 
     @property
@@ -237,7 +236,7 @@ class Playground(ActionScreen):
             self.refuse(refused)
         else:
             if self.wanted.lesson is not None:
-                self.kept_back.show_world_for(command)
+                self.kept_back.show_world_for(action)
             if self.panels.is_gradual:
                 self.panels.note(command)
             super().action_do(command)
@@ -300,7 +299,8 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused) or self.editing.offered
         keys.is_running = self.run.is_under_way
-        refused = (each.id for each in self.known_actions if each.rank is not None and self.why_not(each))
+        ranked = (each for each in self.known_actions if each.rank is not None and not each.stays)
+        refused = (each.id for each in ranked if self.why_not(each))
         keys.idle = self.lesson.idle_keys.union(refused)
 
     def _moment_of(self, snapshot: Snapshot) -> object:

@@ -49,6 +49,8 @@ class LaneActions(Subject):
             return ONE_RUN
         if deed == "end" and snapshot is not None and snapshot.program is not None:
             return "your program is in control; in the list of c c, del ends the run beside it"
+        if deed == "one_lane" and not self.board.is_paired and not self.board.is_one_lane:
+            return "there is no room for two runs side by side here"
         if not deed.startswith("another"):
             return ""
         if len(lanes) == MOST_LANES:
@@ -110,8 +112,8 @@ class LaneActions(Subject):
         self.board.is_one_lane = self.board.is_paired
         if self.board.is_one_lane:
             self.screen.tell("One run alone. c l: the next run, c o: two side by side.")
-        elif not self.board.is_paired:
-            self.screen.tell("No room for two runs side by side here.")
+        elif refused := self.why_not("one_lane"):
+            self.screen.refuse(refused)
 
     def _compared(self, answer: Answer) -> None:
         if isinstance(answer, ChooseLane):

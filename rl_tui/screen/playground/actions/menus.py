@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from textual.actions import parse
-
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.frame.menu_strip import MenuRow, MenuStrip
 from rl_tui.screen.keys.action import MENUS, Action
@@ -34,7 +32,7 @@ class MenuActions(Subject):
         return [action for action in listed if action.of_program or not is_of_program]
 
     def _row(self, action: Action) -> MenuRow:
-        target, deed, _ = parse(action.command or action.id)
+        target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self.screen, target, None)
         value = subject.value(deed) if isinstance(subject, Subject) else ""
         return MenuRow(action.id, action.letter, action.label, value, action.help, action.refused)
