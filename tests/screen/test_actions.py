@@ -149,6 +149,7 @@ def test_the_key_line_drops_whole_entries_and_keeps_the_key_of_all_keys() -> Non
     assert hints(80) == [*least, "v view", "a agent", "w world", "? keys"]
     more = ["+ − speed", "v view", "d microscope", "a agent", "w world", "t tools", "c compare"]
     assert hints(120) == [*least, *more, "? keys"]
+    assert hints(136) == [*least, *more, "m more", "r again", "? keys"]
     assert hints(22) == ["space run", "? keys"]
     assert hints(1) == ["? keys"]
 

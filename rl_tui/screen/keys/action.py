@@ -120,8 +120,8 @@ class Action:
 
     @property
     def sentence(self) -> str:
-        """What it does, or why it can do nothing here."""
-        return f"Not here: {self.refused}." if self.refused else self.help
+        """What it does, or why it can do nothing now."""
+        return f"Not now: {self.refused}." if self.refused else self.help
 
     @property
     def textual_action(self) -> str:

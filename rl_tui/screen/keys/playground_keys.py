@@ -157,7 +157,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "u",
         "until…",
         "Run until a reward, a change of the policy, a value …",
-        rank=11,
+        rank=13,
         needs_world=True,
         takes_steps=True,
     ),
@@ -194,7 +194,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "f",
         "full screen",
         "Show the panel in focus (else the world) alone, or all again.",
-        rank=13,
+        rank=14,
         aliases="zoom",
         keeps_page=True,
     ),
@@ -203,7 +203,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "y",
         "you act",
         "Take the agent's steps yourself; press again to stop.",
-        rank=14,
+        rank=15,
         needs_world=True,
         takes_steps=True,
         not_for_program="your program takes its own steps; esc leads to scenarios in which you can act",
@@ -226,8 +226,8 @@ _MENUS: Final = tuple(
         ("w", "world", "Open the menu of the world: edit it, its model, the exact values, its cells.", 6),
         ("t", "tools", "Open the menu of questions about the run: policies, many seeds, flip points.", 7),
         ("c", "compare", "Open the menu of runs: put another one beside this one.", 10),
-        ("m", "more", "Open the menu of everything else: moments, branches, save, export.", 12),
-        ("r", "again", "Open the menu of what to start again: the same, or with another seed.", 15),
+        ("m", "more", "Open the menu of everything else: moments, branches, save, export.", 11),
+        ("r", "again", "Open the menu of what to start again: the same, or with another seed.", 12),
     )
 )
 

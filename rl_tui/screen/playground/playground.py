@@ -184,16 +184,19 @@ class Playground(ActionScreen):
         """The newest snapshot, None before the first."""
         return self.link.snapshot
 
-    @property
-    def actions(self) -> tuple[Action, ...]:
-        """What a person can do here now, tools while drawing first; what is of a lesson only with one."""
+    def listed(self, menu: str = "") -> tuple[Action, ...]:
+        """Return what a person can do here now; what is of a lesson, or of a program, only with one.
+
+        Tools while drawing come first.
+        """
         lesson, program = self.wanted.lesson, self.program.program
+        tools = (each for each in self.editing.actions if not menu or each.menu == menu)
         usual = (
-            each
-            for each in self.known_actions
+            replace(each, refused=self.why_not(each))
+            for each in super().listed(menu)
             if (lesson or not each.of_lesson) and (program or not each.of_program)
         )
-        return *self.editing.actions, *(replace(each, refused=self.why_not(each)) for each in usual)
+        return *tools, *usual
 
     def why_not(self, action: Action) -> str:
         """Return why ``action`` can do nothing now, as a clause; empty where it can."""

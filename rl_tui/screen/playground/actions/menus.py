@@ -28,14 +28,13 @@ class MenuActions(Subject):
     def _listed(self, key: str) -> list[Action]:
         """Return the actions of the menu, without those of another kind of run."""
         is_of_program = self._is_of_program(key)
-        listed = [action for action in self.screen.actions if action.menu == key]
-        return [action for action in listed if action.of_program or not is_of_program]
+        return [each for each in self.screen.listed(key) if each.of_program or not is_of_program]
 
     def _row(self, action: Action) -> MenuRow:
         target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self.screen, target, None)
         value = subject.value(deed) if isinstance(subject, Subject) else ""
-        return MenuRow(action.id, action.letter, action.label, value, action.help, action.refused)
+        return MenuRow(action.id, action.letter, action.label, value, action.sentence, bool(action.refused))
 
     def _do(self, id_: str) -> None:
         action = next(each for each in self.screen.actions if each.id == id_)
