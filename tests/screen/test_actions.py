@@ -1,8 +1,6 @@
-"""The table of actions: its keys, its words, and what derives from it."""
+"""What derives from the table of actions: what is done, refused, bound, and on the key line."""
 
 from __future__ import annotations
-
-from collections import Counter
 
 import pytest
 from conftest import MakeApp
@@ -10,22 +8,12 @@ from seams import notes, on_screen, playground, press, snapshot, train
 from textual.actions import parse
 
 from rl_tui.screen.frame.key_line import fitting
-from rl_tui.screen.keys.action import MENUS, Action, Place
+from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
-from rl_tui.screen.keys.registry import ACTIONS, actions_of
+from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.playground.playground import Playground
 
 PLACES = [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND]
-SINGLE_KEYS = {
-    *("space", "s", "e", "b", "B", "plus", "equals_sign", "minus", "underscore", "u", "1", "2", "3", "4"),
-    *("left", "right", "up", "down", "j", "k", "home", "end"),
-    *("v", "d", "f", "y", *MENUS, "slash", "question_mark", "q", "escape"),
-    *("ctrl+p", "ctrl+c", "ctrl+l", "ctrl+z"),
-}
-LESSON_KEYS = {"R", "A", "full_stop", "comma", "h"}
-MOVING = set("jkq?/")  # in a menu these move, close, show keys and find
-LONGEST_HELP = 76  # characters: what a menu has room for
-PAIRS = {("b", "B")}
 
 
 def usual(place: Place) -> list[Action]:
@@ -41,44 +29,6 @@ def hints(width: int) -> list[str]:
 def line_width(width: int) -> int:
     shown, gap = fitting(usual(Place.PLAYGROUND), width)
     return 1 + sum(len(" ".join(action.key_hint)) for action in shown) + gap * (len(shown) - 1)
-
-
-def single(actions: list[Action]) -> set[str]:
-    return {key for action in actions if not action.menu for key in action.key.split(",")}
-
-
-def test_the_playground_has_few_single_keys_and_all_else_is_in_a_menu() -> None:
-    assert single(usual(Place.PLAYGROUND)) == SINGLE_KEYS
-    of_lesson = [each for each in actions_of(Place.PLAYGROUND) if each.of_lesson]
-    assert single(of_lesson) == LESSON_KEYS
-    paths = [action.key for action in ACTIONS if action.menu]
-    assert len(paths) == len(set(paths)) >= 40
-    assert {action.menu for action in ACTIONS if action.menu} == set(MENUS)
-
-
-@pytest.mark.parametrize("place", PLACES)
-def test_no_key_does_two_things(place: Place) -> None:
-    keys = Counter(key for action in actions_of(place) for key in action.keys)
-    assert [key for key, count in keys.items() if count > 1] == []
-
-
-def test_a_capital_letter_means_what_its_small_letter_means() -> None:
-    keys = single(usual(Place.PLAYGROUND))
-    assert {(key.lower(), key) for key in keys if len(key) == 1 and key.isupper()} == PAIRS
-
-
-@pytest.mark.parametrize("menu", MENUS)
-def test_a_menu_is_small_and_its_rows_are_short(menu: str) -> None:
-    rows = [action for action in ACTIONS if action.menu == menu]
-    assert len([row for row in rows if not row.of_program]) <= 10
-    assert not MOVING & {row.letter for row in rows}
-    assert all(len(row.help) <= LONGEST_HELP for row in rows)
-
-
-def test_every_action_has_a_name_of_its_own_and_says_what_it_does() -> None:
-    assert len({action.id for action in ACTIONS}) == len(ACTIONS)
-    assert all(action.help.endswith((".", "…")) and action.shown for action in ACTIONS)
-    assert all(1 <= len(action.label.split()) <= 2 for action in ACTIONS)
 
 
 @pytest.mark.parametrize("place", PLACES)

@@ -23,7 +23,8 @@ from rl_tui.screen.theme.look import Look
 _WIDE: Final = 110  # columns from which a line has three rows of a menu, else two
 _BEFORE_LABEL: Final = 5  # columns: the cursor, the letter and the blanks around them
 _MOVES: Final = {"down": 1, "j": 1, "tab": 1, "up": -1, "k": -1, "shift+tab": -1}
-_LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
+LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
+"""Keys that close a menu for something else, with the id of that action."""
 
 
 class MenuRow(NamedTuple):
@@ -162,8 +163,8 @@ class MenuStrip(Dialog[str]):
             menu.at = beside if 0 <= beside < len(menu.rows) else menu.at
         elif key in ("home", "end"):
             menu.at = 0 if key == "home" else len(menu.rows) - 1
-        elif key in _LEADING_ON:
-            self.dismiss(_LEADING_ON[key])
+        elif key in LEADING_ON:
+            self.dismiss(LEADING_ON[key])
         else:
             menu.unknown = letter if letter.isprintable() else key
 
