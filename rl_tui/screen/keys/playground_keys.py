@@ -117,17 +117,8 @@ _RUN: Final[tuple[Action, ...]] = (
         entry=_NO_ENTRY,
     ),
     *(
-        Action(
-            id_,
-            key,
-            label,
-            help_,
-            command=command,
-            symbol=symbol,
-            unfocused=True,
-            takes_steps=command == "run.step",
-        )
-        for id_, key, label, help_, command, symbol in (
+        Action(id_, key, label, help_, command=does, symbol=sign, unfocused=True, takes_steps=key == "right")
+        for id_, key, label, help_, does, sign in (
             ("time.on", "right", "step on", "Take a step, or go one on in the past.", "run.step", "→"),
             ("time.back", "left", "step back", "Go one step back.", "time.step_back", "←"),
             ("time.to_start", "home", "start", "Go to step 0.", "", ""),
@@ -145,12 +136,7 @@ _RUN: Final[tuple[Action, ...]] = (
         entry=("+ −", "speed"),
     ),
     Action(
-        "run.slower",
-        "minus,underscore",
-        "slower",
-        "Go to the next lower speed.",
-        symbol="−",
-        entry=_NO_ENTRY,
+        "run.slower", "minus,underscore", "slower", "Go to the next lower speed.", symbol="−", entry=_NO_ENTRY
     ),
     Action(
         "until.choose",
@@ -208,27 +194,6 @@ _RUN: Final[tuple[Action, ...]] = (
         takes_steps=True,
         not_for_program="your program takes its own steps; esc leads to scenarios in which you can act",
     ),
-)
-
-_MENUS: Final = tuple(
-    Action(
-        f"menu.{label}",
-        key,
-        label,
-        help_,
-        command=f"menus.open('{key}')",
-        rank=rank,
-        needs_world=True,
-        keeps_page=True,
-    )
-    for key, label, help_, rank in (
-        ("a", "agent", "Open the menu of what learns: algorithm, policy, ties, settings.", 5),
-        ("w", "world", "Open the menu of the world: edit it, its model, the exact values, its cells.", 6),
-        ("t", "tools", "Open the menu of questions about the run: policies, many seeds, flip points.", 7),
-        ("c", "compare", "Open the menu of runs: put another one beside this one.", 10),
-        ("m", "more", "Open the menu of everything else: moments, branches, save, export.", 11),
-        ("r", "again", "Open the menu of what to start again: the same, or with another seed.", 12),
-    )
 )
 
 _AGENT: Final[tuple[Action, ...]] = (
@@ -338,7 +303,6 @@ _SIGHT: Final[tuple[Action, ...]] = (
             old_only_tells=True,
             not_for_program="your program is not on the start screen; esc goes there",
             not_in_lesson=_STAYS,
-            keeps_page=True,
         )
         for word, bracket, label, does, name in (
             ("previous", "[", "world before", "previous", "left_square_bracket"),
@@ -495,11 +459,7 @@ _AGAIN: Final[tuple[Action, ...]] = (
         aliases="restart reset clear",
     ),
     Action(
-        "agent.next_seed",
-        "r n",
-        "next seed",
-        "Start again with the next seed.",
-        not_for_program=_ITS_SEED,
+        "agent.next_seed", "r n", "next seed", "Start again with the next seed.", not_for_program=_ITS_SEED
     ),
     Action(
         "agent.ask_seed",
@@ -530,5 +490,5 @@ _AGAIN: Final[tuple[Action, ...]] = (
 )
 
 BEFORE_PANELS: Final = (*LESSON_ACTIONS, *_RUN, *_AGENT, *_WORLD)
-AFTER_PANELS: Final = (*_SIGHT, *_TOOLS, *_COMPARE, *_MORE, *_AGAIN, *_MENUS)
+AFTER_PANELS: Final = (*_SIGHT, *_TOOLS, *_COMPARE, *_MORE, *_AGAIN)
 """Between the two stand the keys that open panels."""
