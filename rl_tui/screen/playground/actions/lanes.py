@@ -57,7 +57,7 @@ class LaneActions(Subject):
             return "four runs are open already; c e ends one"
         if deed == "another_seed":
             drawn = self.link.wanted.recipe.scenario.section.drawn_from_seed
-            return f"{SEED_DRAWS_WORLD}; r n starts again in the next one" if drawn else ""
+            return SEED_DRAWS_WORLD if drawn else ""
         if deed == "another_branch" and (snapshot is None or not branches_beside(snapshot)):
             return "this run has one branch; go back, change something, and it has two"
         return ""
