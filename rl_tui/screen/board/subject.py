@@ -34,12 +34,6 @@ class Subject:
         return self.link.snapshot
 
     @property
-    def settled(self) -> Snapshot | None:
-        """The newest snapshot, None while something is under way that was asked for after it."""
-        snapshot = self.snapshot
-        return snapshot if snapshot is not None and self.link.wanted.is_taken_in(snapshot) else None
-
-    @property
     def glyphs(self) -> Glyphs:
         """The characters that the terminal can show."""
         return self.screen.look.glyphs

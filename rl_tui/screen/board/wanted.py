@@ -112,6 +112,8 @@ class PlayerLink:
         self.player = player
         self.wanted = wanted
         self.snapshot: Snapshot | None = None
+        self.settled: Snapshot | None = None
+        """The newest snapshot, None while something is under way that was asked for after it."""
         self.sent = 0
         """How many commands were sent, also such as were sent because of what was drawn."""
         self._on_sent = on_sent
@@ -119,6 +121,7 @@ class PlayerLink:
     def send(self, command: Command) -> None:
         """Ask the player for something."""
         self.sent += 1
+        self.settled = None
         self.wanted.note(command)
         self._on_sent(command)
         self.player.send(command)
@@ -127,3 +130,4 @@ class PlayerLink:
         """Take ``snapshot`` for the newest."""
         self.snapshot = snapshot
         self.wanted.reconcile(snapshot)
+        self.settled = snapshot if self.wanted.is_taken_in(snapshot) else None

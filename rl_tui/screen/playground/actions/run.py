@@ -182,7 +182,7 @@ class RunActions(Subject):
     def why_not(self, deed: str) -> str:
         """Return why the run takes no step, or no sweep can be ordered, as far as all that was sent says."""
         if deed in _STEPPING:
-            return "" if self.settled is None else why_over(self.settled)
+            return "" if self.link.settled is None else why_over(self.link.settled)
         takes_orders = algorithm_row(self.link.wanted.recipe.algorithm).takes_orders
         if deed not in ("evaluate", "improve") or takes_orders:
             return ""

@@ -29,7 +29,7 @@ class TimeActions(Subject):
         """Return why the run cannot go back, or to no other moment."""
         snapshot = self.snapshot
         if deed in ("step_back", "episode_back"):
-            is_at_start = self.settled is not None and not self.settled.counters.step
+            is_at_start = self.link.settled is not None and not self.link.settled.counters.step
             return "this is step 0, where the run begins" if is_at_start else ""
         is_prepared = snapshot is None or snapshot.playback.phase is not Phase.PREPARING
         is_to_choose = deed in ("go_to", "show_branches")

@@ -34,7 +34,7 @@ class UntilActions(Subject):
     def why_not(self, deed: str) -> str:
         """Return why the run goes no further, or there is no breakpoint to set or to clear."""
         if deed == "choose":
-            return "" if self.settled is None else why_over(self.settled)
+            return "" if self.link.settled is None else why_over(self.link.settled)
         snapshot = self.snapshot
         if deed == "toggle_breakpoint" and snapshot is not None and self._breakpoint_here(snapshot) is None:
             is_bandit = isinstance(snapshot.world.drawing, Arms)
