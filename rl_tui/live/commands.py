@@ -149,9 +149,13 @@ class Take(Command):
 
 @dataclass(frozen=True, slots=True)
 class AddLane(Command):
-    """Begin another run beside the one shown, the same but for ``changes``, and let it catch up."""
+    """Begin another run beside the one shown, the same but for ``changes``, and let it catch up.
 
-    changes: tuple[Setting, ...]
+    ``seed`` is its own; None: that of the run shown.
+    """
+
+    changes: tuple[Setting, ...] = ()
+    seed: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -213,7 +213,7 @@ def _seek_to(
 
 
 def _add_lane(playback: Playback, command: commands.AddLane) -> None:
-    playback.group.add(command.changes)
+    playback.group.add(command.changes, command.seed)
     playback.take_in_change()
     playback.seek()
 

@@ -17,6 +17,7 @@ from rl_tui.worlds.world import World
 
 UNLIMITED: Final = 2**62
 """More steps or episodes than any run comes to."""
+SEED_DRAWS_WORLD: Final = "another seed draws another world here; r n starts again in that one"
 _MOST_TOLD: Final = 20
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
-from playing import Ticking, assert_true_to_the_record, begin, do
+from playing import Ticking, assert_true_to_the_record, begin, do, stand
 from recipes import recipe
 
 from rl_tui.live.commands import (
@@ -25,8 +26,9 @@ from rl_tui.live.commands import (
 )
 from rl_tui.live.pace.until import Breakpoints
 from rl_tui.live.playback import Playback
+from rl_tui.live.sessions.session import encoded, read_session
 from rl_tui.live.snapshot import Phase, Snapshot
-from rl_tui.runs.recipe import SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.runs.recipe import SEED_DRAWS_WORLD, SetParameter, SwitchAlgorithm, TakeAction
 
 
 def test_lanes_follow_to_the_same_step_and_are_runs_of_their_own() -> None:
@@ -114,6 +116,38 @@ def test_there_are_four_lanes_at_most_and_they_must_be_able_to_work() -> None:
     playback = begin(recipe("frozenlake"))
     shown = do(playback, AddLane((SetParameter("policy", "thompson"),)))
     assert shown.playback.paused_by
+    assert shown.run_group.lanes == ()
+
+
+def test_a_run_with_another_seed_is_the_run_of_that_seed_and_comes_back_from_its_file(tmp_path: Path) -> None:
+    made_from = recipe("frozenlake-slippery")
+    playback = begin(made_from)
+    do(playback, Train(400), Apply(SetParameter("alpha", 0.3)), Take(1), AddLane(seed=1))
+    shown = do(playback, Train(600), ChooseLane(1))
+    assert [lane.name for lane in shown.run_group.lanes] == ["seed 0", "seed 1"]
+    assert shown.recipe == replace(made_from, seed=1)
+    assert_true_to_the_record(playback)
+    do(playback, GoTo(200), Apply(SetParameter("epsilon", 0.0)), Train(100))
+    assert_true_to_the_record(playback)
+    path = tmp_path / "both.json"
+    path.write_bytes(encoded(playback.record))
+    saved = read_session(path).record()
+    assert [each.recipe.seed for each in saved.lanes] == [0, 1]
+    resumed = begin(saved.lanes[1].recipe, saved)
+    assert stand(resumed.group.current.run) == stand(playback.group.current.run)
+
+
+@pytest.mark.parametrize(("seed", "seeds"), [(0, [0, 1, 0]), (1, [1, 0, 1]), (5, [5, 1, 5])])
+def test_seeds_that_differ_go_on_to_differ_when_all_start_again(seed: int, seeds: list[int]) -> None:
+    playback = begin(recipe("frozenlake"))
+    shown = do(playback, AddLane(seed=1), AddLane((SetParameter("alpha", 0.5),)))
+    do(playback, Restart(replace(shown.recipe, seed=seed)))
+    assert [each.recipe.seed for each in playback.record.lanes] == seeds
+
+
+def test_a_world_that_its_seed_draws_has_no_run_with_another_seed() -> None:
+    shown = do(begin(recipe("bandit")), AddLane(seed=1))
+    assert shown.playback.paused_by == SEED_DRAWS_WORLD
     assert shown.run_group.lanes == ()
 
 

@@ -1,33 +1,21 @@
-"""The table of actions: its keys, its words, and what derives from it."""
+"""What derives from the table of actions: what is done, refused, bound, and on the key line."""
 
 from __future__ import annotations
 
-from collections import Counter
-
 import pytest
 from conftest import MakeApp
-from seams import on_screen, playground, press, snapshot
+from seams import notes, on_screen, playground, press, snapshot, train
 from textual.actions import parse
 
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_line import fitting
-from rl_tui.screen.keys.action import MENUS, Action, Place
+from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
-from rl_tui.screen.keys.registry import ACTIONS, actions_of
+from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.playground.playground import Playground
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 
 PLACES = [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND]
-SINGLE_KEYS = {
-    *("space", "s", "e", "b", "B", "plus", "equals_sign", "minus", "underscore", "u", "1", "2", "3", "4"),
-    *("left", "right", "up", "down", "j", "k", "home", "end"),
-    *("v", "d", "f", "y", *MENUS, "slash", "question_mark", "q", "escape"),
-    *("ctrl+p", "ctrl+c", "ctrl+l", "ctrl+z"),
-}
-LESSON_KEYS = {"R", "A", "full_stop", "comma", "h"}
-MOVING = set("jkq?/")  # in a menu these move, close, show keys and find
-LONGEST_HELP = 76  # characters: what a menu has room for
-PAIRS = {("b", "B")}
 
 
 def usual(place: Place) -> list[Action]:
@@ -47,44 +35,6 @@ def line_width(width: int, glyphs: Glyphs) -> int:
     return 1 + sum(map(len, texts)) + gap * (len(shown) - 1)
 
 
-def single(actions: list[Action]) -> set[str]:
-    return {key for action in actions if not action.menu for key in action.key.split(",")}
-
-
-def test_the_playground_has_few_single_keys_and_all_else_is_in_a_menu() -> None:
-    assert single(usual(Place.PLAYGROUND)) == SINGLE_KEYS
-    of_lesson = [each for each in actions_of(Place.PLAYGROUND) if each.of_lesson]
-    assert single(of_lesson) == LESSON_KEYS
-    paths = [action.key for action in ACTIONS if action.menu]
-    assert len(paths) == len(set(paths)) >= 40
-    assert {action.menu for action in ACTIONS if action.menu} == set(MENUS)
-
-
-@pytest.mark.parametrize("place", PLACES)
-def test_no_key_does_two_things(place: Place) -> None:
-    keys = Counter(key for action in actions_of(place) for key in action.keys)
-    assert [key for key, count in keys.items() if count > 1] == []
-
-
-def test_a_capital_letter_means_what_its_small_letter_means() -> None:
-    keys = single(usual(Place.PLAYGROUND))
-    assert {(key.lower(), key) for key in keys if len(key) == 1 and key.isupper()} == PAIRS
-
-
-@pytest.mark.parametrize("menu", MENUS)
-def test_a_menu_is_small_and_its_rows_are_short(menu: str) -> None:
-    rows = [action for action in ACTIONS if action.menu == menu]
-    assert len([row for row in rows if not row.of_program]) <= 10
-    assert not MOVING & {row.letter for row in rows}
-    assert all(len(row.help) <= LONGEST_HELP for row in rows)
-
-
-def test_every_action_has_a_name_of_its_own_and_says_what_it_does() -> None:
-    assert len({action.id for action in ACTIONS}) == len(ACTIONS)
-    assert all(action.help.endswith((".", "…")) and action.shown for action in ACTIONS)
-    assert all(1 <= len(action.label.split()) <= 2 for action in ACTIONS)
-
-
 @pytest.mark.parametrize("place", PLACES)
 async def test_every_action_can_be_done_on_its_screen(make_app: MakeApp, place: Place) -> None:
     app = make_app("student" if place is Place.PLAYGROUND else None)
@@ -101,13 +51,43 @@ async def test_every_action_can_be_done_on_its_screen(make_app: MakeApp, place: 
                 assert hasattr(app.screen, f"action_{method}"), action.id
 
 
-async def test_what_cannot_be_done_says_why_in_a_clause(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit")) as pilot:
-        refused = {each.id: each.refused for each in playground(pilot).actions if each.refused}
-        alone = {"lanes.show_runs", "lanes.next_lane", "lanes.one_lane", "lanes.end"}
-        assert alone | {"view.numbers", "run.evaluate", "until.clear_breakpoints"} <= refused.keys()
-        assert not {"run.step", "agent.choose_policy", "board.many_seeds"} & refused.keys()
-        assert all(why == why.strip(" .") for why in refused.values())
+STEPPING = {"run.run_or_pause", "run.step", "run.episode", "run.watch", "until.choose"}
+ALONE = {"lanes.show_runs", "lanes.next_lane", "lanes.one_lane", "lanes.end", "lanes.another_branch"}
+AT_STEP_0 = {"time.step_back", "time.episode_back", "time.back"}
+OF_MAPS = {"view.numbers", "view.turn_actions"}
+
+
+@pytest.mark.parametrize(
+    ("scenario", "steps", "refused", "possible"),
+    [
+        (
+            "frozenlake",
+            0,
+            ALONE | AT_STEP_0 | {"run.evaluate", "until.clear_breakpoints"},
+            STEPPING | OF_MAPS,
+        ),
+        ("bandit", 0, OF_MAPS | {"board.discount", "until.toggle_breakpoint"}, STEPPING),
+        ("bandit", 1_000, STEPPING | {"manual.toggle"}, AT_STEP_0 | {"board.many_seeds"}),
+        ("blackjack", 0, {"board.policies", "board.world_check", "scenario.map_settings"}, {"view.model"}),
+    ],
+)
+async def test_what_cannot_be_done_says_why_in_a_clause_and_does_nothing(
+    make_app: MakeApp, scenario: str, steps: int, refused: set[str], possible: set[str]
+) -> None:
+    async with on_screen(make_app(scenario), notifications=True) as pilot:
+        await train(pilot, steps)
+        screen = playground(pilot)
+        reasons = {each.id: each.refused for each in screen.actions if each.refused}
+        assert refused <= reasons.keys()
+        assert not possible & reasons.keys()
+        assert all(why == why.strip(" .") for why in reasons.values())
+        for each in screen.actions:
+            if each.id in refused and not each.unfocused:
+                sent = screen.link.sent
+                await pilot.app.run_action(each.textual_action, screen)
+                await pilot.pause()
+                assert notes(pilot.app)[-1].rstrip(".").lower() == each.refused.lower()
+                assert (screen.link.sent, pilot.app.screen) == (sent, screen), each.id
 
 
 def test_bindings_carry_id_description_and_tooltip() -> None:
@@ -123,6 +103,7 @@ def test_the_key_line_drops_whole_entries_and_keeps_the_key_of_all_keys() -> Non
     assert hints(80) == [*least, "v view", "a agent", "w world", "? keys"]
     more = ["+ − speed", "v view", "d microscope", "a agent", "w world", "t tools", "c compare"]
     assert hints(120) == [*least, *more, "? keys"]
+    assert hints(136) == [*least, *more, "m more", "r again", "? keys"]
     assert hints(22) == ["space run", "? keys"]
     assert hints(1) == ["? keys"]
 

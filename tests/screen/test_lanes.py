@@ -15,6 +15,7 @@ from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.row import WORLD, beside
 from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.playground.actions.export import script_of
 
 
 async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:
@@ -101,6 +102,21 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert board.table.lane == ""
 
 
+async def test_another_seed_is_the_next_one_that_no_run_has_and_what_is_exported_names_it(
+    make_app: MakeApp,
+) -> None:
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
+        await train(pilot, 200)
+        await press(pilot, "c", "n")
+        shown = await press(pilot, "c", "n")
+        assert [lane.name for lane in shown.run_group.lanes] == ["seed 0", "seed 1", "seed 2"]
+        shown = await press(pilot, "c", "l")
+        assert shown.recipe.seed == playground(pilot).recipe.seed == 1
+        assert "SEED = 1" in script_of(shown)
+        await press(pilot, "r", "r")
+        assert [lane.name for lane in snapshot(pilot).run_group.lanes] == ["seed 0", "seed 1", "seed 2"]
+
+
 async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> None:
     """Back to a value that the first lane has all along is a change in the second."""
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
@@ -136,6 +152,7 @@ async def test_four_lanes_fit_every_screen(make_app: MakeApp) -> None:
             named = sum(f"α {value}" in text for value in ("0.1", "0.2", "0.5", "0.9"))
             if size == (60, 18):
                 assert all(f"{number} " in text for number in range(1, 5)), "one row has room for numbers"
+                assert "no room for two" in playground(pilot).lanes.why_not("one_lane")
             else:
                 assert named == (2 if size == (80, 24) else 4)  # a name a row
             await press(pilot, "c", "c")

@@ -45,7 +45,7 @@ from rl_tui.screen.frame.menu_strip import MenuStrip
 from rl_tui.screen.kit.row import LESSON as LESSON_PANEL
 from rl_tui.screen.kit.row import MICROSCOPE, TABLE, WORLD
 from rl_tui.screen.panels.lesson.lesson import LessonPanel
-from rl_tui.screen.playground.actions.kept_back import NO_LESSON, PREDICT_FIRST, STAYS
+from rl_tui.screen.playground.actions.kept_back import NO_LESSON, PREDICT_FIRST
 from rl_tui.screen.playground.actions.lesson import CAN_BE_DONE, NOT_DONE, SEEN_BEFORE
 from rl_tui.screen.playground.actions.next_lesson import LAST_PAGE
 from rl_tui.screen.playground.playground import Playground
@@ -370,7 +370,7 @@ async def test_keys_palette_and_help_offer_a_lesson_only_where_there_is_one() ->
         assert {"lesson.read", "lesson.hint"} <= {each.id for each in screen.actions}
         assert found_by("hint", entries_on(screen))[0].name == "Hint"
         assert "R read" in line.render_line(0).text
-        assert await refusal(pilot, "w", "]") == STAYS
+        assert await refusal(pilot, "w", "]") == "esc leaves the lesson; its progress is kept"
 
 
 @both_sizes

@@ -76,9 +76,14 @@ async def test_the_mouse_does_a_row_and_closes_beside_them(make_app: MakeApp) ->
         assert snapshot(pilot).recipe.seed == 1
 
 
-async def test_what_cannot_be_done_now_says_why_and_what_is_no_row_does_nothing(make_app: MakeApp) -> None:
+async def test_what_cannot_be_done_now_says_why_and_a_key_of_no_row_says_so(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "c", "l", "Z")
+        await press(pilot, "c", "l")
+        assert ONE_RUN in lines(pilot)[-1]
+        for key, name in (("Z", "Z"), ("backspace", "backspace"), ("full_stop", ".")):
+            await press(pilot, key)
+            assert lines(pilot)[-1].strip() == f"{name}: no row here."
+        await press(pilot, "down", "up")
         assert ONE_RUN in lines(pilot)[-1]
         await press(pilot, "q")
         assert isinstance(pilot.app.screen, Playground)
@@ -102,14 +107,14 @@ async def test_rows_show_current_values_while_the_run_goes_on(make_app: MakeApp)
 
 async def test_a_reason_that_comes_while_the_menu_is_open_is_shown_whole(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (60, 18)) as pilot:
-        row = MenuRow("one", "o", "one", "", "Do it.", "")
+        row = MenuRow("one", "o", "one", "", "Do it.", is_refused=False)
         rows = [row]
         pilot.app.push_screen(MenuStrip(playground(pilot).look, "Test", lambda: list(rows)))
         await settle(pilot)
-        rows[:] = [row._replace(refused=f"{'because of this and that, ' * 4}this is the end")]
+        rows[:] = [row._replace(sentence=f"{'Because of this and that, ' * 4}this is the end.")]
         strip(pilot).show(snapshot(pilot))
         await settle(pilot)
-        assert "this is the end." in lines(pilot)[-1]
+        assert "is the end." in lines(pilot)[-1]
 
 
 async def test_escape_closes_the_menu_and_not_the_mode_below(make_app: MakeApp) -> None:

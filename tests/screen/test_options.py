@@ -73,7 +73,7 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         assert done.playback.phase is Phase.DONE
         assert "converged after" in pilot.app.screen.query_one(StatusLine).render_line(0).text
         await press(pilot, "space")
-        assert notes(pilot.app)[-1].startswith("converged after")
+        assert notes(pilot.app)[-1].startswith("Converged after")
         await press(pilot, "1", "pagedown")
         assert snapshot(pilot).playback.phase is Phase.PAUSED
         pilot.app.set_focus(None)

@@ -119,7 +119,9 @@ async def test_palette_help_and_key_line_list_it() -> None:
 
 
 async def test_what_has_nothing_to_show_says_so() -> None:
-    row = replace(STEPS, needs=lambda drawing: isinstance(drawing, Arms))
+    row = replace(
+        STEPS, lacks=lambda now: "" if isinstance(now.world.drawing, Arms) else "it has nothing to show"
+    )
     async with on_screen(app_with(row), notifications=True) as pilot:
         await press(pilot, "f9")
         assert playground(pilot).board.opened is None

@@ -24,6 +24,7 @@ from rl_tui.runs.library import find, recipe_for
 from rl_tui.runs.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.runs.timeline.branches import FIRST, RunRecord
 from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.find import entries_in_files
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.catalogue.catalogue import CatalogueScreen
 from rl_tui.screen.catalogue.doors import GO_ON, Doors
@@ -156,6 +157,13 @@ async def test_the_third_door_names_the_newest_session_and_goes_on_with_it(
         await finished(pilot, "resume the session")
         await settle(pilot)
         assert step(pilot) == 9
+
+
+def test_what_finds_sessions_says_how_old_they_are_and_where_they_stand(tmp_path: Path) -> None:
+    for steps in (7, 1_234):
+        write(tmp_path, f"{steps}.json", record(steps), order=steps % 7)
+    found = [each.name for each in entries_in_files(print, tmp_path) if each.kind == "session"]
+    assert sorted(found) == ["A student's evening · now · step 1,234", "A student's evening · now · step 7"]
 
 
 async def test_rows_of_one_title_can_be_told_apart(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:

@@ -284,6 +284,10 @@ def test_a_planner_alone_has_no_luck() -> None:
     assert "planner" in refusal_of(begin(recipe("student", algorithm="value-iteration")))
 
 
+def test_runs_that_differ_in_their_seed_have_no_other_seeds_to_differ_in() -> None:
+    assert "c e" in refusal_of(begin(recipe("student")), AddLane(seed=1))
+
+
 def test_a_planner_beside_an_agent_is_worked_out_with_it() -> None:
     told = studied(recipe("student"), AddLane((SwitchAlgorithm("value-iteration"),)), Train(100))
     assert told.state is StudyState.DONE

@@ -16,6 +16,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.runs.edited_world import EditedWorld
 from rl_tui.runs.large_worlds import is_large
 from rl_tui.runs.recipe import (
+    SEED_DRAWS_WORLD,
     UNLIMITED,
     Change,
     JournalEntry,
@@ -39,7 +40,7 @@ MOST: Final = 4
 
 
 class RunGroup:
-    """One to four branching runs of one scenario and seed: the lanes of a playground.
+    """One to four branching runs of one scenario: the lanes of a playground.
 
     The one shown leads: the others follow to ``step``, where it stands, unless they are over before. Each of
     ``records`` begins at the seed: :meth:`resume` seeks where it stood. ``clock`` gives seconds.
@@ -145,10 +146,14 @@ class RunGroup:
     def restarted(self, recipe: Recipe, *, keeps_edits: bool) -> tuple[RunRecord, ...]:
         """Return runs that begin again: the one shown with ``recipe``, the others as they are now.
 
-        Where it ``keeps_edits``, each begins in its world as it is now: what was edited on the way comes at
-        the start.
+        Those that had its seed go on to have it. One that had the seed which it takes gets the one given up,
+        so that seeds which differ go on to differ. Where it ``keeps_edits``, each begins in its world as it
+        is now: what was edited on the way comes at the start.
         """
-        recipes = [replace(_recipe_now(each), seed=recipe.seed) for each in self._runs]
+        before = self.current.recipe.seed
+        seeds = {recipe.seed: before, before: recipe.seed}
+        now = map(_recipe_now, self._runs)
+        recipes = [replace(each, seed=seeds.get(each.seed, each.seed)) for each in now]
         recipes[self.shown] = recipe
         edits = [each.record.world_changes if keeps_edits else [] for each in self._runs]
         journals = [tuple(JournalEntry(0, change) for change in changes) for changes in edits]
@@ -226,8 +231,8 @@ class RunGroup:
         self.current.stop_seek()
         self.step = self.current.run.step
 
-    def add(self, changes: Sequence[Setting]) -> None:
-        """Add a run that differs from the one shown by ``changes``, from the start.
+    def add(self, changes: Sequence[Setting], seed: int | None = None) -> None:
+        """Add a run that differs from the one shown by ``changes``, and by its ``seed``, from the start.
 
         It keeps what was changed on the way, the world too, but for what differs, and but for steps taken by
         a person; with another algorithm also but for sweeps that were ordered. Raises UserError where there
@@ -236,6 +241,10 @@ class RunGroup:
         self._check_room()
         model, step = self.current, self.step
         recipe = changed_recipe(model.recipe, *changes)
+        if seed is not None:
+            recipe = replace(recipe, seed=seed)
+            if recipe.scenario.section.drawn_from_seed:
+                raise UserError(SEED_DRAWS_WORLD)
         left_out = {"", *(_subject(change) for change in changes)}
         journal = tuple(entry for entry in model.run.journal if _subject(entry.change) not in left_out)
         for world in (self.first.world, model.run.world):

@@ -5,28 +5,32 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Callable, Iterator, Sequence
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from rich.cells import cell_len
 from rich.text import Text
 from textual import on
 from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
 from textual.screen import Screen
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.agents.hyperparameters import PARAMETERS, Parameter
+from rl_tui.common.words import counted
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen, Ask, Put
 from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.keys.action import Action
-from rl_tui.screen.kit.bindings import as_sentence
+from rl_tui.screen.kit.bindings import ListInput, as_sentence
 from rl_tui.screen.theme.look import Look
+
+if TYPE_CHECKING:
+    from rl_tui.live.sessions.session import StoredSession
 
 _WORD: Final = re.compile(r"^\W+|\W+$")
 _PLAIN: Final = str.maketrans({"×": "x", "−": "-", "–": "-"})
@@ -57,13 +61,6 @@ class FindScreen(Dialog[Findable]):
     in a thread, once the screen is there.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "move('cursor_up')", "row above", id="find.up", tooltip="The row above."),
-        Binding("down", "move('cursor_down')", "row below", id="find.down", tooltip="The row below."),
-        Binding("pageup", "move('page_up')", "page up", id="find.page_up", tooltip="A page up."),
-        Binding("pagedown", "move('page_down')", "page down", id="find.page_down", tooltip="A page down."),
-    ]
-
     def __init__(
         self,
         look: Look,
@@ -83,7 +80,7 @@ class FindScreen(Dialog[Findable]):
     def compose(self) -> ComposeResult:
         """Yield the line, the rows and the sentence."""
         with self.box("Find", self._written("↑ ↓: choose   enter: do or open   esc: close"), "tall"):
-            yield Input(placeholder="a few letters of anything", compact=True, max_length=_LONGEST)
+            yield ListInput(placeholder="a few letters of anything", compact=True, max_length=_LONGEST)
             yield OptionList(id="found")
             yield Static(markup=False, classes="hint")
 
@@ -121,10 +118,6 @@ class FindScreen(Dialog[Findable]):
         """Show the sentence about the row under the cursor."""
         if event.option_list.highlighted == event.option_index < len(self._found):  # else outdated
             self._tell(self._found[event.option_index].sentence)
-
-    def action_move(self, command: str) -> None:
-        """Move the cursor."""
-        getattr(self.query_one(OptionList), f"action_{command}")()
 
     def list_matches(self, query: str, *, keeps_cursor: bool = False) -> None:
         """List what ``query`` finds; the cursor stays on its row where ``keeps_cursor`` and that is found."""
@@ -267,11 +260,15 @@ def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None)
         for each in read_lessons().lessons
     ]
     kept = () if sessions is None else sessions_in(sessions)[0]
-    return [
-        *worlds,
-        *lessons,
-        *(
-            Findable(each.title, "session", f"Step {each.step:,}.", partial(open_found, each))
-            for each in kept
-        ),
-    ]
+    return [*worlds, *lessons, *(_of_session(each, partial(open_found, each)) for each in kept)]
+
+
+def _of_session(session: StoredSession, do: Callable[[], object]) -> Findable:
+    """Return the entry of ``session``: when it was saved and where it stands tell it from others."""
+    from rl_tui.screen.catalogue.session_text import algorithm_name, long_age, settings_of, short_age
+
+    age, table = datetime.now(UTC) - session.saved, session.document.table
+    name = f"{session.title} · {short_age(age, session.saved)} · step {session.step:,}"
+    played = [] if table is None else [counted(table.episodes, "episode")]
+    made_of = ", ".join((algorithm_name(session.algorithm), *settings_of(session), *played))
+    return Findable(name, "session", f"{made_of}. Saved {long_age(age)}.", do)

@@ -21,7 +21,6 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
 from rl_tui.runs.background.background import Background
 from rl_tui.runs.measures import Measure
@@ -469,25 +468,9 @@ class AtlasDialog(Dialog[Recipe]):
 # Opening the map
 
 
-_IN_A_LESSON = "a lesson asks questions of its own: settings are mapped outside of it"
-
-
 def open_atlas(subject: Subject, take: Callable[[Recipe], None]) -> None:
     """Show how the run of ``subject`` would do with other settings; ``take`` opens the one that is chosen."""
-    snapshot, wanted = subject.snapshot, subject.link.wanted
-    if snapshot is None:
-        return
-    if wanted.lesson is not None:
-        subject.screen.tell(_IN_A_LESSON, "warning")
-        return
-    try:
-        request = surroundings(
-            wanted.recipe,
-            snapshot.world,
-            is_edited=bool(snapshot.world_changes),
-            is_awaited=not subject.link.player.is_automatic,
-        )
-    except UserError as reason:
-        subject.screen.tell(str(reason), "warning")
-        return
-    subject.ask(AtlasDialog(subject.screen.look, request), take)
+    if subject.snapshot is not None:
+        is_awaited = not subject.link.player.is_automatic
+        request = surroundings(subject.link.wanted.recipe, subject.snapshot.world, is_awaited=is_awaited)
+        subject.ask(AtlasDialog(subject.screen.look, request), take)

@@ -416,12 +416,14 @@ class Board(Container):
         """The id of the panel that was opened by its key."""
         return self._arrangement.opened
 
+    def why_not(self, deed: str) -> str:
+        """Return why a panel that ``deed`` opens has nothing to show; empty where it has, or is open."""
+        panel, snapshot = deed.removeprefix("toggle('").removesuffix("')"), self._snapshot
+        return "" if snapshot is None or self.opened == panel else self.rows[panel].lacks(snapshot)
+
     def toggle(self, panel: str) -> None:
         """Open ``panel``, which takes the focus, in place of the one that is open; or close it."""
-        was_open, row = self.opened, self.rows[panel]
-        if was_open != panel and not row.needs(self._arrangement.shape.drawing):
-            self.notify(f"{row.title}: there is nothing to show of this world", markup=False)
-            return
+        was_open = self.opened
         self.close()
         if was_open == panel:
             return

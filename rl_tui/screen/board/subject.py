@@ -39,11 +39,14 @@ class Subject:
         return self.screen.look.glyphs
 
     def why_not(self, deed: str) -> str:
-        """Return why the method ``deed`` can do nothing now, as a clause; empty where it can."""
+        """Return why ``deed`` can do nothing now, as a clause; empty where it can.
+
+        It is a method with its arguments, as a row of the registry names them.
+        """
         return ""
 
     def value(self, deed: str) -> str:
-        """Return the current value of what the method ``deed`` changes, for its row in a menu."""
+        """Return the current value of what ``deed`` changes, for its row in a menu."""
         return ""
 
     def ask(self, dialog: Dialog[Answer], answered: Callable[[Answer], None]) -> None:

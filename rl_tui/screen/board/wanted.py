@@ -66,7 +66,10 @@ class Wanted:
 
     def take_over(self, lane: LaneView) -> None:
         """Let whatever is changed from here on start from what is in force in ``lane``."""
-        self.recipe = replace(self.recipe, algorithm=lane.algorithm, hyperparameters=lane.hyperparameters)
+        seed = self.recipe.seed if lane.past is None else lane.past.begun.seed
+        self.recipe = replace(
+            self.recipe, algorithm=lane.algorithm, hyperparameters=lane.hyperparameters, seed=seed
+        )
 
     def reconcile(self, snapshot: Snapshot) -> None:
         """Let what is in force count again, once the player has taken in all that was sent."""
@@ -109,6 +112,8 @@ class PlayerLink:
         self.player = player
         self.wanted = wanted
         self.snapshot: Snapshot | None = None
+        self.settled: Snapshot | None = None
+        """The newest snapshot, None while something is under way that was asked for after it."""
         self.sent = 0
         """How many commands were sent, also such as were sent because of what was drawn."""
         self._on_sent = on_sent
@@ -116,6 +121,7 @@ class PlayerLink:
     def send(self, command: Command) -> None:
         """Ask the player for something."""
         self.sent += 1
+        self.settled = None
         self.wanted.note(command)
         self._on_sent(command)
         self.player.send(command)
@@ -124,3 +130,4 @@ class PlayerLink:
         """Take ``snapshot`` for the newest."""
         self.snapshot = snapshot
         self.wanted.reconcile(snapshot)
+        self.settled = snapshot if self.wanted.is_taken_in(snapshot) else None

@@ -36,12 +36,13 @@ from rl_tui.live.sessions.progress import (
 )
 from rl_tui.live.sessions.session import StoredSession
 from rl_tui.screen.catalogue.facts import CORE, faults_text, labelled, minutes_of_page
-from rl_tui.screen.catalogue.scenario_list import FAULTY, Heading, ListRow, RowList
+from rl_tui.screen.catalogue.scenario_list import FAULTY, Heading, ListRow
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
+from rl_tui.screen.kit.bindings import RowList
 from rl_tui.screen.terminal.key_queue import EarlyKeys
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look

@@ -12,7 +12,7 @@ from rich.console import Console, ConsoleOptions, RenderResult
 from rich.text import Text
 from textual.binding import BindingType
 from textual.containers import Horizontal
-from textual.widgets import Input, OptionList, Static
+from textual.widgets import Static
 from textual.widgets.option_list import Option
 
 from rl_tui.common.errors import ScenarioError
@@ -22,7 +22,7 @@ from rl_tui.live.sessions.session import StoredSession
 from rl_tui.screen.catalogue.facts import FullWidth
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
-from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.bindings import ListInput, RowList, binding
 from rl_tui.screen.theme.glyphs import ASCII
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms, Graph, Grid
@@ -35,15 +35,6 @@ from rl_tui.worlds.files.scenario import Scenario
 FAULTY: Final = "!"
 _LONGEST_NAME: Final = 255
 _MARK: Final = 3  # columns before a title: a blank, the mark, a blank
-
-
-class RowList(OptionList):
-    """A list in which j and k move as the arrows do."""
-
-    BINDINGS: ClassVar[list[BindingType]] = [
-        binding("j", "cursor_down", "list.down", "Go to the next row."),
-        binding("k", "cursor_up", "list.up", "Go to the row before."),
-    ]
 
 
 class ListRow(FullWidth):
@@ -221,20 +212,12 @@ def has_words(text: str, words: str) -> bool:
 _LONGEST_FILTER: Final = 40
 
 
-class FilterInput(Input):
-    """A line in which words are typed; keys that move go to the list that it filters."""
+class FilterInput(ListInput):
+    """A line in which words are typed that filter a list."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        binding("up", "move('cursor_up')", "filter.up", "Go to the row before."),
-        binding("down", "move('cursor_down')", "filter.down", "Go to the next row."),
-        binding("pageup", "move('page_up')", "filter.page_up", "Go a page up."),
-        binding("pagedown", "move('page_down')", "filter.page_down", "Go a page down."),
         binding("escape", "screen.show_all", "filter.all", "Show all rows again."),
     ]
-
-    def action_move(self, how: str) -> None:
-        """Move the cursor of the list."""
-        getattr(self.screen.query(RowList).first(), f"action_{how}")()
 
 
 class Filter(Horizontal):

@@ -26,11 +26,11 @@ from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import SessionError, StoredSession, files_in, remove, sessions_in
 from rl_tui.runs.timeline.run_names import feature_text, features_of
 from rl_tui.screen.catalogue.facts import FullWidth, labelled
-from rl_tui.screen.catalogue.scenario_list import RowList
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.kit.bindings import RowList
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 

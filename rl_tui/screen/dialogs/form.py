@@ -21,7 +21,7 @@ from textual.widgets.option_list import Option
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.kit.bindings import as_sentence
+from rl_tui.screen.kit.bindings import RowList, as_sentence
 from rl_tui.screen.theme.glyphs import UNICODE, Glyphs
 
 ABOUT_ROWS: Final = 3
@@ -86,8 +86,6 @@ class Form(Dialog[Any]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("q", "cancel", "back", id="close_form", tooltip="Close without a change."),
         Binding("down", "to_list", "list", id="form.list", tooltip="Go from the line to the list."),
-        Binding("j", "move(1)", "down", id="form.down", tooltip="Go one row down."),
-        Binding("k", "move(-1)", "up", id="form.up", tooltip="Go one row up."),
         *(Binding(str(digit), f"take({digit})", show=False) for digit in range(1, 10)),
     ]
 
@@ -127,7 +125,7 @@ class Form(Dialog[Any]):
             if self.entry is not None:
                 yield Input(self.entry.text, select_on_focus=True, compact=True, max_length=_LONGEST)
             if self.candidates:
-                yield OptionList()
+                yield RowList()
             yield Static(classes="hint", id="about", markup=False)
 
     def on_mount(self) -> None:
@@ -248,11 +246,6 @@ class Form(Dialog[Any]):
         """Go from the line to the list."""
         if self.candidates:
             self._list.focus()
-
-    def action_move(self, rows: int) -> None:
-        """Go one row down, or up."""
-        if self.candidates:
-            self._list.action_cursor_down() if rows > 0 else self._list.action_cursor_up()
 
     def action_take(self, number: int) -> None:
         """Do what the row with this ``number`` says."""

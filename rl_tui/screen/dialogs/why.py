@@ -26,6 +26,7 @@ from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.precision import magnitude
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.bindings import RowList, as_sentence
 from rl_tui.screen.kit.snapshot_facts import ANSWER_KEPT, hides_means, keeps_back
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
@@ -61,7 +62,7 @@ class Why(Dialog[Remedy]):
         with self.box("Why is nothing learned?", _CLOSES):
             yield Static(id="said", markup=False)
             yield Static(self._row(_HEAD), classes="hint", id="head", markup=False)
-            yield OptionList()
+            yield RowList()
             yield Static(classes="hint", id="about", markup=False)
 
     def on_mount(self) -> None:
@@ -124,14 +125,14 @@ def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
         return ["It is being worked out."]
     lines = [_IS_OVER if view.has_moved else _so_far(snapshot.counters.episodes), ""]
     if view.answer is None:
-        return [*lines, f"How long the wait is cannot be told. {_sentence(view.refused)}"]
+        return [*lines, f"How long the wait is cannot be told. {as_sentence(view.refused)}"]
     in_words = partial(written, glyphs=glyphs)
     wait = wait_in_words(view.answer.wait, in_words)
     if view.has_moved:
         return [*lines, f"With the current settings, from the start: {wait}."]
     settings, time_limit = snapshot.agent.hyperparameters, snapshot.world.space.time_limit
     cause = cause_in_words(view.answer, settings, time_limit, in_words)
-    lines.append(_sentence(wait))
+    lines.append(as_sentence(wait))
     if cause:
         lines += ["", f"Why: {cause}."]
     return [*lines, ""] if view.answer.remedies else lines
@@ -148,10 +149,6 @@ def _so_far(episodes: int) -> str:
     return (
         f"In {counted(episodes, 'episode')} no estimate has moved." if episodes else "No estimate has moved."
     )
-
-
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}."
 
 
 def written(number: float, glyphs: Glyphs) -> str:

@@ -21,6 +21,7 @@ from rl_tui.screen.frame.message_line import tell
 from rl_tui.screen.frame.shape import MESSAGE_HEIGHT, ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.registry import actions_of
+from rl_tui.screen.kit.bindings import as_sentence
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.theme.look import Look
@@ -89,7 +90,11 @@ class ActionScreen(Screen[None]):
     @property
     def actions(self) -> tuple[Action, ...]:
         """What a person can do here now: what palette and help list."""
-        return self.known_actions
+        return self.listed()
+
+    def listed(self, menu: str = "") -> tuple[Action, ...]:
+        """Return what a person can do here now by ``menu``, or by any key."""
+        return tuple(each for each in self.known_actions if not menu or each.menu == menu)
 
     @property
     def settings(self) -> Mapping[str, tuple[Ask, Put]]:
@@ -120,7 +125,7 @@ class ActionScreen(Screen[None]):
 
     def refuse(self, why: str) -> None:
         """Tell ``why`` something cannot be done now, a clause, as a sentence."""
-        self.tell(f"{why[0].upper()}{why[1:]}.")
+        self.tell(as_sentence(why))
 
     def on_key(self, event: Key) -> None:
         """Note where the mouse is: what asks is not what moved a cursor."""

@@ -31,6 +31,7 @@ from rl_tui.screen.glossary.glossary import (
     term_at,
     terms_called,
 )
+from rl_tui.screen.kit.bindings import ListInput
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.row import PanelRow, beside
 from rl_tui.screen.kit.snapshot_facts import figure_setting
@@ -49,12 +50,17 @@ _LONGEST_LINE: Final = 44  # cells of a word and its other names in the list
 _LONGEST: Final = 40  # characters of a search
 
 
-class GlossarySearch(Input):
-    """Takes what is typed but for the question mark, which goes on to the help."""
+class GlossarySearch(ListInput):
+    """Takes what is typed but for the question mark, which goes on to the help; pages are the paragraph's."""
 
     def check_consume_key(self, key: str, character: str | None) -> bool:
         """Return whether ``key`` is typed here rather than a key of the screen."""
         return key != "question_mark" and super().check_consume_key(key, character)
+
+    def action_move(self, how: str) -> None:
+        """Go to another word of the list, or scroll its paragraph where that is longer than its room."""
+        of_list = how.startswith("cursor")
+        getattr(self.screen.query_one("#words" if of_list else "#paragraph"), f"action_{how}")()
 
 
 class GlossaryScreen(Dialog[str]):
@@ -67,16 +73,6 @@ class GlossaryScreen(Dialog[str]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(
             "question_mark", "pages", "pages", id="glossary.pages", tooltip="Go to the pages.", priority=True
-        ),
-        Binding("up", "move('cursor_up')", "word before", id="glossary.up", tooltip="The word before."),
-        Binding("down", "move('cursor_down')", "next word", id="glossary.down", tooltip="The next word."),
-        Binding("pageup", "turn('page_up')", "up", id="glossary.page_up", tooltip="Scroll the paragraph up."),
-        Binding(
-            "pagedown",
-            "turn('page_down')",
-            "down",
-            id="glossary.page_down",
-            tooltip="Scroll the paragraph down.",
         ),
     ]
 
@@ -126,15 +122,6 @@ class GlossaryScreen(Dialog[str]):
             self._show(text.append(self._figure(glossary()[number.term])))
         elif event.option_id is not None:
             self._show(self._paragraph(glossary()[event.option_id]))
-
-    def action_move(self, command: str) -> None:
-        """Go to another word of the list."""
-        words = self.query_one(OptionList)
-        getattr(words, f"action_{command}")()
-
-    def action_turn(self, command: str) -> None:
-        """Scroll the paragraph, where it is longer than its room."""
-        getattr(self.query_one("#paragraph"), f"action_{command}")()
 
     def action_pages(self) -> None:
         """Go on to the pages."""

@@ -29,14 +29,6 @@ PAGES: Final = "pages"
 FIND: Final = "find"
 _TABS: Final = ("Keys", "Words", "Pages")
 _ROOMY: Final = (108, 34)  # columns and lines from which each menu is a list of its own
-_TOGETHER: Final = {
-    "time.step_back": ("b B", "back"),
-    "run.faster": ("+ −", "speed"),
-    "agent.focus_slider_1": ("1 2 3 4", "sliders"),
-}
-"""Keys that share an entry with the ones after them, which then have none."""
-_ELSEWHERE: Final = frozenset({*MENUS, "B", "minus,underscore", "2", "3", "4", "ctrl+l", "ctrl+z", "ctrl+c"})
-"""Keys that another entry or a menu names, and those for emergencies, which the words explain."""
 _MOVING: Final = {
     **dict.fromkeys(("up", "down", "left", "right"), "move"),
     **dict.fromkeys(("page up", "page down"), "page"),
@@ -149,7 +141,9 @@ class KeySheet(Dialog[str]):
             yield group, entries
         rest = (Group.RUN, Group.PROGRAM)
         singles = [each for each in self._actions if not each.menu and each.group in rest]
-        yield "Everywhere", [_entry(each) for each in singles if each.key not in _ELSEWHERE]
+        # Menus have a heading of their own, and keys for emergencies are explained by the words
+        listed = [each for each in singles if each.key not in MENUS and not each.everywhere]
+        yield "Everywhere", [entry for each in listed if (entry := _entry(each)).key]
 
     def _columns(self, entries: Sequence[_Entry], count: int, width: int) -> Iterator[Text]:
         keys = max(len(entry.key) for entry in entries)
@@ -208,7 +202,7 @@ class KeySheet(Dialog[str]):
 
 
 def _entry(action: Action) -> _Entry:
-    key, label = _TOGETHER.get(action.id, (action.shown, action.label))
+    key, label = action.entry or (action.shown, action.label)
     return _Entry(key, label, bool(action.refused))
 
 

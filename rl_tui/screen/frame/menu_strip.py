@@ -23,28 +23,29 @@ from rl_tui.screen.theme.look import Look
 _WIDE: Final = 110  # columns from which a line has three rows of a menu, else two
 _BEFORE_LABEL: Final = 5  # columns: the cursor, the letter and the blanks around them
 _MOVES: Final = {"down": 1, "j": 1, "tab": 1, "up": -1, "k": -1, "shift+tab": -1}
-_LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
+LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
+"""Keys that close a menu for something else, with the id of that action."""
 
 
 class MenuRow(NamedTuple):
-    """One row: an action, its letter and words, the current value, and why it cannot be done now."""
+    """One row: an action, its letter and words, the current value, a sentence; whether it cannot be done."""
 
     id: str
     letter: str
     label: str
     value: str
     sentence: str
-    refused: str
-
-
-def _sentence(row: MenuRow) -> str:
-    return f"Not now: {row.refused}." if row.refused else row.sentence
+    is_refused: bool
 
 
 class MenuRows(Widget):
-    """Draws the title, the rows in columns, and the sentence of the one ``at`` which the cursor is."""
+    """Draws the title, the rows in columns, and the sentence of the row under the cursor.
+
+    ``at`` is that row; ``unknown`` is a key that was pressed and is none of the menu.
+    """
 
     at: reactive[int] = reactive(0)
+    unknown: reactive[str] = reactive("")
 
     def __init__(self, look: Look, title: str, rows: Sequence[MenuRow]) -> None:
         super().__init__()
@@ -73,7 +74,7 @@ class MenuRows(Widget):
 
     def _fit(self) -> None:
         width = max(1, self.size.width - 2)
-        most = max(len(wrap(_sentence(row), width)) for row in self.rows)
+        most = max(len(wrap(row.sentence, width)) for row in self.rows)
         self.styles.height = 1 + self.lines + most
 
     def render_line(self, y: int) -> Strip:
@@ -85,9 +86,13 @@ class MenuRows(Widget):
             places = range(y - 1, len(self.rows), self.lines)
             segments = [segment for place in places for segment in self._row(place)]
         else:
-            said = wrap(_sentence(self.rows[self.at]), max(1, width - 2))[y - self.lines - 1 :]
+            said = wrap(self._said, max(1, width - 2))[y - self.lines - 1 :]
             segments = [Segment(f" {to_ascii(said[0], self.look.glyphs)}" if said else "", text)]
         return Strip(segments).adjust_cell_length(width, text).apply_style(self.rich_style)
+
+    @property
+    def _said(self) -> str:
+        return f"{self.unknown}: no row here." if self.unknown else self.rows[self.at].sentence
 
     def _title(self, width: int) -> list[Segment]:
         palette, line = self.look.palette, self.look.glyphs.axis_horizontal
@@ -107,10 +112,10 @@ class MenuRows(Widget):
         width = self.size.width // self._columns - _BEFORE_LABEL
         labels = max(cell_len(to_ascii(each.label, glyphs)) for each in self.rows) + 2
         text = f"{to_ascii(row.label, glyphs):<{labels}}{to_ascii(row.value, glyphs)}"
-        style = palette.dim if row.refused else palette.strong if is_here else palette.text
+        style = palette.dim if row.is_refused else palette.strong if is_here else palette.text
         return [
             Segment(f" {glyphs.cursor if is_here else ' '} ", palette.press),
-            Segment(f"{row.letter} ", palette.dim if row.refused else palette.press),
+            Segment(f"{row.letter} ", palette.dim if row.is_refused else palette.press),
             Segment(shortened(text, width - 1, glyphs.ellipsis).ljust(width), style),
         ]
 
@@ -142,6 +147,7 @@ class MenuStrip(Dialog[str]):
         """Do what a letter says, or move the cursor; no key reaches the screen below."""
         menu, key = self.menu, event.key
         event.stop()
+        menu.unknown = ""
         letters = [row.letter for row in menu.rows]
         letter = event.character or key
         if letter in letters:
@@ -157,8 +163,10 @@ class MenuStrip(Dialog[str]):
             menu.at = beside if 0 <= beside < len(menu.rows) else menu.at
         elif key in ("home", "end"):
             menu.at = 0 if key == "home" else len(menu.rows) - 1
-        elif key in _LEADING_ON:
-            self.dismiss(_LEADING_ON[key])
+        elif key in LEADING_ON:
+            self.dismiss(LEADING_ON[key])
+        else:
+            menu.unknown = letter if letter.isprintable() else key
 
     def on_click(self, event: events.Click) -> None:
         """Do the row that is clicked; a click elsewhere closes the menu."""
@@ -174,5 +182,5 @@ class MenuStrip(Dialog[str]):
     def _choose(self, place: int) -> None:
         self.menu.at = place
         row = self.menu.rows[place]
-        if not row.refused:
+        if not row.is_refused:
             self.dismiss(row.id)

@@ -42,8 +42,9 @@ class Action:
     Words
         ``label`` has at most two words, ``help`` is one sentence. ``rank`` orders the key line (a lower one
         is kept longer where it is narrow; None: not on it), and ``hint`` replaces key and label there, for
-        two actions that share an entry. What ``is_first`` stands there from the start, before a person has
-        done anything. While the run goes on, ``while_running`` is the word there.
+        two actions that share an entry; ``entry`` does so on the page of all keys, where it is empty for
+        those that stand in the entry of another. What ``is_first`` is on the key line from the start, before
+        a person has done anything. While the run goes on, ``while_running`` is the word there.
         ``aliases`` are other words by which it is found.
     Command
         ``command`` does it; the default is the ``id``. ``object.method`` is a method of an object that the
@@ -53,10 +54,13 @@ class Action:
         What is ``for_the_owner`` of the machine is not for a kiosk; what ``needs_world`` waits until there is
         one; what counts ``everywhere`` does so in dialogs too. What ``leaves`` a panel, a screen or the
         program does not wait for a flood of other keys. ``not_for_program`` is why it cannot be done to a
-        watched program, and what to do instead, with ``{file}`` for the program's file. What is
-        ``of_program`` is for such a program only, what is ``of_lesson`` for a lesson. ``refused`` is why it
-        can do nothing in this world. What is ``unfocused`` counts while no panel has the focus. ``value`` is
-        the current value of a tool of drawing, for its row in a menu.
+        watched program, and what to do instead, with ``{file}`` for the program's file, ``not_in_lesson`` the
+        same for a lesson. What is ``of_program`` is for such a program only, what is ``of_lesson`` for a
+        lesson. What ``takes_steps``, of this run or another, waits while a prediction is open; what a page
+        may keep back of what it would show is in ``shows``. What ``keeps_page`` leaves a page in view where
+        that takes turns with the world. ``refused`` is why it can do nothing now; what ``stays`` is on the
+        key line all the same, since the next step may change that. What is ``unfocused`` counts while no
+        panel has the focus. ``value`` is the current value of a tool of drawing, for its row in a menu.
     """
 
     id: str
@@ -72,6 +76,7 @@ class Action:
     rank: int | None = None
     hint: tuple[str, str] | None = None
     is_first: bool = False
+    entry: tuple[str, str] | None = None
     while_running: str = ""
     aliases: str = ""
     for_the_owner: bool = False
@@ -81,7 +86,12 @@ class Action:
     not_for_program: str = ""
     of_program: bool = False
     of_lesson: bool = False
+    not_in_lesson: str = ""
+    takes_steps: bool = False
+    shows: tuple[str, ...] = ()
+    keeps_page: bool = False
     refused: str = ""
+    stays: bool = False
     unfocused: bool = False
     value: str = ""
 
@@ -113,8 +123,8 @@ class Action:
 
     @property
     def sentence(self) -> str:
-        """What it does, or why it can do nothing here."""
-        return f"Not here: {self.refused}." if self.refused else self.help
+        """What it does, or why it can do nothing now."""
+        return f"Not now: {self.refused}." if self.refused else self.help
 
     @property
     def textual_action(self) -> str:

@@ -14,6 +14,8 @@ DRAW_PATH: Final = ("w", "d")
 
 DECIDES: Final = "your program sets this: edit {file} and save, and it starts again"
 """Why no setting of a watched program can be changed; ``{file}`` is its file."""
+_NO_ENTRY: Final = ("", "")
+_STAYS: Final = "esc leaves the lesson; its progress is kept"
 _ITS_SEED: Final = "the seed is set at the start: rl-tui watch {file} --seed N"
 
 LESSON_ACTIONS: Final[tuple[Action, ...]] = (
@@ -91,14 +93,16 @@ _RUN: Final[tuple[Action, ...]] = (
         is_first=True,
         while_running="pause",
         aliases="go play start stop train",
+        takes_steps=True,
     ),
-    Action("run.step", "s", "step", "Take one step, then pause.", rank=1, is_first=True),
+    Action("run.step", "s", "step", "Take one step, then pause.", rank=1, is_first=True, takes_steps=True),
     Action(
         "run.episode",
         "e",
         "episode",
         "Run to the end of the episode (of a planner: the sweep), then pause.",
         rank=2,
+        takes_steps=True,
     ),
     Action(
         "time.step_back",
@@ -107,17 +111,20 @@ _RUN: Final[tuple[Action, ...]] = (
         "Go one step back; a change there begins a branch.",
         rank=3,
         is_first=True,
+        entry=("b B", "back"),
         aliases="undo step",
+        stays=True,
     ),
     Action(
         "time.episode_back",
         "B",
         "episode back",
         "Go back to the start of the episode, then to the one before.",
+        entry=_NO_ENTRY,
     ),
     *(
-        Action(id_, key, label, help_, command=command, symbol=symbol, unfocused=True)
-        for id_, key, label, help_, command, symbol in (
+        Action(id_, key, label, help_, command=does, symbol=sign, unfocused=True, takes_steps=key == "right")
+        for id_, key, label, help_, does, sign in (
             ("time.on", "right", "step on", "Take a step, or go one on in the past.", "run.step", "→"),
             ("time.back", "left", "step back", "Go one step back.", "time.step_back", "←"),
             ("time.to_start", "home", "start", "Go to step 0.", "", ""),
@@ -132,15 +139,19 @@ _RUN: Final[tuple[Action, ...]] = (
         symbol="+",
         rank=8,
         hint=("+ −", "speed"),
+        entry=("+ −", "speed"),
     ),
-    Action("run.slower", "minus,underscore", "slower", "Go to the next lower speed.", symbol="−"),
+    Action(
+        "run.slower", "minus,underscore", "slower", "Go to the next lower speed.", symbol="−", entry=_NO_ENTRY
+    ),
     Action(
         "until.choose",
         "u",
         "until…",
         "Run until a reward, a change of the policy, a value …",
-        rank=11,
+        rank=13,
         needs_world=True,
+        takes_steps=True,
     ),
     Action(
         "view.enter_world",
@@ -157,6 +168,7 @@ _RUN: Final[tuple[Action, ...]] = (
             f"{ordinal} slider",
             f"Go to the {ordinal} slider: arrows move it, a number and enter set it, esc leaves it.",
             command=f"agent.focus_slider({number})",
+            entry=_NO_ENTRY if number > 1 else ("1 2 3 4", "sliders"),
             not_for_program=DECIDES,
         )
         for number, ordinal in enumerate(ORDINALS, start=1)
@@ -174,38 +186,20 @@ _RUN: Final[tuple[Action, ...]] = (
         "f",
         "full screen",
         "Show the panel in focus (else the world) alone, or all again.",
-        rank=13,
+        rank=14,
         aliases="zoom projector big",
+        keeps_page=True,
     ),
     Action(
         "manual.toggle",
         "y",
         "you act",
         "Take the agent's steps yourself; press again to stop.",
-        rank=14,
+        rank=15,
         needs_world=True,
+        takes_steps=True,
         not_for_program="your program takes its own steps; esc leads to scenarios in which you can act",
     ),
-)
-
-_MENUS: Final = tuple(
-    Action(
-        f"menu.{label}",
-        key,
-        label,
-        help_,
-        command=f"menus.open('{key}')",
-        rank=rank,
-        needs_world=True,
-    )
-    for key, label, help_, rank in (
-        ("a", "agent", "Open the menu of what learns: algorithm, policy, ties, settings.", 5),
-        ("w", "world", "Open the menu of the world: edit it, its model, the exact values, its cells.", 6),
-        ("t", "tools", "Open the menu of questions about the run: policies, many seeds, flip points.", 7),
-        ("c", "compare", "Open the menu of runs: put another one beside this one.", 10),
-        ("m", "more", "Open the menu of everything else: moments, branches, save, export.", 12),
-        ("r", "again", "Open the menu of what to start again: the same, or with another seed.", 15),
-    )
 )
 
 _AGENT: Final[tuple[Action, ...]] = (
@@ -248,6 +242,7 @@ _AGENT: Final[tuple[Action, ...]] = (
             f"Run one sweep of policy {noun}.",
             old=does[0].upper(),
             aliases=f"policy iteration sweep {noun}",
+            takes_steps=True,
             not_for_program="your program has no sweeps of a planner; s takes a step, e runs an episode",
         )
         for does, noun in (("evaluate", "evaluation"), ("improve", "improvement"))
@@ -279,8 +274,16 @@ _WORLD: Final[tuple[Action, ...]] = (
         "Draw your own policy and see its return.",
         old="D",
         aliases="arrows own sketch evaluate",
+        shows=("policies", "answer"),
     ),
-    Action("view.model", "w m", "model", "Show the outcomes of each state–action pair."),
+    Action(
+        "view.model",
+        "w m",
+        "model",
+        "Show the outcomes of each state–action pair.",
+        shows=("model",),
+        keeps_page=True,
+    ),
 )
 
 _SIGHT: Final[tuple[Action, ...]] = (
@@ -290,6 +293,8 @@ _SIGHT: Final[tuple[Action, ...]] = (
         "exact values",
         "Hide or show the exact values.",
         aliases="answer optimal",
+        shows=("answer",),
+        keeps_page=True,
     ),
     Action("view.turn_actions", "w a", "Q cells", "Show Q of every action in the cells, or V.", old="V"),
     Action("view.numbers", "w n", "numbers", "Number the states in the cells.", old="number_sign"),
@@ -303,6 +308,7 @@ _SIGHT: Final[tuple[Action, ...]] = (
             old=name,
             old_only_tells=True,
             not_for_program="your program is not on the start screen; esc goes there",
+            not_in_lesson=_STAYS,
         )
         for word, bracket, label, does, name in (
             ("previous", "[", "world before", "previous", "left_square_bracket"),
@@ -320,6 +326,7 @@ _TOOLS: Final[tuple[Action, ...]] = (
         old="S",
         aliases="atlas sweep hyper-parameters sensitivity heatmap",
         not_for_program=DECIDES,
+        not_in_lesson="a lesson asks questions of its own; settings are mapped outside of it",
     ),
     Action(
         "why.explain",
@@ -329,6 +336,8 @@ _TOOLS: Final[tuple[Action, ...]] = (
         old="Y",
         aliases="first update reward wait stuck remedy",
         not_for_program="this is about built-in agents; c a puts one beside your program",
+        shows=("why",),
+        keeps_page=True,
     ),
     Action("until.toggle_breakpoint", "t b", "breakpoint", "Set or clear a breakpoint at the cursor."),
     Action(
@@ -348,6 +357,7 @@ _COMPARE: Final[tuple[Action, ...]] = (
         "another algorithm",
         "Run another algorithm beside this one, with the same seed.",
         aliases="lane beside",
+        takes_steps=True,
     ),
     Action(
         "lanes.another_setting",
@@ -355,14 +365,24 @@ _COMPARE: Final[tuple[Action, ...]] = (
         "another setting",
         "Run the same beside this one, with one setting different.",
         aliases="lane beside",
+        takes_steps=True,
         not_for_program=DECIDES,
     ),
-    Action("lanes.another_seed", "c n", "another seed", "Run the same beside this one, with another seed."),
+    Action(
+        "lanes.another_seed",
+        "c n",
+        "another seed",
+        "Run the same beside this one, with the next seed.",
+        aliases="lane beside luck",
+        takes_steps=True,
+        not_for_program=_ITS_SEED,
+    ),
     Action(
         "lanes.another_branch",
         "c b",
         "a branch",
         "Put another branch of this run beside this one.",
+        takes_steps=True,
         not_for_program="what your program did is one branch; c a puts a built-in agent beside it",
     ),
     Action("lanes.show_runs", "c c", "runs…", "Choose the run to control, and the one beside it; end one."),
@@ -396,6 +416,7 @@ _MORE: Final[tuple[Action, ...]] = (
         old="W",
         old_only_tells=True,
         aliases="learn",
+        takes_steps=True,
         not_for_program="+ and − set the speed of your program; u runs it until something happens",
     ),
     Action(
@@ -403,6 +424,7 @@ _MORE: Final[tuple[Action, ...]] = (
         "m s",
         "save…",
         "Save the session under a name.",
+        keeps_page=True,
         for_the_owner=True,
         not_for_program="there is nothing to save: {file} and its seed make the same run again",
     ),
@@ -412,6 +434,8 @@ _MORE: Final[tuple[Action, ...]] = (
         "export…",
         "Write the run as a command, a Python script, tables or a picture.",
         old="x",
+        shows=("answer",),
+        keeps_page=True,
         for_the_owner=True,
         not_for_program="this writes runs of built-in agents; your program is in {file} already",
     ),
@@ -443,11 +467,7 @@ _AGAIN: Final[tuple[Action, ...]] = (
         aliases="restart reset clear",
     ),
     Action(
-        "agent.next_seed",
-        "r n",
-        "next seed",
-        "Start again with the next seed.",
-        not_for_program=_ITS_SEED,
+        "agent.next_seed", "r n", "next seed", "Start again with the next seed.", not_for_program=_ITS_SEED
     ),
     Action(
         "agent.ask_seed",
@@ -478,5 +498,5 @@ _AGAIN: Final[tuple[Action, ...]] = (
 )
 
 BEFORE_PANELS: Final = (*LESSON_ACTIONS, *_RUN, *_AGENT, *_WORLD)
-AFTER_PANELS: Final = (*_SIGHT, *_TOOLS, *_COMPARE, *_MORE, *_AGAIN, *_MENUS)
+AFTER_PANELS: Final = (*_SIGHT, *_TOOLS, *_COMPARE, *_MORE, *_AGAIN)
 """Between the two stand the keys that open panels."""

@@ -108,6 +108,27 @@ _LIST_ACTIONS: Final[tuple[Action, ...]] = (
     ),
 )
 
+_MENUS: Final = tuple(
+    Action(
+        f"menu.{label}",
+        key,
+        label,
+        help_,
+        command=f"menus.open('{key}')",
+        rank=rank,
+        needs_world=True,
+        keeps_page=True,
+    )
+    for key, label, help_, rank in (
+        ("a", "agent", "Open the menu of what learns: algorithm, policy, ties, settings.", 5),
+        ("w", "world", "Open the menu of the world: edit it, its model, the exact values, its cells.", 6),
+        ("t", "tools", "Open the menu of questions about the run: policies, many seeds, flip points.", 7),
+        ("c", "compare", "Open the menu of runs: put another one beside this one.", 10),
+        ("m", "more", "Open the menu of everything else: moments, branches, save, export.", 11),
+        ("r", "again", "Open the menu of what to start again: the same, or with another seed.", 12),
+    )
+)
+
 _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "back",
@@ -206,11 +227,12 @@ def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
             needs_world=True,
             not_for_program=row.not_for_program,
             of_program=row.of_program,
+            shows=row.shows,
         )
         for row in panels
         if row.opened_by is not None
     )
-    return (*_LIST_ACTIONS, *BEFORE_PANELS, *opening, *AFTER_PANELS, *_PROGRAM_ACTIONS)
+    return (*_LIST_ACTIONS, *BEFORE_PANELS, *opening, *AFTER_PANELS, *_MENUS, *_PROGRAM_ACTIONS)
 
 
 ACTIONS: Final = all_actions()

@@ -1,10 +1,11 @@
-"""The keys of a panel, and how texts name keys."""
+"""The keys of panels and lists, and how texts name keys."""
 
 from __future__ import annotations
 
-from typing import Final
+from typing import ClassVar, Final
 
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
+from textual.widgets import Input, OptionList
 
 _NAMES: Final = {
     "esc": "escape",
@@ -28,6 +29,30 @@ def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: 
         keys = ",".join((*keys.split(","), letter)) if key in keys.split(",") else keys
     name = id.partition(".")[2].replace("_", " ").capitalize()
     return Binding(keys, action, name, show=False, id=id, tooltip=tooltip)
+
+
+class RowList(OptionList):
+    """A list in which j and k move as the arrows do."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        binding("j", "cursor_down", "list.down", "Go to the next row."),
+        binding("k", "cursor_up", "list.up", "Go to the row before."),
+    ]
+
+
+class ListInput(Input):
+    """A line to type into; keys that move go to the list of the screen."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        binding("up", "move('cursor_up')", "typed.up", "Go to the row before."),
+        binding("down", "move('cursor_down')", "typed.down", "Go to the next row."),
+        binding("pageup", "move('page_up')", "typed.page_up", "Go a page up."),
+        binding("pagedown", "move('page_down')", "typed.page_down", "Go a page down."),
+    ]
+
+    def action_move(self, how: str) -> None:
+        """Move the cursor of the list."""
+        getattr(self.screen.query(OptionList).first(), f"action_{how}")()
 
 
 def key_of_hint(written: str) -> str | None:

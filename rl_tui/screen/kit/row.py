@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Drawing
 
 if TYPE_CHECKING:
+    from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.kit.panel import BoardPanel
 
 WORLD: Final = "world"
@@ -49,9 +49,9 @@ class PanelRow:
     """One panel: the class ``widget``, ``module:Class``, its texts, and when it is there.
 
     A panel with an ``opened_by`` is closed at first; open, it stands beside the world, or below with at least
-    ``wide_rows``. ``needs`` says by the drawing whether there is anything to show. ``terms`` are ids of the
-    glossary. ``is_twofold``: each of two runs has one. ``not_for_program`` says why a watched program, in
-    ``{file}``, has nothing to show here.
+    ``wide_rows``. ``terms`` are ids of the glossary. ``is_twofold``: each of two runs has one.
+    ``not_for_program`` says why a watched program, in ``{file}``, has nothing to show here, and ``lacks`` the
+    same of a snapshot, as a clause. ``shows`` is what a page of a lesson may keep back of it.
     """
 
     id: str
@@ -64,11 +64,12 @@ class PanelRow:
     wide_rows: int = 0
     has_border: bool = True
     is_twofold: bool = False
-    needs: Callable[[Drawing | None], bool] = lambda _: True
     of_program: bool = False
     not_for_program: str = ""
     of_lesson: bool = False
     of_drawing: bool = False
+    shows: tuple[str, ...] = ()
+    lacks: Callable[[Snapshot], str] = lambda _: ""
 
     def make(self, look: Look, panel_id: str | None = None) -> BoardPanel:
         """Return the panel, hidden if a key opens it; ``panel_id`` is its id, None: that of the row."""

@@ -35,6 +35,21 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
     return before.recipe != now.recipe or first.end < was.end
 
 
+def why_over(snapshot: Snapshot) -> str:
+    """Return why the run takes no further step, and what to do; empty where it takes one."""
+    message = snapshot.playback.message
+    match snapshot.playback.phase:
+        case Phase.SPENT if snapshot.program is None:
+            return "the budget is spent; r r starts again"
+        case Phase.SPENT:
+            return "your program has ended; r r starts it again"
+        case Phase.DONE:
+            return f"{message}; another γ goes on, r r starts again"
+        case Phase.STOPPED:
+            return f"{message}; r r starts again"
+    return ""
+
+
 def is_secret(snapshot: Snapshot) -> bool:
     """Return whether all that gives the exact answer away must be hidden; a spent budget shows it."""
     is_open = snapshot.playback.phase is Phase.SPENT and not keeps_back(snapshot, "answer")

@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.screen.kit import row
 from rl_tui.screen.kit.row import OpeningKey, PanelRow
-from rl_tui.worlds.drawing import Arms, Drawing
+
+if TYPE_CHECKING:
+    from rl_tui.live.snapshot import Snapshot
 
 
-def _has_arms(drawing: Drawing | None) -> bool:
-    return isinstance(drawing, Arms)
+def _without_table(snapshot: Snapshot) -> str:
+    from rl_tui.runs.exact_answers import NO_TABLE
+
+    return NO_TABLE if snapshot.world.mdp is None else ""
+
+
+def _without_flips(snapshot: Snapshot) -> str:
+    from rl_tui.screen.panels.discount import why_empty
+
+    return why_empty(snapshot)
+
+
+def _without_check(snapshot: Snapshot) -> str:
+    from rl_tui.studies.world_check.world_checks import why_unchecked
+
+    return why_unchecked(snapshot.world)
 
 
 PANELS: Final[tuple[PanelRow, ...]] = (
@@ -128,7 +144,6 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             *("winnings", "regret", "best-possible", "best-arm-share", "best-arm"),
             *("bandit", "arm", "reward", "step"),
         ),
-        needs=lambda drawing: isinstance(drawing, Arms),
     ),
     PanelRow(
         row.CONTROLS,
@@ -200,6 +215,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             *("bootstrap", "discounted-return", "return", "q-star"),
         ),
         opened_by=OpeningKey("d", "microscope", "Open the last step under the microscope.", rank=9),
+        shows=("model",),
     ),
     PanelRow(
         row.MANY_SEEDS,
@@ -225,6 +241,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         ),
         wide_rows=12,
         not_for_program="this runs built-in agents; rl-tui grade {file} runs your program under many seeds",
+        shows=("many seeds",),
     ),
     PanelRow(
         row.DISCOUNT,
@@ -243,6 +260,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
         opened_by=OpeningKey("t g", "flip points", "Show each γ at which the best actions change.", old="G"),
         wide_rows=15,
+        shows=("flips", "answer"),
+        lacks=_without_flips,
     ),
     PanelRow(
         row.POLICIES,
@@ -261,6 +280,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             *("q-pi", "value-at-start", "expected-steps", "chance-of-ending", "bellman-expectation"),
         ),
         opened_by=OpeningKey("t p", "policies", "Compare policies by their exact return.", old="P"),
+        shows=("policies",),
+        lacks=_without_table,
     ),
     PanelRow(
         row.WORLD_CHECK,
@@ -280,6 +301,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         ),
         opened_by=OpeningKey("w c", "world check", "Check the world for traps and dead ends.", old="Q"),
         not_for_program="this checks worlds of scenarios; rl-tui check --deep checks one by its id or file",
+        shows=("policies", "why", "flips", "answer"),
+        lacks=_without_check,
     ),
     PanelRow(
         row.FINDINGS,

@@ -363,14 +363,24 @@ class DiscountPanel(Panel, can_focus=True):
         return int(mdp.start_state[0])
 
 
-def said_instead(snapshot: Snapshot) -> str:
-    """Return what is said where nothing can be drawn; empty where something can."""
-    answer = snapshot.answers.flips
+def why_empty(snapshot: Snapshot) -> str:
+    """Return why there will be no flips to draw, as far as that is known before they are asked for."""
+    from rl_tui.runs.answers.flip_answers import at_once
+
+    answer, mdp = snapshot.answers.flips, snapshot.world.mdp
+    if answer.state is FlipState.NOT_ASKED and mdp is not None:
+        answer = at_once(mdp) or answer
     if answer.is_idle:
         step = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
         return f"each {step} ends its episode: γ changes nothing"
-    if answer.state is FlipState.REFUSED:
-        return answer.reason
+    return answer.reason if answer.state is FlipState.REFUSED else ""
+
+
+def said_instead(snapshot: Snapshot) -> str:
+    """Return what is said where nothing can be drawn; empty where something can."""
+    answer = snapshot.answers.flips
+    if reason := why_empty(snapshot):
+        return reason
     if is_secret(snapshot):
         return HIDDEN + answer_key(snapshot)
     return "" if answer.state is FlipState.KNOWN else answer.reason or PENDING

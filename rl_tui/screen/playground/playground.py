@@ -8,7 +8,6 @@ from functools import partial
 from typing import ClassVar, Final, Self
 
 from textual import on
-from textual.actions import parse
 from textual.binding import BindingType
 from textual.events import DescendantBlur, DescendantFocus, Key
 from textual.message import Message
@@ -190,28 +189,31 @@ class Playground(ActionScreen):
         """The newest snapshot, None before the first."""
         return self.link.snapshot
 
-    @property
-    def actions(self) -> tuple[Action, ...]:
-        """What a person can do here now, in a mode first; what is of a lesson only with one."""
+    def listed(self, menu: str = "") -> tuple[Action, ...]:
+        """Return what a person can do here now; what is of a lesson, or of a program, only with one.
+
+        What a mode has comes first, and hides what has its keys.
+        """
         lesson, program, own = self.wanted.lesson, self.program.program, self.modes.actions
         taken = {key for each in own for key in (each.menu or each.key).split(",")}
         usual = (
-            each
-            for each in self.known_actions
+            replace(each, refused=self.why_not(each))
+            for each in super().listed(menu)
             if (lesson or not each.of_lesson) and (program or not each.of_program)
             if (each.menu or each.key.partition(",")[0]) not in taken
         )
-        return tuple(replace(each, refused=each.refused or self.why_not(each)) for each in (*own, *usual))
+        own = tuple(each for each in own if not menu or each.menu == menu)
+        return *(replace(each, refused=each.refused or self.why_not(each)) for each in own), *usual
 
     def why_not(self, action: Action) -> str:
         """Return why ``action`` can do nothing now, as a clause; empty where it can."""
-        target, deed, _ = parse(action.command or action.id)
+        target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self, target, None)
         may_wait = action.of_lesson or self.wanted.lesson is not None
         return (
             self.program.why_not_to_it(action)
             or (self.kept_back.why_not_yet(action) if may_wait else "")
-            or (subject.why_not(deed) if isinstance(subject, Subject) else "")
+            or (subject.why_not(deed) if isinstance(subject, Subject | Board) else "")
         )
 
     @property
@@ -244,7 +246,7 @@ class Playground(ActionScreen):
             self.refuse(refused)
         else:
             if self.wanted.lesson is not None:
-                self.kept_back.show_world_for(command)
+                self.kept_back.show_world_for(action)
             if self.panels.so_far is not None:
                 self.panels.note(command)
             super().action_do(command)
@@ -309,7 +311,8 @@ class Playground(ActionScreen):
         keys.first = key_hints(self.focused) or self.editing.offered or self.view.way_back
         keys.is_running = self.run.is_under_way
         keys.names_all = self.legends.names_all_keys
-        refused = (each.id for each in self.known_actions if each.rank is not None and self.why_not(each))
+        ranked = (each for each in self.known_actions if each.rank is not None and not each.stays)
+        refused = (each.id for each in ranked if self.why_not(each))
         hidden = () if self.panels.hides_some else ("panels.turn",)
         keys.idle = self.lesson.idle_keys.union(refused, hidden)
 

@@ -15,7 +15,6 @@ from typing import Final
 from rl_tui.agents.catalogue import BY_ID, algorithm_row, parameters_of
 from rl_tui.agents.compatibility import is_bandit
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter, why_idle
-from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.runs.library import MOST_EPISODES, episodes_of
 from rl_tui.runs.recipe import Recipe, changed_parameter
@@ -227,29 +226,33 @@ class AtlasRequest:
         return replace(self.recipe, hyperparameters=values, seed=seed)
 
 
-def surroundings(recipe: Recipe, world: World, *, is_edited: bool, is_awaited: bool) -> AtlasRequest:
-    """Return the request of an atlas around the settings of ``recipe``, whose runs are in ``world``.
+def why_unmapped(recipe: Recipe, world: World, *, is_edited: bool) -> str:
+    """Return why there is no map around the settings of ``recipe``, whose runs are in ``world``, as a clause.
 
-    ``is_edited`` says that somebody has changed that world since. Raises UserError, in one line, where there
-    is nothing to map.
+    It is empty where there is one. ``is_edited`` says that somebody has changed that world since.
     """
-    if in_kiosk():
-        raise UserError("settings are not mapped in a kiosk")
-    if recipe.algorithm not in BY_ID:
-        raise UserError("your program decides how it learns: there are no settings here to map")
     row = algorithm_row(recipe.algorithm)
+    if in_kiosk():
+        return "settings are not mapped in a kiosk"
     if row.planner:
-        raise UserError(f"{row.name} knows the world: no setting changes what it finds, so there is no map")
+        return f"{row.name} knows the world: no setting changes what it finds, so there is no map"
     if world.mdp is None:
-        raise UserError("an environment that is stepped for real is too slow to be mapped; try rl-tui sweep")
+        return "an environment that is stepped for real is too slow to be mapped; try rl-tui sweep"
     if is_edited:
-        raise UserError("the world was edited: save it (w d, then w s), open it, and map that")
+        return "the world was edited: save it (w d, then w s), open it, and map that"
     if world.space.pairs > MOST_PAIRS:
-        raise UserError(
+        return (
             f"worlds of more than {MOST_PAIRS:,} pairs of state and action are not mapped; try rl-tui sweep"
         )
+    is_varied = bool(axes_of(recipe, is_bandit=is_bandit(world.space)))
+    return "" if is_varied else "no number decides how this agent learns: choose another algorithm or policy"
+
+
+def surroundings(recipe: Recipe, world: World, *, is_awaited: bool) -> AtlasRequest:
+    """Return the request of an atlas around the settings of ``recipe``, whose runs are in ``world``.
+
+    There is one: :func:`why_unmapped` says so.
+    """
     variations = axes_of(recipe, is_bandit=is_bandit(world.space))
-    if not variations:
-        raise UserError("no number decides how this agent learns: choose another algorithm or policy")
     usual = min(episodes_of(recipe.scenario), world.budget or MOST_EPISODES)
     return AtlasRequest(recipe, variations, usual, RUNS, is_awaited)

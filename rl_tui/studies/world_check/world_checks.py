@@ -48,6 +48,15 @@ class WorldCheckView:
     """Whether it is of the world, or of the settings, before a change."""
 
 
+def why_unchecked(world: World) -> str:
+    """Return why ``world`` is not checked; empty where it is."""
+    if in_kiosk():
+        return IN_KIOSK
+    if world.mdp is None:
+        return NO_TABLE
+    return TOO_LARGE if world.mdp.states > LIVE_STATES else ""
+
+
 class WorldChecks:
     """Has one world at a time checked, in a process of its own.
 
@@ -66,10 +75,10 @@ class WorldChecks:
 
     def of(self, run: Run) -> WorldCheckView:
         """Return what is known by now of the world of ``run``, and see to it that more will be."""
-        mdp = run.world.mdp
-        if mdp is None or mdp.states > LIVE_STATES or in_kiosk():
+        mdp, refused = run.world.mdp, why_unchecked(run.world)
+        if mdp is None or refused:
             self.end()
-            return WorldCheckView(refused=IN_KIOSK if in_kiosk() else TOO_LARGE if mdp else NO_TABLE)
+            return WorldCheckView(refused=refused)
         self._last = self._of(_question(run, mdp), run.world)
         return self._last
 

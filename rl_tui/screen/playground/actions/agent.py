@@ -54,7 +54,11 @@ class AgentActions(Subject):
         return self.link.wanted.recipe
 
     def why_not(self, deed: str) -> str:
-        """Return why the agent has no policy to choose, or no ties to break."""
+        """Return why the agent has no policy to choose, no ties to break, or no slider of that number."""
+        if deed.startswith("focus_slider("):
+            number = int(deed[-2])
+            has_one = len(self.board.controls.query(Slider)) >= number
+            return "" if has_one else f"there is no {ORDINALS[number - 1]} slider here"
         if deed == "choose_policy" and not self._counts("policy"):
             return f"{BY_ID[self.recipe.algorithm].name} tries every action and follows no policy"
         if deed == "next_ties" and not self._counts("ties"):
@@ -152,13 +156,9 @@ class AgentActions(Subject):
             self.set_parameter(setting.name, setting.value)
 
     def focus_slider(self, number: int) -> None:
-        """Put the focus on a slider, counted from 1; say so if there are not so many."""
-        sliders = list(self.board.controls.query(Slider))
-        if number > len(sliders):
-            self.screen.tell(f"there is no {ORDINALS[number - 1]} slider here")
-            return
+        """Put the focus on a slider, counted from 1."""
         self.board.bring_into_view(CONTROLS)
-        sliders[number - 1].focus()
+        self.board.controls.query(Slider)[number - 1].focus()
 
     def switch(self, algorithm: str) -> None:
         """Let ``algorithm`` go on with what was learned."""

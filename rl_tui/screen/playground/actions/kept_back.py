@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Final
 
 from rl_tui.lessons.file.schema import HIDEABLE, Page
@@ -11,43 +10,10 @@ from rl_tui.live.commands import StudyPolicy
 from rl_tui.live.snapshot import Phase
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.keys.action import Action
-from rl_tui.screen.kit.row import DISCOUNT, MANY_SEEDS, MICROSCOPE, POLICIES, WORLD_CHECK
 from rl_tui.screen.panels.lesson.words import keeping_page
 
 NO_LESSON: Final = "there is no lesson here: rl-tui learn lists them"
 PREDICT_FIRST: Final = "first your prediction: A says what you expect, . skips this page"
-STAYS: Final = "esc leaves the lesson; its progress is kept"
-_STEPS: Final = frozenset(
-    {
-        *("run.run_or_pause", "run.step", "run.episode", "run.evaluate", "run.improve", "run.watch"),
-        *("until.choose", "manual.toggle", "lanes.another_algorithm"),
-        *("lanes.another_setting", "lanes.another_seed", "lanes.another_branch"),
-    }
-)
-"""What takes steps, of this run or another: refused while a prediction is open."""
-
-_PANELS_KEPT: Final[Mapping[str, tuple[str, ...]]] = {
-    POLICIES: ("policies",),
-    DISCOUNT: ("flips", "answer"),
-    WORLD_CHECK: ("policies", "why", "flips", "answer"),
-    MANY_SEEDS: ("many seeds",),
-    MICROSCOPE: ("model",),
-}
-"""What a page may keep back, by the panel that shows it."""
-
-_KEPT: Final[Mapping[str, tuple[str, ...]]] = {
-    **{f"board.toggle('{panel}')": kept for panel, kept in _PANELS_KEPT.items()},
-    "drawing.toggle": ("policies", "answer"),
-    "why.explain": ("why",),
-    "view.model": ("model",),
-    "view.hide_answer": ("answer",),
-    "export.choose": ("answer",),
-}
-"""The same, by the command that would show it."""
-_LEAVES: Final = frozenset({"scenario.previous", "scenario.following"})
-_READING_GOES_ON: Final = ("menus", "lesson", "session", "export", "scenario", "why")
-_ALSO_READING: Final = frozenset({"view.zoom", "view.model", "view.hide_answer"})
-"""Commands that leave a page in view where it takes turns with the world."""
 
 
 class KeptBack(Subject):
@@ -60,16 +26,16 @@ class KeptBack(Subject):
 
     def why_not_yet(self, action: Action) -> str:
         """Return why ``action`` has to wait, as a clause; empty where no page of a lesson hides it."""
-        record, command = self.record, action.command or action.id
+        record = self.record
         if record is None:
             return NO_LESSON if action.of_lesson else ""
-        if command in _LEAVES:
-            return STAYS
+        if action.not_in_lesson:
+            return action.not_in_lesson
         phase = None if self.snapshot is None else self.snapshot.playback.phase
-        pauses = command == "run.run_or_pause" and phase in (Phase.RUNNING, Phase.SEEKING)
-        if command in _STEPS and "run" in record.hidden and not pauses:
+        pauses = bool(action.while_running) and phase in (Phase.RUNNING, Phase.SEEKING)
+        if action.takes_steps and "run" in record.hidden and not pauses:
             return PREDICT_FIRST
-        page = next((page for what in _KEPT.get(command, ()) if (page := keeping_page(record, what))), None)
+        page = next((page for what in action.shows if (page := keeping_page(record, what))), None)
         return "" if page is None else _kept_until(record, page)
 
     def refuses_to_act(self) -> bool:
@@ -88,17 +54,16 @@ class KeptBack(Subject):
         page = next((page for what in HIDEABLE if (page := keeping_page(record, what))), None)
         return "" if page is None else f"They are {_kept_until(record, page)}."
 
-    def show_world_for(self, command: str) -> None:
-        """Let the world have the place again where what is done is to be seen there."""
-        target = command.partition(".")[0]
-        goes_on = target in _READING_GOES_ON or command in _ALSO_READING
-        if not goes_on and not self.board.lesson.is_docked:
+    def show_world_for(self, action: Action | None) -> None:
+        """Let the world have the place again where what ``action`` does is to be seen there."""
+        keeps_page = action is None or action.of_lesson or action.keeps_page
+        if not keeps_page and not self.board.lesson.is_docked:
             self.board.lesson.reads = False
 
     def close_what_is_kept(self, record: LessonRecord) -> None:
         """Close what the page that ``record`` has open keeps back."""
         opened = self.board.opened
-        if opened is not None and any(what in record.hidden for what in _PANELS_KEPT.get(opened, ())):
+        if opened is not None and record.hidden.intersection(self.board.rows[opened].shows):
             self.board.close()
         if self.link.wanted.studied is not None and record.hidden & {"policies", "answer"}:
             self.link.send(StudyPolicy(None))

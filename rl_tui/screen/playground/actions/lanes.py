@@ -9,7 +9,7 @@ from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, DropLane
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.runs.recipe import SwitchAlgorithm
+from rl_tui.runs.recipe import SEED_DRAWS_WORLD, SwitchAlgorithm
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import in_force
 from rl_tui.screen.dialogs.choice import algorithm_choice, ask_value, policy_choice
@@ -49,18 +49,23 @@ class LaneActions(Subject):
             return ONE_RUN
         if deed == "end" and snapshot is not None and snapshot.program is not None:
             return "your program is in control; in the list of c c, del ends the run beside it"
+        if deed == "one_lane" and not self.board.is_paired and not self.board.is_one_lane:
+            return "there is no room for two runs side by side here"
         if not deed.startswith("another"):
             return ""
         if len(lanes) == MOST_LANES:
             return "four runs are open already; c e ends one"
         if deed == "another_seed":
-            return "all runs have the seed of this one; t m runs many seeds"
+            drawn = self.link.wanted.recipe.scenario.section.drawn_from_seed
+            return SEED_DRAWS_WORLD if drawn else ""
         if deed == "another_branch" and (snapshot is None or not branches_beside(snapshot)):
             return "this run has one branch; go back, change something, and it has two"
         return ""
 
     def value(self, deed: str) -> str:
-        """Return how many runs there are."""
+        """Return how many runs there are, and the seed that another one would have."""
+        if deed == "another_seed" and not self.why_not(deed):
+            return str(self._new_seed)
         lanes = () if self.snapshot is None else self.snapshot.run_group.lanes
         return f"{len(lanes)} open" if deed == "show_runs" and lanes else ""
 
@@ -74,7 +79,14 @@ class LaneActions(Subject):
             self.ask(setting_choice(in_force(self.snapshot), self.glyphs), self._ask_difference)
 
     def another_seed(self) -> None:
-        """Say that runs side by side share their seed: `why_not` always refuses this."""
+        """Run the same with the next seed that no run has, beside this one."""
+        self.link.send(AddLane(seed=self._new_seed))
+
+    @property
+    def _new_seed(self) -> int:
+        pasts = [] if self.snapshot is None else [lane.past for lane in self.snapshot.run_group.lanes]
+        seeds = [past.begun.seed for past in pasts if past is not None]
+        return 1 + max([self.link.wanted.recipe.seed, *seeds])
 
     def another_branch(self) -> None:
         """Choose which branch of this run is to be beside this one."""
@@ -100,8 +112,8 @@ class LaneActions(Subject):
         self.board.turn_lanes()
         if self.board.is_one_lane:
             self.screen.tell("One run alone. c l: the next run, c o: two side by side.")
-        elif not self.board.is_paired:
-            self.screen.tell("No room for two runs side by side here.")
+        elif refused := self.why_not("one_lane"):
+            self.screen.refuse(refused)
 
     def _compared(self, answer: Answer) -> None:
         if isinstance(answer, ChooseLane):

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from textual.actions import parse
-
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.frame.menu_strip import MenuRow, MenuStrip
 from rl_tui.screen.keys.action import MENUS, Action, Group
@@ -32,14 +30,13 @@ class MenuActions(Subject):
 
     def _listed(self, key: str) -> list[Action]:
         is_of_program = self._is_of_program(key)
-        listed = [action for action in self.screen.actions if action.menu == key]
-        return [action for action in listed if action.of_program or not is_of_program]
+        return [each for each in self.screen.listed(key) if each.of_program or not is_of_program]
 
     def _row(self, action: Action) -> MenuRow:
-        target, deed, _ = parse(action.command or action.id)
+        target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self.screen, target, None)
         value = action.value or (subject.value(deed) if isinstance(subject, Subject) else "")
-        return MenuRow(action.id, action.letter, action.label, value, action.help, action.refused)
+        return MenuRow(action.id, action.letter, action.label, value, action.sentence, bool(action.refused))
 
     def _do(self, id_: str) -> None:
         action = next(each for each in self.screen.actions if each.id == id_)

@@ -19,11 +19,7 @@ from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.program.words import form_text, table_texts
 
 FIRST_KEYS: Final = "space runs your program, s takes one of its steps"
-_ENDED: Final = (Phase.SPENT, Phase.STOPPED)
-ENDED: Final = "your program has ended"
 NO_PROGRAM: Final = "this is a built-in agent; rl-tui watch SCRIPT.py watches your program"
-_MOVES: Final = frozenset({"run.run_or_pause", "run.step", "run.episode", "run.faster"})
-"""Actions that mean nothing once a program has ended."""
 _LONGEST_NAME: Final = 40
 _LONGEST_NEWS: Final = 300
 _UNTIL_READ: Final = 15.0
@@ -40,12 +36,9 @@ class ProgramActions(Subject):
 
     def why_not_to_it(self, action: Action) -> str:
         """Return why ``action`` cannot be done to the program, or needs one; empty where it can be done."""
-        program, snapshot = self.program, self.snapshot
-        if program is None or snapshot is None:
+        program = self.program
+        if program is None:
             return NO_PROGRAM if action.of_program else ""
-        if (action.command or action.id) in _MOVES and snapshot.playback.phase in _ENDED:
-            message = snapshot.playback.message if snapshot.playback.phase is Phase.STOPPED else ENDED
-            return f"{message}; r r starts it again"
         return action.not_for_program.format(file=file_name(program))
 
     def in_order_of_help(self, panels: Sequence[PanelRow]) -> Sequence[PanelRow]:
@@ -58,27 +51,30 @@ class ProgramActions(Subject):
             self.screen.refuse(DECIDES.format(file=file_name(self.program)))
         return self.program is not None
 
+    def why_not(self, deed: str) -> str:
+        """Return why there is no table to choose."""
+        if deed != "choose_table" or self.program is None:
+            return ""
+        table = self.program.table
+        if table is None:
+            return "no table was found in your program, so there is none to choose"
+        name = one_line(table.name, _LONGEST_NAME)
+        return "" if table.others else f"{name} is the only table of your program"
+
     def choose_table(self) -> None:
         """Choose which of several tables is the one that learns."""
-        program = self.program
-        if program is None:
+        table = None if self.program is None else self.program.table
+        if table is None:
             return
-        if program.table is None:
-            self.screen.tell("no table was found in your program: there is none to choose")
-        elif not program.table.others:
-            self.screen.tell(
-                f"{one_line(program.table.name, _LONGEST_NAME)} is the only table of your program"
-            )
-        else:
-            names = (program.table.name, *program.table.others)
-            in_full = table_texts(program.table)[0].partition(": ")[2]
-            forms = (in_full, *map(form_text, program.table.other_forms))
-            candidates = [
-                Candidate(str(place), one_line(name, _LONGEST_NAME), (form,))
-                for place, (name, form) in enumerate(zip(names, forms, strict=True))
-            ]
-            choice = Choice("The table that learns: the program starts again", candidates, "0", self.glyphs)
-            self.ask(choice, lambda place: self._take_table(names[int(place)]))
+        names = (table.name, *table.others)
+        in_full = table_texts(table)[0].partition(": ")[2]
+        forms = (in_full, *map(form_text, table.other_forms))
+        candidates = [
+            Candidate(str(place), one_line(name, _LONGEST_NAME), (form,))
+            for place, (name, form) in enumerate(zip(names, forms, strict=True))
+        ]
+        choice = Choice("The table that learns: the program starts again", candidates, "0", self.glyphs)
+        self.ask(choice, lambda place: self._take_table(names[int(place)]))
 
     def _take_table(self, name: str) -> None:
         if self.program is not None and self.program.table is not None and self.program.table.name != name:

@@ -16,6 +16,7 @@ from rl_tui.runs.library import recipe_with, reread
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.form import Candidate, Choice
+from rl_tui.screen.kit.snapshot_facts import why_over
 from rl_tui.worlds.files.scenario import Scenario
 
 # The scenario and its file
@@ -47,6 +48,15 @@ class ScenarioActions(Subject):
     def following(self) -> None:
         """Go to the next scenario of the catalogue."""
         self.go_by(1)
+
+    def why_not(self, deed: str) -> str:
+        """Return why there are no settings to map."""
+        if deed != "map_settings" or self.snapshot is None:
+            return ""
+        from rl_tui.studies.atlas.request import why_unmapped
+
+        snapshot = self.snapshot
+        return why_unmapped(self.link.wanted.recipe, snapshot.world, is_edited=bool(snapshot.world_changes))
 
     def map_settings(self) -> None:
         """Show how the run would do with other settings; one of those runs may be opened in its place."""
@@ -101,6 +111,7 @@ class ScenarioActions(Subject):
 
 
 _UNTIL_SEEN = 3600.0
+_STEPPING: Final = ("run_or_pause", "watch", "step", "episode")
 LADDER: Final[tuple[float | None, ...]] = (
     *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),
     100_000.0,
@@ -125,36 +136,17 @@ class RunActions(Subject):
 
     def run_or_pause(self) -> None:
         """Run, or pause."""
-        if not self._tell_end():
-            self.link.send(Pause() if self.is_under_way else Play())
+        self.link.send(Pause() if self.is_under_way else Play())
 
     def watch(self) -> None:
         """Run at a speed that goes by what is learned."""
-        if not self._tell_end():
-            self.link.send(WatchLearning())
+        self.link.send(WatchLearning())
 
     @property
     def is_under_way(self) -> bool:
         """Whether there is something to pause."""
-        return self._phase in (Phase.RUNNING, Phase.SEEKING)
-
-    @property
-    def _phase(self) -> Phase:
-        return self.snapshot.playback.phase if self.snapshot else Phase.PREPARING
-
-    def _tell_end(self) -> bool:
-        """Say why the run takes no further step; return whether that is so."""
-        message = self.snapshot.playback.message if self.snapshot else ""
-        match self._phase:
-            case Phase.SPENT:
-                self.screen.tell("The budget is spent. r r: start again.")
-            case Phase.DONE:
-                self.screen.tell(f"{message}. Another γ goes on; r r starts again.")
-            case Phase.STOPPED:
-                self.screen.tell(f"{message}. r r: start again.", severity="warning")
-            case _:
-                return False
-        return True
+        phase = None if self.snapshot is None else self.snapshot.playback.phase
+        return phase in (Phase.RUNNING, Phase.SEEKING)
 
     def rest(self) -> None:
         """Pause a run that goes on while no key is pressed."""
@@ -179,7 +171,9 @@ class RunActions(Subject):
         self.link.send(RunSweep("improvement"))
 
     def why_not(self, deed: str) -> str:
-        """Return why no sweep can be ordered, as far as all that was sent says."""
+        """Return why the run takes no step, or no sweep can be ordered, as far as all that was sent says."""
+        if deed in _STEPPING:
+            return "" if self.link.settled is None else why_over(self.link.settled)
         takes_orders = algorithm_row(self.link.wanted.recipe.algorithm).takes_orders
         if deed not in ("evaluate", "improve") or takes_orders:
             return ""

@@ -17,6 +17,18 @@ class TimeActions(Subject):
     _sought_branch: int | None = None
     """The branch that the run is on its way to, if it goes to another one as such."""
 
+    def why_not(self, deed: str) -> str:
+        """Return why the run cannot go back, or to no other moment."""
+        snapshot = self.snapshot
+        if deed in ("step_back", "episode_back"):
+            is_at_start = self.link.settled is not None and not self.link.settled.counters.step
+            return "this is step 0, where the run begins" if is_at_start else ""
+        is_prepared = snapshot is None or snapshot.playback.phase is not Phase.PREPARING
+        is_to_choose = deed in ("go_to", "show_branches")
+        if snapshot is None or is_prepared or not is_to_choose or snapshot.counters.step:
+            return ""
+        return "the run is being prepared"
+
     def value(self, deed: str) -> str:
         """Return how many branches there are."""
         count = 0 if self.snapshot is None else len(self.snapshot.timeline.branches)
@@ -24,11 +36,11 @@ class TimeActions(Subject):
 
     def step_back(self) -> None:
         """Go one step back."""
-        self._go_back(StepBack())
+        self.link.send(StepBack())
 
     def episode_back(self) -> None:
         """Go back to where the episode began."""
-        self._go_back(EpisodeBack())
+        self.link.send(EpisodeBack())
 
     def go_to(self) -> None:
         """Ask for a step or an episode, and go there."""
@@ -46,11 +58,8 @@ class TimeActions(Subject):
 
     def show_branches(self) -> None:
         """Show the branches of the run."""
-        snapshot = self.snapshot
-        if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
-            self.screen.tell("The run is being prepared: there are no branches yet.")
-        else:
-            self.ask(JournalScreen(self.screen.look, snapshot), self._go_to_branch)
+        if self.snapshot is not None:
+            self.ask(JournalScreen(self.screen.look, self.snapshot), self._go_to_branch)
 
     def to_start(self) -> None:
         """Go to step 0."""
@@ -86,13 +95,6 @@ class TimeActions(Subject):
             unit = "pull" if isinstance(now.world.drawing, Arms) else "step"
             stays = "as before" if now.timeline.in_past else "as far as it has come"
             self.screen.tell(f"{now.timeline.current.name}, {unit} {now.counters.step:,}: {stays}")
-
-    def _go_back(self, command: StepBack | EpisodeBack) -> None:
-        now = self.snapshot
-        if now is not None and self.link.wanted.is_taken_in(now) and now.counters.step == 0:
-            self.screen.tell("This is step 0, where the run begins.")
-        else:
-            self.link.send(command)
 
     def _go_to_branch(self, moment: Moment | AddBranch) -> None:
         if isinstance(moment, AddBranch):

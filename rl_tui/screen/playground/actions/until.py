@@ -9,11 +9,13 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.until_options import Kind, UntilChoice, UntilOption, ask_number, kind_of
 from rl_tui.screen.draw.names import pair_in_words, state_name
+from rl_tui.screen.kit.snapshot_facts import why_over
 from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.worlds.drawing import Arms
 
+ON_ARMS: Final = "breakpoints of a bandit are on arms; tab goes to them, arrows choose one"
 NO_BREAKPOINTS: Final = "there are no breakpoints; t b sets one at the cursor"
 
 
@@ -23,7 +25,13 @@ class UntilActions(Subject):
     _chosen_last = ""  # the id of the option chosen last
 
     def why_not(self, deed: str) -> str:
-        """Return why there is no breakpoint to clear."""
+        """Return why the run goes no further, or there is no breakpoint to set or to clear."""
+        if deed == "choose":
+            return "" if self.link.settled is None else why_over(self.link.settled)
+        snapshot = self.snapshot
+        if deed == "toggle_breakpoint" and snapshot is not None and self._breakpoint_here(snapshot) is None:
+            is_bandit = isinstance(snapshot.world.drawing, Arms)
+            return ON_ARMS if is_bandit else "there is no state here to stop at"
         return NO_BREAKPOINTS if deed == "clear_breakpoints" and not self._count else ""
 
     def value(self, deed: str) -> str:
@@ -39,9 +47,6 @@ class UntilActions(Subject):
         """Choose what to run until."""
         snapshot = self.snapshot
         if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
-            return
-        if snapshot.playback.phase in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
-            self.screen.tell("The run is at its end. r r: start again.")
             return
         choice = UntilChoice(
             snapshot,
@@ -66,11 +71,7 @@ class UntilActions(Subject):
             is_set = here.state in stops.states
             name = f"state {state_name(snapshot.world, here.state, self.glyphs)}"
             happens = "backed up" if kind is Kind.PLANNER else "reached"
-        elif kind is Kind.BANDIT:
-            self.screen.tell("Breakpoints of a bandit are on arms. tab: the arms, arrows: choose one.")
-            return
         else:
-            self.screen.tell("No state to stop at here.")
             return
         self.link.send(here)
         stop = f"breakpoint on {name}: pauses each time it is {happens}"

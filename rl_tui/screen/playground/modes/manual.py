@@ -9,6 +9,7 @@ from rl_tui.live.commands import Command, Pause, Play, Restart, RunEpisode, RunU
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.kit.row import WORLD
+from rl_tui.screen.kit.snapshot_facts import why_over
 from rl_tui.screen.panels.status_line import StatusLine
 from rl_tui.screen.playground.modes.action_keys import (
     DIGITS,
@@ -153,9 +154,7 @@ def _refused(snapshot: Snapshot) -> str:
     name = snapshot.agent.row.name
     if snapshot.agent.row.planner:
         return f"{name} takes no actions: it plans with the model; a a chooses an agent"
-    if snapshot.playback.phase is Phase.SPENT:
-        return "the budget is spent; r r starts again"
-    return "the run has stopped; r r starts again" if snapshot.playback.phase is Phase.STOPPED else ""
+    return why_over(snapshot)
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
