@@ -78,6 +78,7 @@ class GridView(WorldView):
     _action_artist: ActionArtist | None = None
     _landscapes: LandscapeArtist | None = None
     _is_landscape = False  # whether it was drawn as one
+    _names_bins = False  # whether a heading above the map does
     _digits = LEAST_DIGITS
     _action_digits = LEAST_DIGITS
     _longest_name = 0  # of those in view, where names are shown
@@ -209,9 +210,8 @@ class GridView(WorldView):
         if self.cell and not self.shows_actions:
             margins = margins_in(self._map.grid, self.cell, width, height)
         self._origin = margins.left, margins.above
+        self._names_bins = margins.names_bins
         strips = self._drawn_map(snapshot, width - margins.left, height - margins.above)
-        if margins == NO_MARGINS:
-            return strips
         assert self._part is not None
         assert self._form is not None
         place = LabelledPart(*self._part, self._form[:2])
@@ -406,7 +406,7 @@ class GridView(WorldView):
             yield LegendSign(sign, PALE if is_paled else self.policy_shown, palette.strong)
         says_start = form is not None and form.says_start and actions is None
         yield from place_signs(self._map, self._kinds, self.look, says_start=says_start)
-        if CellKind.WALL in self._kinds:
+        if CellKind.WALL in self._kinds and not self._map.grid.legend:  # else it is as the page
             yield LegendSign(glyphs.wall, "wall", palette.wall)
         if form is not None and 0 < self._longest_name <= self._room_for_names(form):
             yield LegendSign(self._own_name, "state", palette.text)
@@ -464,5 +464,5 @@ class GridView(WorldView):
         """Return which part is in view, and how to follow again, or what rows and columns mean."""
         legend = self._map.grid.legend
         if self._is_whole or self._part is None:
-            return self.fitting(shorter(legend), width)
+            return "" if self._names_bins else self.fitting(shorter(legend), width)
         return self.fitting(where(self._map.grid, self._part, follows=self._following), width)
