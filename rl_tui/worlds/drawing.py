@@ -26,9 +26,9 @@ class Title(NamedTuple):
     columns: int
     text: str
 
-    def is_below(self, row: int, column: int) -> bool:
-        """Return whether this is the title of the cell above it."""
-        return self.row == row + 1 and self.column <= column < self.column + self.columns
+    def is_over(self, column: int) -> bool:
+        """Return whether ``column`` is one of its own."""
+        return self.column <= column < self.column + self.columns
 
 
 @dataclass(frozen=True, slots=True)

@@ -257,6 +257,12 @@ def test_row_and_column_of_the_agent_stand_out() -> None:
 def test_parts_between_walls_have_their_titles_there() -> None:
     run = Run(recipe_for(find("taxi"), {}, 0), evaluate=False)
     run.advance(50)
-    _, rows = drawn(snapshot_of(run), (200, 60))
+    snapshot = snapshot_of(run)
+    view, rows = drawn(snapshot, (200, 60))
     titles = [row.split() for row in rows if "→R" in row]
     assert titles == [[f"{stop}→{place}" for place in "RGYB"] for stop in ("R", "G", "Y", "B", "in")]
+    name = snapshot.world.space.state_names[snapshot.counters.state].split()[1]
+    y = next(y for y, row in enumerate(rows) if name in row)
+    strip = view.picture(snapshot, len(rows[0]), len(rows))[y]
+    assert style_at(strip, rows[y].index(name)) == look().palette.strong
+    assert sum(look().palette.strong == segment.style for segment in strip) == 1

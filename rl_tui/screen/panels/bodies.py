@@ -58,7 +58,7 @@ def body_strips(pose: Pose, width: int, height: int, look: Look) -> tuple[Strip,
 def _draw_cart(canvas: Canvas, pose: Pose, look: Look) -> None:
     """Draw a cart on its track; its pole leans between two dotted lines, at which it has fallen."""
     glyphs, palette = look.glyphs, look.palette
-    position, _, angle, turning = pose.numbers
+    position, _, angle, _ = pose.numbers
     ground, half = canvas.height - 1, 4 if canvas.width >= _WIDE else 2
     top = ground - (2 if canvas.height >= _HIGH else 1)  # of the cart
     middle = canvas.width // 2
@@ -81,15 +81,20 @@ def _draw_cart(canvas: Canvas, pose: Pose, look: Look) -> None:
     if not math.isnan(angle):
         _draw_pole(canvas, middle, top, angle, look)
     _draw_push(canvas, middle, half + 2, ground - 1, pose.action, look)
-    free = min(middle - reach, middle - half) - 1
-    readings = (
-        _angles("angle", angle, degree, 1, free, look),
-        _angles("turning", turning, f"{degree}/s", 0, free, look),
+    _write_readings(canvas, pose, min(middle - reach, middle - half) - 1, top, look)
+
+
+def _write_readings(canvas: Canvas, pose: Pose, room: int, rows: int, look: Look) -> None:
+    """Write at the left what is known of cart and pole, as far as there is ``room``."""
+    position, _, angle, turning = pose.numbers
+    degree = "°" if look.glyphs.braille else " deg"
+    texts = (
+        (_angles("angle", angle, degree, 1, room, look), look.palette.text),
+        (_angles("turning", turning, f"{degree}/s", 0, room, look), look.palette.text),
+        (UNSEEN if math.isnan(position) and len(UNSEEN) <= room else "", look.palette.dim),
     )
-    for row, text in enumerate(filter(None, readings)):
-        canvas.put(0, row, text if row < top else "", palette.text)
-    if math.isnan(position) and len(UNSEEN) <= free and top > len(readings):
-        canvas.put(0, len(readings), UNSEEN, palette.dim)
+    for row, (text, style) in enumerate([each for each in texts if each[0]][:rows]):
+        canvas.put(0, row, text, style)
 
 
 def _angles(name: str, value: float, unit: str, decimals: int, room: int, look: Look) -> str:

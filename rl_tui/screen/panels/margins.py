@@ -102,29 +102,31 @@ def labelled(
 ) -> list[Strip]:
     """Return ``strips`` of a map with its labels left of it and above it, ``width`` cells each.
 
-    Those of the row and the column of ``state`` stand out. Titles of parts are in the walls between these.
+    Those of the row, the column and the part of ``state`` stand out. Titles of parts are in the walls.
     """
     axes, rows = grid.axes, list(strips)
     assert axes is not None
     row, column = divmod(grid.cell_of_state[state], grid.columns)
-    if any(title.is_below(row, column) for title in axes.titles):
-        row = column = -1  # the cell is not what its row and column are called
+    if any(title.row == row + 1 and title.is_over(column) for title in axes.titles if any(axes.columns)):
+        row = column = -1  # the cell has a name of its own, below it
+    above = (title for title in reversed(axes.titles) if title.row < row and title.is_over(column))
+    own = next(above, None)
     for title in axes.titles:
         if part.top <= title.row < part.top + part.rows:
             y = (title.row - part.top) * part.cell[1] + (part.cell[1] - 1) // 2
-            rows[y] = _titled(rows[y], title, part, look)
-    head = _heads(axes, part, margins, width, column, look)
+            rows[y] = _titled(rows[y], title, part, title is own, look)
+    head = _heads(axes, part, margins, width, column, own, look)
     if not margins.left:
         return [*head, *rows]
     labels = _row_labels(axes, part, margins.left, len(rows), row, look)
     return [*head, *(Strip.join(each) for each in zip(labels, rows, strict=True))]
 
 
-def _titled(strip: Strip, title: Title, part: LabelledPart, look: Look) -> Strip:
+def _titled(strip: Strip, title: Title, part: LabelledPart, is_here: bool, look: Look) -> Strip:
     text, x = _placed(title, part, look)
     if not text or x < 0 or x + len(text) > strip.cell_length:
         return strip
-    name = Strip([Segment(text, look.palette.dim)], len(text))
+    name = Strip([Segment(text, look.palette.strong if is_here else look.palette.dim)], len(text))
     return Strip.join([strip.crop(0, x), name, strip.crop(x + len(text))])
 
 
@@ -149,13 +151,15 @@ def _row_labels(
 
 @lru_cache(64)
 def _heads(
-    axes: Axes, part: LabelledPart, margins: Margins, width: int, here: int, look: Look
+    axes: Axes, part: LabelledPart, margins: Margins, width: int, here: int, own: Title | None, look: Look
 ) -> tuple[Strip, ...]:
     canvas, palette = Canvas(width, margins.labels, look.palette.text), look.palette
     start, wide = margins.left, part.cell[0]
     texts = axes.columns[part.left : part.left + part.columns] if margins.labels else ()
     if margins.labels > any(texts):
-        _put_head(canvas, axes, part, start, look, is_of_bins=margins.names_bins)
+        _put_titles(canvas, axes, part, start, own, look)
+        if margins.names_bins and axes.names is not None:
+            _put_heading(canvas, axes.names, look)
     every = 1 + max(map(len, texts), default=0) // wide  # a blank keeps neighbours apart
     place = 0  # within a block
     for column, text in enumerate(texts):
@@ -167,23 +171,24 @@ def _heads(
     return tuple(canvas.strips())
 
 
-def _put_head(
-    canvas: Canvas, axes: Axes, part: LabelledPart, start: int, look: Look, *, is_of_bins: bool
+def _put_titles(
+    canvas: Canvas, axes: Axes, part: LabelledPart, start: int, own: Title | None, look: Look
 ) -> None:
-    """Put titles above a map, above one of bins what these are."""
-    palette, glyphs = look.palette, look.glyphs
     for title in axes.titles:
         text, x = _placed(title, part, look)
         if title.row < 0 and x >= 0 and start + x + len(text) <= canvas.width:
-            canvas.put(start + x, 0, text, palette.dim)
-    if is_of_bins and axes.names is not None:
-        down, across = axes.names
-        both = f"{down} {glyphs.down}  {across} {glyphs.right}"
-        close = f"{down}{glyphs.down} {across}{glyphs.right}"
-        forms = (f"{ALL_SEEN}, drawn at the middle · {both}", f"{ALL_SEEN} · {both}", both, close)
-        room = canvas.width - len(BINS) - 2
-        text = next((form for form in forms if len(form) <= room), "")
-        canvas.put(0, 0, BINS, palette.strong)
-        canvas.put(len(BINS) + 2, 0, text, palette.dim)
-        end = len(BINS) + 3 + len(text)
-        canvas.put(end, 0, glyphs.thin * (canvas.width - end), palette.rule)
+            canvas.put(start + x, 0, text, look.palette.strong if title is own else look.palette.dim)
+
+
+def _put_heading(canvas: Canvas, names: tuple[str, str], look: Look) -> None:
+    """Put what bins are and what rows and columns of them are, with a rule as behind other headings."""
+    palette, glyphs = look.palette, look.glyphs
+    down, across = names
+    both = f"{down} {glyphs.down}  {across} {glyphs.right}"
+    close = f"{down}{glyphs.down} {across}{glyphs.right}"
+    forms = (f"{ALL_SEEN}, drawn at the middle · {both}", f"{ALL_SEEN} · {both}", both, close)
+    text = next((form for form in forms if len(BINS) + 2 + len(form) <= canvas.width), "")
+    canvas.put(0, 0, BINS, palette.strong)
+    canvas.put(len(BINS) + 2, 0, to_ascii(text, glyphs), palette.dim)
+    end = len(BINS) + 3 + len(text)
+    canvas.put(end, 0, glyphs.thin * (canvas.width - end), palette.rule)

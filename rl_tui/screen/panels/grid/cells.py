@@ -43,7 +43,6 @@ _LEADS: Final = 4
 _DIGIT: Final = "\ue000"  # in place of each character of a number; nothing else has it
 _MOST_KEPT: Final = 20_000
 _LEAST_STAR: Final = 4  # rows of a cell
-_LEAST_PLATE: Final = 3  # columns of a cell in one row that is all the agent's
 _BOLD: Final = Style(bold=True)
 MOST_ROWS: Final = 512
 
@@ -449,8 +448,6 @@ class _Cell:
     def _put_agent(self) -> None:
         form, style = self.form, self.look.palette.agent
         if form.height == 1:
-            if form.width >= _LEAST_PLATE and not form.has_values:
-                self.canvas.restyle(0, 0, form.width, style)
             return
         if not (self.has_blocks and form.has_plate):
             text = f" {self.glyphs.agent} " if form.width >= 5 else self.glyphs.agent
