@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 
 class CellKind(StrEnum):
@@ -17,17 +18,30 @@ class CellKind(StrEnum):
     CLIFF = "cliff"
 
 
+class Title(NamedTuple):
+    """A ``text`` in the middle of so many ``columns`` of walls, the first at ``row``, −1 above the map."""
+
+    row: int
+    column: int
+    columns: int
+    text: str
+
+    def is_over(self, column: int) -> bool:
+        """Return whether ``column`` is one of its own."""
+        return self.column <= column < self.column + self.columns
+
+
 @dataclass(frozen=True, slots=True)
 class Axes:
     """The labels of all rows and columns of a grid, empty for those that have none.
 
-    ``blocks`` are the first columns of the parts between walls, each with the name of its part; none where
-    such parts lie below each other too.
+    ``names`` are what rows and columns are, where that is known, ``titles`` those of parts between walls.
     """
 
     rows: tuple[str, ...]
     columns: tuple[str, ...]
-    blocks: tuple[tuple[int, str], ...] = ()
+    titles: tuple[Title, ...] = ()
+    names: tuple[str, str] | None = None
 
 
 class BodyKind(StrEnum):

@@ -63,7 +63,7 @@ def test_each_arm_is_a_bar_of_its_estimate_and_standard_error() -> None:
         "  8     ━━━┃━━━                         ",
         "  9                       ━┃━           ",
     ]
-    assert view.heading == "Arms · estimate ± standard error  −2…+2"
+    assert view.footing == "−2…+2"
 
 
 def test_where_there_is_room_rows_are_spaced_and_an_axis_is_drawn() -> None:
@@ -73,7 +73,7 @@ def test_where_there_is_room_rows_are_spaced_and_an_axis_is_drawn() -> None:
     assert all(row.strip() == "┊" for row in rows[1:20:2])
     assert rows[20].split() == ["−2", "−1", "0", "1", "2"]
     assert rows[20].index("0") == rows[1].index("┊")
-    assert view.heading == "Arms · estimate ± standard error"
+    assert "…" not in view.footing
 
 
 @pytest.mark.parametrize("width", [24, 40, 60])
@@ -90,10 +90,9 @@ def test_what_is_said_of_arms_not_pulled_keeps_off_their_true_means(width: int) 
 def test_titles_are_shortened_by_whole_parts() -> None:
     view = ArmsView(bandit_world(), look())
     view.picture(answered(bandit()), 28, 6)
-    assert view.heading == "Arms  −2…+2"
-    assert view.footing == "↑↓ 1–6 of 10"
+    assert view.footing == "↑↓ 1–6 of 10  −2…+2"
     view.picture(answered(bandit()), 60, 6)
-    assert view.footing == "↑↓ 1–6 of 10  ◆ true mean  ★ best arm"
+    assert view.footing == "↑↓ 1–6 of 10  −2…+2  ◆ true mean  ★ best arm"
 
 
 def test_the_truth_is_drawn_only_when_revealed() -> None:
@@ -157,10 +156,10 @@ def test_a_new_run_starts_with_a_new_scale() -> None:
     view.picture(bandit(1_000), 40, 10)
     tame = changed(bandit(500), q=np.full(10, 0.01), visits=np.full(10, 10**6))
     view.picture(tame, 40, 10)
-    assert view.heading.endswith("−2…+2")
+    assert view.footing.startswith("−2…+2")
     view.show(tame)
     view.picture(tame, 40, 10)
-    assert view.heading.endswith("0…+0.02")
+    assert view.footing.startswith("0…+0.02")
 
 
 @pytest.mark.parametrize(
@@ -183,12 +182,12 @@ def test_more_arms_than_rows_scroll() -> None:
     snapshot = changed(bandit(pulls=0), world=world, q=np.zeros(50), visits=np.zeros(50, dtype=np.int64))
     view = ArmsView(world, look())
     assert view.picture(snapshot, 40, 10)[0].text.startswith("   0")
-    assert view.footing == "↑↓ 1–10 of 50"
+    assert view.footing == "↑↓ 1–10 of 50  −1…+1"
     view.pan(5, 0)
     assert view.picture(snapshot, 40, 10)[0].text.startswith("   5")
     view.pan(99, 0)
     assert view.picture(snapshot, 40, 10)[9].text.startswith("  49")
-    assert view.footing == "↑↓ 41–50 of 50"
+    assert view.footing == "↑↓ 41–50 of 50  −1…+1"
     view.follow()
     assert view.picture(snapshot, 40, 10)[0].text.startswith("   0")
 

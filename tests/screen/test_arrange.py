@@ -29,7 +29,7 @@ from rl_tui.screen.kit.row import (
     beside,
 )
 from rl_tui.screen.panels.catalogue import PANELS
-from rl_tui.worlds.drawing import Arms, Axes, Body, BodyKind, CellKind, Graph, Grid
+from rl_tui.worlds.drawing import Arms, Axes, Body, BodyKind, CellKind, Graph, Grid, Title
 
 
 def grid(rows: int, columns: int, legend: str = "", wind: tuple[int, ...] = ()) -> Grid:
@@ -48,10 +48,13 @@ MAPS = {
 }
 BODY = Body(BodyKind.CART_POLE, ((math.nan,),) * 4)
 BINS = replace(
-    grid(6, 12, "angle down, velocity across"), body=BODY, axes=Axes(("−0.17",) * 6, ("1.5",) * 12)
+    grid(6, 12, "angle down, velocity across"),
+    body=BODY,
+    axes=Axes(("−0.17",) * 6, ("1.5",) * 12, names=("angle", "velocity")),
 )
 CARDS = replace(
-    grid(19, 21, "sum down, card across"), axes=Axes(("21",) * 19, ("A",) * 21, ((0, "no ace"), (11, "ace")))
+    grid(19, 21, "sum down, card across"),
+    axes=Axes(("21",) * 19, ("A",) * 21, (Title(-1, 0, 10, "no ace"), Title(-1, 11, 10, "ace"))),
 )
 SHAPES = MAPS | {
     "taxi": Shape(grid(29, 23, legend="rows: taxi"), 400, 6),

@@ -163,6 +163,12 @@ def test_blanks_take_the_pen_of_what_stands_beside_them() -> None:
     assert screen.send() == "\x1b[2H\x1b[31;44ma  b\x1b[m"
 
 
+def test_a_pen_is_set_once_for_all_lines() -> None:
+    screen = drawn(("ab", "red"), ("c", "blue"), system=ColorSystem.STANDARD)
+    screen.put(0, 3, [("d", Style.parse("blue")), ("e", Style.parse("red"))])
+    assert screen.send() == "\x1b[2H\x1b[31mab\x1b[4;2He\x1b[2;3H\x1b[34mc\x1b[4Hd\x1b[m"
+
+
 def test_a_few_cells_between_two_changes_are_written_again() -> None:
     screen = drawn(("0.532 0.514", ""))
     screen.send()

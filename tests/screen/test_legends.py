@@ -155,7 +155,7 @@ async def test_a_key_hides_captions_and_legends_and_shows_them_again(make_app: M
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await train(pilot, 2)
         board = playground(pilot).board
-        titles = {each: board.panel(each).head for each in (WORLD, TABLE)}
+        titles = {each: board.panel(each).head for each in (TABLE,)}
         assert all(CAPTIONS[each] in title for each, title in titles.items())
         world = board.panel(WORLD)
         assert "◉ agent" in world.render_line(world.size.height - 1).text

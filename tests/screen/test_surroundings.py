@@ -10,6 +10,7 @@ from drawn_grids import style_at
 from samples import look
 from snapshots import changed, snapshot_of
 from textual.geometry import Size
+from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.library import recipe_for
@@ -17,9 +18,9 @@ from rl_tui.runs.run import Run
 from rl_tui.screen.frame.arrange import arrange
 from rl_tui.screen.frame.shape import Shape, map_size
 from rl_tui.screen.kit.row import WORLD
-from rl_tui.screen.panels.bodies import MIDDLE, Pose, body_strips
+from rl_tui.screen.panels.bodies import UNSEEN, Pose, body_strips
 from rl_tui.screen.panels.grid.grid import GridView
-from rl_tui.screen.panels.margins import NO_MARGINS, Margins, margins_in, wanted_margins
+from rl_tui.screen.panels.margins import ALL_SEEN, BINS, NO_MARGINS, Margins, margins_in, wanted_margins
 from rl_tui.worlds.drawing import Axes, Body, BodyKind, CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
 
@@ -28,7 +29,11 @@ NAN = math.nan
 
 
 def table(rows: int, columns: int, *, body: bool = False) -> Grid:
-    axes = Axes(tuple(str(10 * row) for row in range(rows)), tuple(str(column) for column in range(columns)))
+    axes = Axes(
+        tuple(str(10 * row) for row in range(rows)),
+        tuple(str(column) for column in range(columns)),
+        names=("angle", "speed"),
+    )
     return Grid(
         rows,
         columns,
@@ -59,9 +64,9 @@ def drawn(snapshot: Snapshot, size: tuple[int, int], *, plain: bool = False) -> 
 # How much room
 
 
-def test_a_third_of_the_height_shows_the_body_at_most_nine_rows() -> None:
+def test_a_third_of_the_height_shows_the_body_with_its_heading_at_most_nine_rows() -> None:
     grid = table(6, 12, body=True)
-    assert [wanted_margins(grid, height).body for height in (8, 9, 12, 15, 24, 60)] == [0, 4, 4, 5, 8, 9]
+    assert [wanted_margins(grid, height).body for height in (8, 9, 12, 15, 24, 60)] == [0, 4, 4, 5, 8, 8]
     assert wanted_margins(table(6, 12), 24).body == 0
 
 
@@ -78,14 +83,15 @@ def test_a_map_that_scrolls_is_not_made_narrower_by_labels() -> None:
 
 def test_margins_are_what_the_map_leaves_free() -> None:
     grid = table(6, 12, body=True)
-    assert margins_in(grid, (3, 1), 39, 12) == Margins(3, 5, 1)
+    assert margins_in(grid, (3, 1), 39, 13) == Margins(3, 5, 2)
     assert margins_in(grid, (3, 1), 38, 8) == Margins(0, 0, 1)
     assert margins_in(grid, (3, 1), 36, 6) == NO_MARGINS
 
 
 def test_a_map_that_scrolls_gives_way_to_labels_and_every_map_to_its_body() -> None:
-    assert margins_in(table(18, 12, body=True), (3, 1), 40, 22) == Margins(4, 7, 1)
-    assert margins_in(table(40, 12, body=True), (3, 1), 40, 15) == Margins(4, 5, 1)
+    assert margins_in(table(18, 12, body=True), (3, 1), 40, 22) == Margins(4, 7, 2)
+    assert margins_in(table(40, 12, body=True), (3, 1), 40, 15) == Margins(4, 5, 2)
+    assert margins_in(table(40, 12), (3, 1), 40, 15) == Margins(4, 0, 1)
 
 
 # Labels
@@ -155,7 +161,7 @@ def car(position: float, action: str = "") -> Pose:
 
 
 def top_of_pole(rows: list[str]) -> int:
-    return len(rows[0].rstrip())
+    return min(x for x, sign in enumerate(rows[0]) if sign in "▐█▌▛▜▀▄▟▙▗▖▝▘")
 
 
 def test_the_pole_leans_as_its_bin_does() -> None:
@@ -164,21 +170,30 @@ def test_the_pole_leans_as_its_bin_does() -> None:
 
 
 def test_the_picture_says_what_it_shows() -> None:
-    text = "\n".join(picture(cart(math.radians(6.3))))
-    assert "angle +6.3°" in text
-    assert MIDDLE in text
-    assert MIDDLE in picture(car(-0.45))[0]
+    rows = picture(cart(math.radians(6.3)), 70, 9)
+    assert rows[0].startswith("angle +0.11 = +6.3°")
+    assert "turning +0.50 = +29°/s" in rows[1]
+    assert UNSEEN in rows[2]
+    assert UNSEEN not in "".join(picture(cart(0.1, position=0.5), 70, 9))
     assert "position −0.45" in picture(car(-0.45))[0]
 
 
 @pytest.mark.parametrize(("width", "height"), [(30, 4), (36, 4), (42, 5), (70, 9)])
-def test_where_there_is_little_room_it_still_says_that_this_is_the_middle(width: int, height: int) -> None:
-    for pose in (cart(-0.1), car(-0.45)):
-        assert MIDDLE in "".join(picture(pose, width, height))
+def test_where_there_is_little_room_it_still_says_the_numbers(width: int, height: int) -> None:
+    assert "angle −5.7°" in "".join(picture(cart(-0.1), width, height)).replace("−0.10 = ", "")
+    assert "position −0.45" in "".join(picture(car(-0.45), width, height))
+
+
+def test_a_pole_leans_between_the_angles_at_which_it_falls() -> None:
+    for angle in (-0.17, 0.0, 0.17):
+        row = picture(cart(angle), 70, 9)[0]
+        first, last = row.index("·"), row.rindex("·")
+        assert first < min(map(row.index, set(row) & set("▐█▌▛▜▀▄▟▙"))) < last
+    assert "falls at 12°" in picture(cart(0.0), 70, 9)[0]
 
 
 def test_a_push_is_an_arrow_at_its_side() -> None:
-    cart_row = -2
+    cart_row = -2  # above the wheels
     assert picture(cart(0.0, "right"))[cart_row].rstrip().endswith("━━▶")
     assert picture(cart(0.0, "left"))[cart_row].strip().startswith("◀━━")
     assert not {"▶", "◀"} & set("".join(picture(car(-0.5, "coast"))))
@@ -206,18 +221,48 @@ def test_bodies_fill_every_size(pose: Pose, size: tuple[int, int], plain: bool) 
     assert "".join(picture(pose, *size, plain=plain)).isascii() or not plain
 
 
-def test_the_body_of_a_bin_is_above_the_bins() -> None:
+def of_bins(width: int, height: int) -> list[Strip]:
     grid = table(6, 12)
     body = Body(BodyKind.CART_POLE, ((NAN,), (NAN,), tuple(0.1 * x - 0.25 for x in range(6)), (0.0,) * 12))
     assert body.pose(0)[2] == pytest.approx(-0.25)
     assert body.pose(71)[2] == pytest.approx(0.25)
     snapshot = blackjack()
     space = snapshot.world.space
-    world = replace(snapshot.world, drawing=replace(grid, body=body, cell_of_state=(0,) * space.states))
+    world = replace(snapshot.world, drawing=replace(grid, body=body, cell_of_state=(66,) * space.states))
     view = GridView(world, look())
     shown = changed(snapshot, world=world, state=70, last_step=None, trail=())
     view.snapshot, view.cell = shown, Size(3, 1)
-    rows = [strip.text for strip in view.picture(shown, 39, 13)]
+    return view.picture(shown, width, height)
+
+
+def test_the_body_of_a_bin_is_above_the_bins_under_a_heading() -> None:
+    strips = of_bins(39, 14)
+    rows = [strip.text for strip in strips]
     assert "angle +14.3°" in rows[0]
-    assert "".join(rows[5].split()).startswith("01234")
-    assert style_at(view.picture(shown, 39, 13)[0], 0) == look().palette.text
+    assert style_at(strips[0], 0) == look().palette.text
+    assert rows[5].startswith(f"{BINS}  angle ↓  speed → ─")
+    assert "".join(rows[6].split()).startswith("01234")
+    assert f"{BINS}  {ALL_SEEN} · angle ↓  speed → ─" in of_bins(50, 14)[5].text
+
+
+def test_row_and_column_of_the_agent_stand_out() -> None:
+    strips, palette = of_bins(39, 14), look().palette
+    labels = {row: style_at(strips[7 + row], 0 if row else 1) for row in range(6)}
+    assert labels == {row: palette.strong if row == 5 else palette.dim for row in range(6)}
+    head = strips[6].text
+    assert style_at(strips[6], head.index("6")) == palette.strong
+    assert style_at(strips[6], head.index("5")) == palette.dim
+
+
+def test_parts_between_walls_have_their_titles_there() -> None:
+    run = Run(recipe_for(find("taxi"), {}, 0), evaluate=False)
+    run.advance(50)
+    snapshot = snapshot_of(run)
+    view, rows = drawn(snapshot, (200, 60))
+    titles = [row.split() for row in rows if "→R" in row]
+    assert titles == [[f"{stop}→{place}" for place in "RGYB"] for stop in ("R", "G", "Y", "B", "in")]
+    name = snapshot.world.space.state_names[snapshot.counters.state].split()[1]
+    y = next(y for y, row in enumerate(rows) if name in row)
+    strip = view.picture(snapshot, len(rows[0]), len(rows))[y]
+    assert style_at(strip, rows[y].index(name)) == look().palette.strong
+    assert sum(look().palette.strong == segment.style for segment in strip) == 1

@@ -49,9 +49,10 @@ def test_every_shipped_one_teaches_something(name):
     assert {"algorithm", "alpha", "gamma", "epsilon", "episodes"} <= scenario.defaults.keys()
 
 
-def labels(grid: Grid) -> tuple[int, int] | None:
-    """How long labels of rows are, and how many blocks are named."""
-    return None if grid.axes is None else (max(map(len, grid.axes.rows)), len(grid.axes.blocks))
+def labels(grid: Grid) -> tuple[int, object, object] | None:
+    """How long labels of rows are, which parts have titles, and what rows and columns are."""
+    axes = grid.axes
+    return None if axes is None else (max(map(len, axes.rows)), axes.titles, axes.names)
 
 
 @pytest.mark.parametrize("name", SHIPPED)

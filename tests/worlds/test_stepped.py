@@ -7,6 +7,7 @@ import math
 import sys
 import threading
 import warnings
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -99,7 +100,17 @@ def test_a_blackjack_hand_is_told_in_words():
     assert (world.space.states, world.space.pairs, world.space.time_limit) == (704, 1408, 0)
     assert world.space.state_names[(12 * 11 + 7) * 2] == "12, 7, no"
     assert world.space.action_names == ("stick", "hit")
-    assert (world.drawing.rows, world.drawing.columns) == (32, 23)
+
+
+def test_hands_of_blackjack_that_come_up_have_a_cell_each_and_all_others_share_one():
+    drawing = GymnasiumSection(id="Blackjack-v1").build(np.random.default_rng(0)).drawing
+    assert (drawing.rows, drawing.columns) == (18, 21)
+    of_cell = Counter(drawing.cell_of_state)
+    assert sorted(of_cell.values()) == [1] * (18 * 10 + 10 * 10) + [704 - 280]
+    assert drawing.cell_of_state[(21 * 11 + 1) * 2] == 0
+    bust = drawing.cell_of_state[(23 * 11 + 7) * 2]
+    assert of_cell[bust] > 1
+    assert drawing.cell_of_state[(20 * 11 + 0) * 2] == bust
 
 
 def test_the_seed_is_that_of_gymnasium():

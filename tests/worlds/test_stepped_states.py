@@ -103,7 +103,8 @@ def test_rows_columns_and_blocks_are_labelled() -> None:
     assert axes is not None
     assert axes.rows == tuple("abcdef")
     assert axes.columns == ("0", "1", "2", "", "0", "1", "2")
-    assert axes.blocks == ((0, "ace: no"), (4, "ace: yes"))
+    assert axes.titles == ((-1, 0, 3, "ace: no"), (-1, 4, 3, "ace: yes"))
+    assert axes.names == ("sum", "dealer")
 
 
 def test_what_has_no_names_or_fills_rows_only_has_no_labels() -> None:

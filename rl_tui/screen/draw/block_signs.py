@@ -16,7 +16,7 @@ Sign = Direction | str  # how an action is drawn: the arrow of its direction, or
 SignName = Literal["arrow", "heads", "disc", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
 
-_QUADRANTS: Final = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # by bits: upper left, upper right, lower left, lower right
+QUADRANTS: Final = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # by bits: upper left, upper right, lower left, lower right
 _HALVES: Final = " ▀▄█"  # by bits: upper, lower
 _PIXELS: Final = {  # five rows from above, three pixels each, as octal digits; a point has only the last
     "0": "75557",
@@ -57,7 +57,7 @@ def block_sign(name: SignName, columns: int, rows: int, *directions: Direction) 
 
     def character(column: int, row: int) -> str:
         quarters = ((0, 0), (1, 0), (0, 1), (1, 1))
-        return _QUADRANTS[sum(holds(column, row, *each) << bit for bit, each in enumerate(quarters))]
+        return QUADRANTS[sum(holds(column, row, *each) << bit for bit, each in enumerate(quarters))]
 
     return tuple("".join(character(column, row) for column in range(columns)) for row in range(rows))
 

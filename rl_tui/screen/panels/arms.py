@@ -41,8 +41,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
-ARMS: Final = "Arms"
-HEADINGS: Final = ("Arms · estimate ± standard error", "Arms · estimate ± error", "Arms")  # the longest first
+HEADING: Final = "Arms · estimate ± standard error"
 
 
 class ArmsView(WorldView):
@@ -61,7 +60,7 @@ class ArmsView(WorldView):
             raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
         super().enter(world, goes_on=goes_on)
         self._mdp = world.mdp
-        self.heading = HEADINGS[0]
+        self.heading = HEADING
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. The scale only ever widens, until another run starts."""
@@ -88,14 +87,13 @@ class ArmsView(WorldView):
         shown = min(len(arms), max(1, height // each))
         self._top = max(0, min(self._top, len(arms) - shown))
         self._shown, self._each = shown, each
-        # where no row is left for the axis, its ends are named in the title
-        ends = [] if len(arms) * each < height else [f"{form}  {self._ends(scale)}" for form in HEADINGS]
-        self.heading = self.fitting([*ends, *self.captioned(ARMS), *HEADINGS], width)
         hidden = len(arms) - shown
         parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
+        if len(arms) * each >= height:  # no row is left for the axis
+            parts.append(self._ends(scale))
         if not is_secret(snapshot):
             parts.append(f"{true_mean_glyph(self.look)} true mean  {self.look.glyphs.best_arm} best arm")
-        self.footing = self.fitting(("  ".join(parts), *parts), width)
+        self.footing = self.fitting(("  ".join(parts[:count]) for count in range(len(parts), 0, -1)), width)
         names = names_width(arms, self.look)
         form = self.number_forms.form("estimates", all_q(snapshot), value_width(width, names))
         in_view = arms[self._top : self._top + shown]

@@ -1,7 +1,7 @@
 """Pictures of bodies, a cart with its pole and a car on its hill, and maps with all that is around them.
 
 The agent sees no more than the bin of each number. So the picture of a cart or a car shows the middle of its
-bin, and says so.
+bin; the heading of the bins below says so.
 """
 
 from __future__ import annotations
@@ -11,32 +11,31 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
+from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.screen.draw.braille import BLANK, DOTS_ACROSS, DOTS_DOWN, braille_codes
+from rl_tui.screen.draw.block_signs import QUADRANTS
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.panels.margins import LabelledPart, Margins, labelled
 from rl_tui.worlds.drawing import BodyKind, Grid
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from rich.style import Style
-
     from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.theme.look import Look
-    from rl_tui.worlds.mdp.space import BoolArray
-
 
 # Bodies: a cart with its pole, and a car on its hill
 
 
-MIDDLE: Final = "bin middle"
+UNSEEN: Final = "cart position not seen"
 _TRACK: Final = 2.4  # the cart leaves the track beyond that
 _WIDE: Final = 40  # columns from which the cart has its full width
+_HIGH: Final = 7  # rows from which cart and car have two
+_FALLS: Final = 12.0  # degrees at which an episode ends
+_DRAWN: Final = 30.0  # degrees by which a pole leans in the picture that is about to fall
+_THICK: Final = 3  # half columns of a pole
 _HILL: Final = (-1.2, 0.6)  # positions of the car
 _FLAG: Final = 0.5
-_POINTS: Final = 400  # of the pole
+_EIGHTHS: Final = "▁▂▃▄▅▆▇█"
 
 
 class Pose(NamedTuple):
@@ -51,79 +50,144 @@ class Pose(NamedTuple):
 def body_strips(pose: Pose, width: int, height: int, look: Look) -> tuple[Strip, ...]:
     """Return the picture of ``pose`` in width × height cells."""
     canvas = Canvas(width, height, look.palette.text)
-    if pose.kind is BodyKind.CART_POLE:
-        _draw_cart(canvas, pose, look)
-    else:
-        _draw_hill(canvas, pose, look)
+    draw = _draw_cart if pose.kind is BodyKind.CART_POLE else _draw_hill
+    draw(canvas, pose, look)
     return tuple(canvas.strips())
 
 
 def _draw_cart(canvas: Canvas, pose: Pose, look: Look) -> None:
+    """Draw a cart on its track; its pole leans between two dotted lines, at which it has fallen."""
     glyphs, palette = look.glyphs, look.palette
-    position, _, angle, turning = pose.numbers
+    position, _, angle, _ = pose.numbers
     ground, half = canvas.height - 1, 4 if canvas.width >= _WIDE else 2
-    canvas.put(0, ground, glyphs.thin * canvas.width, palette.dim)
+    top = ground - (2 if canvas.height >= _HIGH else 1)  # of the cart
     middle = canvas.width // 2
+    canvas.put(0, ground, glyphs.thin * canvas.width, palette.dim)
     if not math.isnan(position):
         middle += round(max(-1.0, min(1.0, position / _TRACK)) * (canvas.width / 2 - half - 4))
-    canvas.put(middle - half, ground - 1, glyphs.bar * (2 * half + 1), palette.text)
-    if not math.isnan(angle):
-        _draw_pole(canvas, middle, ground - 1, angle, look)
-    _draw_push(canvas, middle, half + 2, ground - 1, pose.action, look)
+        ends = f"{-_TRACK}".replace("-", glyphs.minus), f"{_TRACK}"
+        canvas.put(0, ground, f"{ends[0]} ", palette.dim)
+        canvas.put(canvas.width - len(ends[1]) - 1, ground, f" {ends[1]}", palette.dim)
+    for row in range(top, ground):
+        canvas.put(middle - half, row, glyphs.bar * (2 * half + 1), palette.text)
+    for wheel in (1 - half, half - 1):
+        canvas.put(middle + wheel, ground, glyphs.hole, palette.strong)
+    reach = math.ceil(math.sin(math.radians(_DRAWN)) * 2 * top)
+    for side in (-1, 1):
+        _draw_limit(canvas, middle, top, side, look)
     degree = "°" if glyphs.braille else " deg"
-    texts = [
-        _number("angle", math.degrees(angle), degree, 1, look),
-        _number("turns", math.degrees(turning), f"{degree}/s", 0, look),
-        MIDDLE,
-    ]
-    free = middle - half - 1
-    for y, text in enumerate(text for text in texts if text and len(text) <= free):
-        canvas.put(0, y, text, palette.dim if text is MIDDLE else palette.text)
+    fall, at = f"falls at {_FALLS:.0f}{degree}", middle + reach + 3
+    canvas.put(at, 0, fall if at + len(fall) <= canvas.width else "", palette.dim)
+    if not math.isnan(angle):
+        _draw_pole(canvas, middle, top, angle, look)
+    _draw_push(canvas, middle, half + 2, ground - 1, pose.action, look)
+    _write_readings(canvas, pose, min(middle - reach, middle - half) - 1, top, look)
+
+
+def _write_readings(canvas: Canvas, pose: Pose, room: int, rows: int, look: Look) -> None:
+    """Write at the left what is known of cart and pole, as far as there is ``room``."""
+    position, _, angle, turning = pose.numbers
+    degree = "°" if look.glyphs.braille else " deg"
+    texts = (
+        (_angles("angle", angle, degree, 1, room, look), look.palette.text),
+        (_angles("turning", turning, f"{degree}/s", 0, room, look), look.palette.text),
+        (UNSEEN if math.isnan(position) and len(UNSEEN) <= room else "", look.palette.dim),
+    )
+    for row, (text, style) in enumerate([each for each in texts if each[0]][:rows]):
+        canvas.put(0, row, text, style)
+
+
+def _angles(name: str, value: float, unit: str, decimals: int, room: int, look: Look) -> str:
+    """Return an angle as its bin is called and in degrees, or in these alone, or nothing."""
+    degrees = _number(name, math.degrees(value), unit, decimals, look)
+    both = f"{_number(name, value, '', 2, look)} ={degrees.removeprefix(name)}" if degrees else ""
+    return next((form for form in (both, degrees) if len(form) <= room), "")
+
+
+def _leaning(degrees: float) -> float:
+    """Return by how much a pole is drawn to lean, in radians: more than it does, so that it is seen."""
+    return math.radians(max(-60.0, min(60.0, degrees * _DRAWN / _FALLS)))
+
+
+def _draw_limit(canvas: Canvas, middle: int, rows: int, side: int, look: Look) -> None:
+    slope = math.tan(_leaning(_FALLS)) * side
+    for row in range(rows):
+        canvas.put(round(middle + slope * (2 * (rows - row) - 1)), row, look.glyphs.untried, look.palette.dim)
 
 
 def _draw_pole(canvas: Canvas, middle: int, rows: int, angle: float, look: Look) -> None:
-    dots = np.zeros((rows * DOTS_DOWN, canvas.width * DOTS_ACROSS), dtype=np.bool_)
-    along = np.linspace(0.0, rows * DOTS_DOWN - 1, _POINTS)
-    x = np.rint(middle * DOTS_ACROSS + np.sin(angle) * along).astype(np.int64)
-    y = np.rint(rows * DOTS_DOWN - 1 - np.cos(angle) * along).astype(np.int64)
-    for column in (x, x + 1):
-        inside = (column >= 0) & (column < dots.shape[1])
-        dots[y[inside], column[inside]] = True
-    slant = "|" if abs(angle) < 0.05 else "/" if angle > 0.0 else "\\"
-    _put_dots(canvas, 0, dots, slant, look.palette.strong, look)
+    lean = _leaning(math.degrees(angle))
+    filled = np.zeros((2 * rows, 2 * canvas.width), dtype=np.int64)  # quarters of characters
+    for half_row in range(2 * rows):
+        up = 2 * rows - half_row - 0.5
+        left = round(2 * middle + 1 - _THICK / 2 + 2 * math.tan(lean) * up)
+        filled[half_row, max(0, left) : max(0, left + _THICK)] = up <= 2 * rows * math.cos(lean)
+    bits = filled[::2, ::2] + 2 * filled[::2, 1::2] + 4 * filled[1::2, ::2] + 8 * filled[1::2, 1::2]
+    plain = "|" if abs(lean) < 0.1 else "/" if lean > 0.0 else "\\"
+    for row, column in np.argwhere(bits).tolist():
+        sign = QUADRANTS[bits[row, column]] if look.glyphs.braille else plain
+        canvas.put(column, row, sign, look.palette.strong)
 
 
 def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
+    """Draw a car on its hill, over the axis of its position; its numbers are above them."""
     glyphs, palette = look.glyphs, look.palette
     position, velocity = pose.numbers
-    rows, low, high = canvas.height - 1, *_HILL
-    across, down = canvas.width * DOTS_ACROSS, rows * DOTS_DOWN
+    low, high = _HILL
+    car_rows = 2 if canvas.height >= _HIGH else 1
 
-    def dot_of(place: float) -> float:
-        return (1.0 - (math.sin(3.0 * place) * 0.45 + 0.55)) * (down - DOTS_DOWN - 1) + DOTS_DOWN
+    def level_of(place: float) -> int:
+        """Return the height of the hill in eighths of a row."""
+        return round(8 * (0.2 + (math.sin(3.0 * place) * 0.45 + 0.55) * (canvas.height - 1.2 - car_rows)))
 
     def column_of(place: float) -> int:
         return round((place - low) / (high - low) * (canvas.width - 1))
 
-    dots = np.zeros((down, across), dtype=np.bool_)
-    heights = [round(dot_of(low + (high - low) * x / (across - 1))) for x in range(across)]
-    dots[np.clip(heights, 0, down - 1), np.arange(across)] = True
-    _put_dots(canvas, 1, dots, ".", palette.dim, look)
+    def row_above(place: float) -> int:
+        return canvas.height - 1 - math.ceil(level_of(place) / 8)
+
+    for x in range(canvas.width):
+        _draw_ground(canvas, x, level_of(low + (high - low) * x / (canvas.width - 1)), look)
+    _draw_axis(canvas, look)
     flag = column_of(_FLAG)
-    canvas.put(flag, int(dot_of(_FLAG)) // DOTS_DOWN, glyphs.goal, palette.goal)
+    canvas.put(flag, row_above(_FLAG), glyphs.goal, palette.goal)
+    canvas.put(flag - 5, row_above(_FLAG), "goal", palette.dim)
     if not math.isnan(position):
-        x, y = column_of(position), int(dot_of(position)) // DOTS_DOWN
-        car = "▟█▙" if glyphs.braille else "[#]"
-        x = max(1, min(canvas.width - 2, x))
-        canvas.put(x - 1, y, car, palette.strong)
-        _draw_push(canvas, x, 3, y, pose.action, look)
+        x, y = max(2, min(canvas.width - 3, column_of(position))), row_above(position)
+        _draw_car(canvas, x, y, car_rows, look)
+        _draw_push(canvas, x, -1, y - car_rows, pose.action, look)  # above it, where no hill is
     place, speed = _number("position", position, "", 2, look), _number("velocity", velocity, "", 3, look)
-    forms = ([place, speed, MIDDLE], [place, MIDDLE], [MIDDLE])
-    texts = next((form for form in forms if len("   ".join(form)) <= canvas.width), forms[-1])
-    x = 0
-    for text in filter(None, texts):
-        canvas.put(x, 0, text, palette.dim if text is MIDDLE else palette.text)
-        x += len(text) + 3
+    texts = [text for text in (place, speed) if text]
+    canvas.put(0, 0, "   ".join(texts if len("   ".join(texts)) <= canvas.width else texts[:1]), palette.text)
+
+
+def _draw_ground(canvas: Canvas, x: int, level: int, look: Look) -> None:
+    ground = canvas.height - 1
+    if not look.glyphs.braille:
+        canvas.put(x, ground - (level - 1) // 8, ".", look.palette.dim)
+        return
+    for row in range(math.ceil(level / 8)):
+        canvas.put(x, ground - row, _EIGHTHS[min(7, level - 8 * row - 1)], look.palette.rule)
+
+
+def _draw_axis(canvas: Canvas, look: Look) -> None:
+    """Write the ends of the positions on the ground."""
+    ink, ground = look.palette.dim, look.palette.rule.color
+    style = ink + Style(bgcolor=ground) if look.palette.tints and look.glyphs.braille else ink
+    left, right = (f"{end}".replace("-", look.glyphs.minus) for end in _HILL)
+    canvas.put(0, canvas.height - 1, f"{left} position", style)
+    canvas.put(canvas.width - len(right), canvas.height - 1, right, style)
+
+
+def _draw_car(canvas: Canvas, x: int, y: int, rows: int, look: Look) -> None:
+    glyphs, strong = look.glyphs, look.palette.strong
+    if not glyphs.braille:
+        canvas.put(x - 1, y, "[#]", strong)
+    elif rows == 1:
+        canvas.put(x - 1, y, "▟█▙", strong)
+    else:
+        canvas.put(x - 1, y - 1, "▟█▙", strong)
+        canvas.put(x - 2, y, f" {glyphs.hole} {glyphs.hole} ", strong + Style(reverse=True))
 
 
 def _draw_push(canvas: Canvas, middle: int, beside: int, y: int, action: str, look: Look) -> None:
@@ -141,14 +205,6 @@ def _number(name: str, value: float, unit: str, decimals: int, look: Look) -> st
     return f"{name} {value:+.{decimals}f}{unit}".replace("-", look.glyphs.minus)
 
 
-def _put_dots(canvas: Canvas, top: int, dots: BoolArray, plain: str, style: Style, look: Look) -> None:
-    codes: Sequence[Sequence[int]] = braille_codes(dots).tolist()
-    for y, row in enumerate(codes, start=top):
-        for x, code in enumerate(row):
-            if code != BLANK:
-                canvas.put(x, y, chr(code) if look.glyphs.braille else plain, style)
-
-
 # The map with both
 
 
@@ -159,7 +215,7 @@ def surrounded(
     grid, space = snapshot.world.drawing, snapshot.world.space
     assert isinstance(grid, Grid)
     if grid.axes is not None:
-        strips = labelled(strips, grid.axes, part, margins, width, look)
+        strips = labelled(strips, grid, part, margins, width, snapshot.counters.state, look)
     if grid.body is None or not margins.body:
         return strips
     last = snapshot.counters.last_step

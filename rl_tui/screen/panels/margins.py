@@ -9,18 +9,21 @@ from rich.segment import Segment
 from textual.strip import Strip
 
 from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.worlds.drawing import Grid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rl_tui.screen.theme.look import Look
-    from rl_tui.worlds.drawing import Axes
+    from rl_tui.worlds.drawing import Axes, Title
 
 _LEAST_BODY: Final = 4  # rows
-_MOST_BODY: Final = 9
+_MOST_BODY: Final = 9  # with its heading
 _BODY_SHARE: Final = 3  # it has one row of so many
 _LEAST_MAP: Final = 5  # rows of a map below a body
+BINS: Final = "Bins"
+ALL_SEEN: Final = "all the agent sees"
 
 # How much room
 
@@ -31,6 +34,11 @@ class Margins(NamedTuple):
     left: int = 0
     body: int = 0
     labels: int = 0
+
+    @property
+    def names_bins(self) -> bool:
+        """Whether there is a heading that says what the rows and columns below a body are."""
+        return self.body > 0 and self.labels > 1
 
     @property
     def above(self) -> int:
@@ -48,8 +56,10 @@ def wanted_margins(grid: Grid, height: int) -> Margins:
         body = max(_LEAST_BODY, min(_MOST_BODY, height // _BODY_SHARE))
     if axes is None:
         return Margins(body=body)
-    longest = max(map(len, axes.rows))
-    return Margins(longest + bool(longest), body, 1 + bool(axes.blocks))
+    longest, has_heading = max(map(len, axes.rows)), body > 0 and axes.names is not None
+    has_titles = any(title.row < 0 for title in axes.titles)
+    labels = any(axes.columns) + (has_heading or has_titles)
+    return Margins(longest + bool(longest), min(body, _MOST_BODY - has_heading), labels)
 
 
 def margins_in(grid: Grid, cell: tuple[int, int], width: int, height: int) -> Margins:
@@ -64,7 +74,7 @@ def margins_in(grid: Grid, cell: tuple[int, int], width: int, height: int) -> Ma
     labels = max(0, min(wanted.labels, down))
     lacks_body = wanted.body > 0 and down - labels < _LEAST_BODY
     if down < 0 or lacks_body:
-        return Margins(left, wanted.body, min(1, wanted.labels))
+        return Margins(left, wanted.body, min(wanted.labels, 2 if wanted.body else 1))
     return Margins(left, min(_MOST_BODY, down - labels) if wanted.body else 0, labels)
 
 
@@ -82,43 +92,103 @@ class LabelledPart(NamedTuple):
 
 
 def labelled(
-    strips: Sequence[Strip], axes: Axes, part: LabelledPart, margins: Margins, width: int, look: Look
+    strips: Sequence[Strip],
+    grid: Grid,
+    part: LabelledPart,
+    margins: Margins,
+    width: int,
+    state: int,
+    look: Look,
 ) -> list[Strip]:
-    """Return ``strips`` of a map with its labels left of it and above it, ``width`` cells each."""
-    head = _column_labels(axes, part, margins, width, look)
+    """Return ``strips`` of a map with its labels left of it and above it, ``width`` cells each.
+
+    Those of the row, the column and the part of ``state`` stand out. Titles of parts are in the walls.
+    """
+    axes, rows = grid.axes, list(strips)
+    assert axes is not None
+    row, column = divmod(grid.cell_of_state[state], grid.columns)
+    if any(title.row == row + 1 and title.is_over(column) for title in axes.titles if any(axes.columns)):
+        row = column = -1  # the cell has a name of its own, below it
+    above = (title for title in reversed(axes.titles) if title.row < row and title.is_over(column))
+    own = next(above, None)
+    for title in axes.titles:
+        if part.top <= title.row < part.top + part.rows:
+            y = (title.row - part.top) * part.cell[1] + (part.cell[1] - 1) // 2
+            rows[y] = _titled(rows[y], title, part, title is own, look)
+    head = _heads(axes, part, margins, width, column, own, look)
     if not margins.left:
-        return [*head, *strips]
-    labels = _row_labels(axes, part, margins.left, len(strips), look)
-    return [*head, *(Strip.join(each) for each in zip(labels, strips, strict=True))]
+        return [*head, *rows]
+    labels = _row_labels(axes, part, margins.left, len(rows), row, look)
+    return [*head, *(Strip.join(each) for each in zip(labels, rows, strict=True))]
 
 
-@lru_cache(8)
-def _row_labels(axes: Axes, part: LabelledPart, left: int, height: int, look: Look) -> tuple[Strip, ...]:
-    texts = [""] * height
-    for row in range(part.rows):
-        y = row * part.cell[1] + (part.cell[1] - 1) // 2
-        if y < height:
-            texts[y] = axes.rows[part.top + row].replace("-", look.glyphs.minus)
-    return tuple(Strip([Segment(f"{text:>{left - 1}} ", look.palette.dim)], left) for text in texts)
+def _titled(strip: Strip, title: Title, part: LabelledPart, is_here: bool, look: Look) -> Strip:
+    text, x = _placed(title, part, look)
+    if not text or x < 0 or x + len(text) > strip.cell_length:
+        return strip
+    name = Strip([Segment(text, look.palette.strong if is_here else look.palette.dim)], len(text))
+    return Strip.join([strip.crop(0, x), name, strip.crop(x + len(text))])
 
 
-@lru_cache(8)
-def _column_labels(
-    axes: Axes, part: LabelledPart, margins: Margins, width: int, look: Look
+def _placed(title: Title, part: LabelledPart, look: Look) -> tuple[str, int]:
+    """Return the text of ``title``, none where its columns are too narrow, and the column it begins at."""
+    text, room = to_ascii(title.text, look.glyphs), title.columns * part.cell[0]
+    x = (title.column - part.left) * part.cell[0] + (room - len(text)) // 2
+    return text if len(text) <= room else "", x
+
+
+@lru_cache(64)
+def _row_labels(
+    axes: Axes, part: LabelledPart, left: int, height: int, here: int, look: Look
 ) -> tuple[Strip, ...]:
-    canvas = Canvas(width, margins.labels, look.palette.text)
-    wide, start = part.cell[0], margins.left
-    if margins.labels > 1:
-        for column, name in axes.blocks:
-            x = start + (column - part.left) * wide
-            if x >= start and x + len(name) <= width:
-                canvas.put(x, 0, name, look.palette.dim)
+    canvas = Canvas(left, height, look.palette.text)
+    for row in range(part.top, part.top + part.rows):
+        y = (row - part.top) * part.cell[1] + (part.cell[1] - 1) // 2
+        text = f"{axes.rows[row]:>{left - 1}}".replace("-", look.glyphs.minus)
+        canvas.put(0, y, text, look.palette.strong if row == here else look.palette.dim)
+    return tuple(canvas.strips())
+
+
+@lru_cache(64)
+def _heads(
+    axes: Axes, part: LabelledPart, margins: Margins, width: int, here: int, own: Title | None, look: Look
+) -> tuple[Strip, ...]:
+    canvas, palette = Canvas(width, margins.labels, look.palette.text), look.palette
+    start, wide = margins.left, part.cell[0]
     texts = axes.columns[part.left : part.left + part.columns] if margins.labels else ()
+    if margins.labels > any(texts):
+        _put_titles(canvas, axes, part, start, own, look)
+        if margins.names_bins and axes.names is not None:
+            _put_heading(canvas, axes.names, look)
     every = 1 + max(map(len, texts), default=0) // wide  # a blank keeps neighbours apart
     place = 0  # within a block
     for column, text in enumerate(texts):
         x = start + column * wide + (wide - (wide > 4) - len(text)) // 2
         if text and place % every == 0 and x >= 0 and x + len(text) <= width:
-            canvas.put(x, margins.labels - 1, text.replace("-", look.glyphs.minus), look.palette.dim)
+            style = palette.strong if column + part.left == here else palette.dim
+            canvas.put(x, margins.labels - 1, text.replace("-", look.glyphs.minus), style)
         place = place + 1 if text else 0
     return tuple(canvas.strips())
+
+
+def _put_titles(
+    canvas: Canvas, axes: Axes, part: LabelledPart, start: int, own: Title | None, look: Look
+) -> None:
+    for title in axes.titles:
+        text, x = _placed(title, part, look)
+        if title.row < 0 and x >= 0 and start + x + len(text) <= canvas.width:
+            canvas.put(start + x, 0, text, look.palette.strong if title is own else look.palette.dim)
+
+
+def _put_heading(canvas: Canvas, names: tuple[str, str], look: Look) -> None:
+    """Put what bins are and what rows and columns of them are, with a rule as behind other headings."""
+    palette, glyphs = look.palette, look.glyphs
+    down, across = names
+    both = f"{down} {glyphs.down}  {across} {glyphs.right}"
+    close = f"{down}{glyphs.down} {across}{glyphs.right}"
+    forms = (f"{ALL_SEEN}, drawn at the middle · {both}", f"{ALL_SEEN} · {both}", both, close)
+    text = next((form for form in forms if len(BINS) + 2 + len(form) <= canvas.width), "")
+    canvas.put(0, 0, BINS, palette.strong)
+    canvas.put(len(BINS) + 2, 0, to_ascii(text, glyphs), palette.dim)
+    end = len(BINS) + 3 + len(text)
+    canvas.put(end, 0, glyphs.thin * (canvas.width - end), palette.rule)

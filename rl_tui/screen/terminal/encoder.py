@@ -1,16 +1,19 @@
 """Changed cells as the shortest text that makes a terminal show them.
 
-Only what every terminal knows is used: to go to a line and column, to go right or to a column, colours and
-attributes, and to erase the rest of a line. That erases with the background that is set in xterm, tmux and
-the Linux console, and with the terminal's own in screen: it is used for the terminal's own only, where they
-agree. Characters that repeat are written out, for the Linux console and screen do not know how to repeat
-them.
+A pen is set once a frame and writes all its cells then, wherever they stand: to go to another line takes less
+than to set the pen there again.
+
+Only what every terminal knows is used: to go to a line and column, to go right, colours and attributes, and
+to erase the rest of a line. That erases with the background that is set in xterm, tmux and the Linux console,
+and with the terminal's own in screen: it is used for the terminal's own only, where they agree. Characters
+that repeat are written out, for the Linux console and screen do not know how to repeat them.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import groupby
 from math import inf
 from typing import Final, NamedTuple
 
@@ -18,8 +21,9 @@ from rl_tui.screen.terminal.pens import RESET, Pen, Pens
 from rl_tui.screen.terminal.screen_buffer import Cutter, Line
 
 _ERASE_REST: Final = "\x1b[K"
-_PLENTY: Final = 16_000  # characters: to look for a shorter way takes longer than to send so many
 _WORTH_ERASING: Final = 4  # so many blanks are longer than the sequence
+_JUMP: Final = 8  # characters that take the cursor elsewhere
+_COLOURS: Final = 4  # characters around the colours of a pen
 
 
 def move_to(x: int, y: int) -> str:
@@ -29,12 +33,13 @@ def move_to(x: int, y: int) -> str:
     return f"\x1b[{y + 1}H" if y else "\x1b[H"
 
 
-class _Written(NamedTuple):
-    """A text, the pen that is set after it, and where the cursor stands, −1 if that is not sure."""
+class _Run(NamedTuple):
+    """Columns of line ``y`` that one pen writes, or from whose first the rest of the line ``erases``."""
 
-    text: str
-    pen: Pen
-    at: int
+    y: int
+    line: Line
+    columns: list[int]
+    erases: bool = False
 
 
 class Encoder:
@@ -47,66 +52,59 @@ class Encoder:
     def frame(self, changed: Iterable[tuple[int, Line, list[int]]], size: float = inf) -> str:
         """Return the text of a frame, empty if nothing has changed.
 
-        With the line that makes it longer than ``size`` characters it is full, and asks no more. It begins
-        and ends with the terminal's own colours, so that whatever is written between frames, or after the
-        last, has them too.
+        With the line that makes it longer than about ``size`` characters it is full, and asks no more. It
+        begins and ends with the terminal's own colours, so that whatever is written between frames, or after
+        the last, has them too.
         """
-        lines: list[str] = []
-        pen = self._pens.plain
-        length = 0
+        runs, length = dict[Pen, list[_Run]](), 0
         for y, line, columns in changed:
-            text, pen = self._line(y, line, columns, pen, spares=size < _PLENTY)
-            lines.append(text)
-            length += len(text)
+            for pen, run in self._runs(y, line, columns):
+                if pen not in runs:
+                    runs[pen] = []
+                    length += _COLOURS + len(pen.foreground) + len(pen.background)
+                runs[pen].append(run)
+                length += _JUMP + len(run.columns)
             if length > size:
                 break
-        if pen is not self._pens.plain:
-            lines.append(RESET)
-        return "".join(lines)
+        return self._written(runs)
 
-    def _line(self, y: int, line: Line, columns: list[int], pen: Pen, *, spares: bool) -> tuple[str, Pen]:
-        """Return what tells ``columns`` of ``line``, and the pen that is set then.
-
-        It ``spares`` characters by writing pen by pen, where that is shorter than from left to right.
-        """
+    def _runs(self, y: int, line: Line, columns: list[int]) -> Iterator[tuple[Pen, _Run]]:
+        """Yield what writes ``columns`` of ``line``, from left to right."""
         erased = self._erased_from(line, columns)
         kept = columns[: bisect_left(columns, erased)]
-        pens = _pens_of(line, kept, pen)
-        cells = list(zip(kept, pens, strict=True))
-        way = self._written(y, line, cells, pen)
-        if spares:
-            order = {each: number for number, each in enumerate(dict.fromkeys([pen, *pens]))}
-            by_pen = self._written(y, line, sorted(cells, key=lambda cell: order[cell[1]]), pen)
-            way = min(way, by_pen, key=lambda each: len(each.text))
-        if len(kept) == len(columns):
-            return way.text, way.pen
-        move = "" if way.at == erased else move_to(erased, y)
-        plain = self._pens.plain
-        return f"{way.text}{move}{self._pens.change(way.pen, plain)}{_ERASE_REST}", plain
+        pens = iter(_pens_of(line, kept, self._pens.plain))
+        for pen, own in groupby(kept, lambda _: next(pens)):
+            yield pen, _Run(y, line, list(own))
+        if len(kept) < len(columns):
+            yield self._pens.plain, _Run(y, line, [erased], erases=True)
 
-    def _written(self, y: int, line: Line, cells: Iterable[tuple[int, Pen]], pen: Pen) -> _Written:
-        """Write ``cells`` of ``line``, columns and their pens, in this order; ``pen`` is set."""
-        characters, change, narrow = line.cells, self._pens.change, self._cutter.narrow
+    def _written(self, runs: dict[Pen, list[_Run]]) -> str:
+        """Write the runs of each pen: ground by ground, last the terminal's own, which has to be set then."""
+        plain, change, narrow = self._pens.plain, self._pens.change, self._cutter.narrow
         written: list[str] = []
         write = written.append
-        last = len(characters) - 1
-        at = -1
-        for x, wanted in cells:
-            if x != at:
-                write(move_to(x, y) if at < 0 else self._way(at, x, line, pen))
-            if wanted is not pen:
-                write(change(pen, wanted))
-                pen = wanted
-            cell = characters[x]
-            write(cell)
-            # terminals disagree about the width of rare characters, and stay in the last column
-            at = x + 1 if cell in narrow and x < last else -1
-        return _Written("".join(written), pen, at)
+        pen, row, at = plain, -1, -1  # what is set, and where the cursor stands: −1 if that is not sure
+        for wanted in sorted(runs, key=lambda each: (each is plain, *each.order)):
+            for y, line, columns, erases in runs[wanted]:
+                characters, last = line.cells, len(line.cells) - 1
+                for x in columns:
+                    if y != row or not 0 <= at <= x:
+                        write(move_to(x, y))
+                    elif x != at:
+                        write(self._way(at, x, line, pen))
+                    if pen is not wanted:
+                        write(change(pen, wanted))
+                        pen = wanted
+                    cell = _ERASE_REST if erases else characters[x]
+                    write(cell)
+                    # terminals disagree about the width of rare characters, and stay in the last column
+                    row, at = y, x + 1 if cell in narrow and x < last else -1
+        if pen is not plain:
+            write(RESET)
+        return "".join(written)
 
     def _way(self, at: int, x: int, line: Line, pen: Pen) -> str:
         """Return the shortest way from column ``at`` to ``x``: writing again what stands between is one."""
-        if x < at:
-            return f"\x1b[{x + 1}G"
         step = f"\x1b[{x - at}C" if x - at > 1 else "\x1b[C"
         if x - at <= len(step):
             between = "".join(line.cells[at:x])

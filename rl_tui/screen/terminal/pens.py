@@ -32,6 +32,11 @@ class Pen:
         self.background = background
         self.blank = self
 
+    @property
+    def order(self) -> tuple[str, str, int]:
+        """What sorts pens so that there is little between one and the next."""
+        return self.background, self.foreground, self.attributes
+
 
 class Pens:
     """The pens of a terminal with the colours of ``system``."""

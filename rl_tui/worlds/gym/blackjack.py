@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import cache
+from itertools import product
 from typing import Any, Final, NamedTuple
 
-from rl_tui.worlds.drawing import Axes, CellKind, Grid
+from rl_tui.worlds.drawing import Axes, CellKind, Grid, Title
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World
 
@@ -23,11 +24,24 @@ BEST: Final = 21
 WON, DREW, LOST = "won", "drew", "lost"
 STICK, HIT = 0, 1
 _CARD_LABELS: Final = ("A", *map(str, range(2, 10)), "T")
-TABLE_AXES: Final = Axes(
-    ("nat", *map(str, range(BEST, 3, -1))),
-    (*_CARD_LABELS, "", *_CARD_LABELS),
-    ((0, "no usable ace"), (len(_CARD_LABELS) + 1, "usable ace")),
-)
+_RIGHT: Final = len(_CARD_LABELS) + 1  # first column of the hands with a usable ace
+_SUMS: Final = tuple(map(str, range(BEST, 3, -1)))
+
+
+def _axes(rows: tuple[str, ...], ends: Mapping[int, str]) -> Axes:
+    """Return the labels of ``rows`` and cards, and below the ``ends``, by their columns, their names."""
+    across = len(_CARD_LABELS)
+    halves = Title(-1, 0, across, "no usable ace"), Title(-1, _RIGHT, across, "usable ace")
+    below = (Title(len(rows) - 2, column - 1, 3, name) for column, name in ends.items())
+    return Axes(rows, (*_CARD_LABELS, "", *_CARD_LABELS), (*halves, *below))
+
+
+_ENDS: Final = {_RIGHT + 2: WON, _RIGHT + 5: DREW, _RIGHT + 8: LOST}
+_BUST: Final = _RIGHT + 5
+TABLE_AXES: Final = _axes(("nat", *_SUMS), _ENDS)
+OBSERVED_AXES: Final = _axes(_SUMS, {_BUST: "bust"})
+OBSERVED_PARTS: Final = (32, 11, 2)
+"""How many sums, cards of the dealer, and usable aces or none Gymnasium observes."""
 TABLE_LEGEND: Final = "sum down, dealer's card across, usable ace right"
 
 
@@ -166,16 +180,33 @@ def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:
 
     Hands without a usable ace are on the left, those with one on the right, and below these how it can end.
     """
-    across, rows = len(CARDS), BEST - 4 + 2
-    columns = 2 * across + 1
+    cells = [
+        _cell(0 if hand.natural else BEST + 1 - hand.sum, showing, usable_ace=hand.usable_ace)
+        for hand, showing in states
+    ]
+    above_names = (len(TABLE_AXES.rows) - 3) * len(TABLE_AXES.columns)
+    ends = [above_names + column for column in _ENDS]
+    kinds = dict.fromkeys(cells, CellKind.FLOOR)
+    kinds |= dict(zip(ends, (CellKind.GOAL, CellKind.FLOOR, CellKind.HOLE), strict=True))
+    return _drawn(TABLE_AXES, kinds, (*cells, *ends))
+
+
+def observed_drawing() -> Grid:
+    """Return the same drawing of all that Gymnasium observes: what never comes up is with sums above 21."""
+    sums, cards, aces = map(range, OBSERVED_PARTS)
+    bust = (len(OBSERVED_AXES.rows) - 3) * len(OBSERVED_AXES.columns) + _BUST
     cells = []
-    for hand, showing in states:
-        row = 0 if hand.natural else BEST + 1 - hand.sum
-        cells.append(row * columns + showing - 1 + (across + 1 if hand.usable_ace else 0))
-    ends = [(rows - 3) * columns + across + 1 + place for place in (2, 5, 8)]
-    kinds = [CellKind.WALL] * (rows * columns)
-    for cell in cells:
-        kinds[cell] = CellKind.FLOOR
-    for cell, kind in zip(ends, (CellKind.GOAL, CellKind.FLOOR, CellKind.HOLE), strict=True):
-        kinds[cell] = kind
-    return Grid(rows, columns, tuple(kinds), (*cells, *ends), (None, None), TABLE_LEGEND, axes=TABLE_AXES)
+    for total, card, ace in product(sums, cards, aces):
+        comes_up = card and (12 if ace else 4) <= total <= BEST
+        cells.append(_cell(BEST - total, card, usable_ace=bool(ace)) if comes_up else bust)
+    return _drawn(OBSERVED_AXES, dict.fromkeys(cells, CellKind.FLOOR), tuple(cells))
+
+
+def _cell(row: int, showing: int, *, usable_ace: bool) -> int:
+    return row * len(TABLE_AXES.columns) + showing - 1 + (_RIGHT if usable_ace else 0)
+
+
+def _drawn(axes: Axes, kinds: Mapping[int, CellKind], cells: tuple[int, ...]) -> Grid:
+    rows, columns = len(axes.rows), len(axes.columns)
+    all_kinds = tuple(kinds.get(cell, CellKind.WALL) for cell in range(rows * columns))
+    return Grid(rows, columns, all_kinds, cells, (None, None), TABLE_LEGEND, axes=axes)

@@ -23,8 +23,8 @@ from rl_tui.worlds.environment import EnvironmentFailedError, StepResult
 from rl_tui.worlds.gym.bins import check_sizes, combinations
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.gym.modules import registered_id
-from rl_tui.worlds.gym.states import BinStates, ProductNames, States, discrete_states
-from rl_tui.worlds.gym.stepped_layout import action_names, body_of, known_part_names, part_terms, product_grid
+from rl_tui.worlds.gym.states import ProductNames, States, discrete_states
+from rl_tui.worlds.gym.stepped_layout import action_names, grid_of, known_part_names
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.sections.schema import WorldRefusedError
 from rl_tui.worlds.world import World
@@ -301,10 +301,9 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
         check_sizes(name, combinations(states.sizes), actions, "bins" if bins else "id")
         names = action_names(environment.unwrapped, first_action, actions)
         known_names = known_part_names(environment.unwrapped, states.sizes)
-        terms = part_terms(environment.unwrapped)
-        body = body_of(environment.unwrapped, states.middles) if isinstance(states, BinStates) else None
+        part_names = [given or part for given, part in zip(known_names, states.part_names, strict=True)]
+        grid = grid_of(environment.unwrapped, states, actions, part_names)
         limit = time_limit_of(environment)
-    part_names = [given or part for given, part in zip(known_names, states.part_names, strict=True)]
 
     def new_environment() -> SteppedEnvironment:
         try:
@@ -318,7 +317,7 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
 
     return World(
         all_pairs(ProductNames(part_names), names, limit),
-        product_grid(states.sizes, actions, terms, part_names, body),
+        grid,
         new_environment=new_environment,
     )
 

@@ -14,8 +14,16 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rl_tui.common.limits import MOST_STATES
-from rl_tui.worlds.drawing import Axes, Body, BodyKind, CellKind, Grid
-from rl_tui.worlds.gym.blackjack import TABLE_AXES, TABLE_LEGEND
+from rl_tui.worlds.drawing import Axes, Body, BodyKind, CellKind, Grid, Title
+from rl_tui.worlds.gym.blackjack import (
+    OBSERVED_AXES,
+    OBSERVED_PARTS,
+    TABLE_AXES,
+    TABLE_LEGEND,
+    is_blackjack,
+    observed_drawing,
+)
+from rl_tui.worlds.gym.states import BinStates, States
 from rl_tui.worlds.gym.table_layout import TAXI_AXES, TAXI_LEGEND, TAXI_SHAPE
 
 if TYPE_CHECKING:
@@ -73,6 +81,17 @@ def body_of(environment: Any, middles: Sequence[Sequence[float]]) -> Body | None
     if kind is None or len(middles) != len(part_terms(environment)):
         return None
     return Body(kind, tuple(map(tuple, middles)))
+
+
+def grid_of(environment: Any, states: States, actions: int, part_names: Sequence[Sequence[str]]) -> Grid:
+    """Return the grid of the ``states`` of an unwrapped environment: see :func:`product_grid`.
+
+    What Gymnasium observes of Blackjack is drawn as its table is.
+    """
+    if is_blackjack(environment) and tuple(states.sizes) == OBSERVED_PARTS:
+        return observed_drawing()
+    body = body_of(environment, states.middles) if isinstance(states, BinStates) else None
+    return product_grid(states.sizes, actions, part_terms(environment), part_names, body)
 
 
 def product_grid(
@@ -142,11 +161,14 @@ def _axes(sizes: Sequence[int], terms: Sequence[str], names: Sequence[Sequence[s
     below, beside = (*down, ""), (*across, "")
     row_labels = tuple(below[row % len(below)] for row in range(rows))
     column_labels = tuple(beside[column % len(beside)] for column in range(columns))
-    blocks: tuple[tuple[int, str], ...] = ()
+    known = terms if len(terms) == len(sizes) else [f"part {place + 1}" for place in range(len(sizes))]
+    titles: tuple[Title, ...] = ()
     if len(there) == 3 and rows == len(down):
-        term = terms[there[2]] if len(terms) == len(sizes) else f"part {there[2] + 1}"
-        blocks = tuple((block * len(beside), f"{term}: {name}") for block, name in enumerate(names[there[2]]))
-    return Axes(row_labels, column_labels, blocks)
+        titles = tuple(
+            Title(-1, block * len(beside), len(across), f"{known[there[2]]}: {name}")
+            for block, name in enumerate(names[there[2]])
+        )
+    return Axes(row_labels, column_labels, titles, (known[there[0]], known[there[1]]))
 
 
 def _cells(sizes: Sequence[int], width: int) -> np.ndarray:
@@ -170,7 +192,6 @@ _BY_TABLE: Final[Mapping[str, tuple[int, int]]] = {
 }
 """By id, without its version."""
 _BLACKJACK: Final = "Blackjack"
-_BLACKJACK_PARTS: Final = (32, 11, 2)  # sums, cards of the dealer, usable ace or not
 
 
 def known_grid(section: GymnasiumSection) -> Grid | None:
@@ -180,12 +201,9 @@ def known_grid(section: GymnasiumSection) -> Grid | None:
         sizes = section.bins.sizes
         is_refused = math.prod(sizes) > MOST_STATES
         return None if is_refused else _known_product(name, sizes, section.bins.known_names())
-    if name == _BLACKJACK and section.table:
-        return Grid(len(TABLE_AXES.rows), len(TABLE_AXES.columns), (), (), (), TABLE_LEGEND, axes=TABLE_AXES)
     if name == _BLACKJACK:
-        return _known_product(
-            name, _BLACKJACK_PARTS, [list(map(str, range(size))) for size in _BLACKJACK_PARTS]
-        )
+        axes = TABLE_AXES if section.table else OBSERVED_AXES
+        return Grid(len(axes.rows), len(axes.columns), (), (), (), TABLE_LEGEND, axes=axes)
     if section.table is False or name not in _BY_TABLE:
         return None
     rows, columns = _map_shape(section.kwargs) or _BY_TABLE[name]

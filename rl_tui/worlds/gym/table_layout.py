@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.worlds.drawing import Axes, CellKind, Grid
+from rl_tui.worlds.drawing import Axes, CellKind, Grid, Title
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 
 _LETTERS: Final = {b"S": CellKind.START, b"F": CellKind.FLOOR, b"H": CellKind.HOLE, b"G": CellKind.GOAL}
@@ -41,16 +40,15 @@ _STOPS: Final = ((0, 0), (0, 4), (4, 0), (4, 3))
 TAXI_SHAPE: Final = (len(_PASSENGER) * _PITCH - 1, len(_DESTINATIONS) * _PITCH - 1)
 _TAXI_ROWS, _TAXI_COLUMNS = TAXI_SHAPE
 TAXI_LEGEND: Final = "towns: passenger down, destination across"
-
-
-def _over_towns() -> tuple[str, ...]:
-    """Return the labels of the columns: where passengers want to go, over the middle of each town."""
-    half = _TOWN // 2
-    labels = ((*[""] * half, f"to {place}", *[""] * (_PITCH - half - 1)) for place in _DESTINATIONS)
-    return tuple(chain.from_iterable(labels))[:-1]
-
-
-TAXI_AXES: Final = Axes(("",) * _TAXI_ROWS, _over_towns())
+TAXI_AXES: Final = Axes(
+    ("",) * _TAXI_ROWS,
+    ("",) * _TAXI_COLUMNS,
+    tuple(
+        Title(down * _PITCH - 1, across * _PITCH, _TOWN, f"{passenger}→{destination}")
+        for down, passenger in enumerate(_PASSENGER)
+        for across, destination in enumerate(_DESTINATIONS)
+    ),
+)
 
 
 @dataclass(frozen=True, slots=True)

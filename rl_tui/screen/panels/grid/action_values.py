@@ -10,14 +10,14 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.screen.draw.block_signs import Direction, Sign
+from rl_tui.screen.draw.block_signs import Sign
 from rl_tui.screen.draw.canvas import Canvas, Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import FRAME, ActionForm, Places, side_of
 from rl_tui.screen.panels.grid.cells import MOST_ROWS, CellArtist, Face
 from rl_tui.screen.panels.grid.form import LEAST_DIGITS, CellForm
-from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, MapPart
+from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, CellExtra, MapPart
 from rl_tui.screen.panels.grid.marks import (
     CellReward,
     mark_of,
@@ -26,8 +26,8 @@ from rl_tui.screen.panels.grid.marks import (
     sign_text,
     value_text,
 )
-from rl_tui.screen.panels.grid.trail import Trace, put_trail
-from rl_tui.screen.panels.world.edit_marks import EditMarks, put_marks
+from rl_tui.screen.panels.grid.trail import put_trail
+from rl_tui.screen.panels.world.edit_marks import put_marks
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
@@ -59,10 +59,7 @@ class ActionFace(NamedTuple):
     stops: bool
     cursor: bool
     differs: bool
-    trace: Trace
-    name: str
-    edit_marks: EditMarks
-    way: Direction | None
+    extra: CellExtra
     field: int
 
 
@@ -94,9 +91,8 @@ class ActionArtist:
             return self._idle.face(cell, scale, number_form, range_of_v)
         field = max(LEAST_DIGITS, number_form.cells)  # of the widest number so far: they stay as wide
         entries = tuple(self._entry(action, scale, number_form) for action in cell.actions)
-        extra = cell.extra or PLAIN
-        marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name, extra.marks
-        return ActionFace(cell.kind, cell.agent, entries, *marks, extra.way, field)
+        marks = cell.reward, cell.stops, cell.cursor, cell.differs, cell.extra or PLAIN
+        return ActionFace(cell.kind, cell.agent, entries, *marks, field)
 
     def _entry(self, action: ActionValue, scale: ValueScale, number_form: NumberForm) -> ActionEntry:
         palette = self.look.palette
@@ -117,8 +113,8 @@ def _drawn(face: ActionFace, form: ActionForm, look: Look) -> Drawn:
         _draw_tints(canvas, face, form, look)
     else:
         _draw_sides(canvas, face, form._replace(digits=face.field), look)
-    put_marks(canvas, face.edit_marks, (form.width - 1, 0), look)
-    put_trail(canvas, face.trace, look, inner=form.width, ink=Style.null())
+    put_marks(canvas, face.extra.marks, (form.width - 1, 0), look)
+    put_trail(canvas, face.extra.trace, look, inner=form.width, ink=Style.null())
     return [list(strip) for strip in canvas.strips()]
 
 
@@ -210,12 +206,14 @@ def _put_marks_amid(
         canvas.put(*here, look.glyphs.differs, look.palette.you)
     if form.places is not Places.KEYPAD:
         _put_name(canvas, block.left - 1, corner, face, form)
-        reward = 2 * block.middle - corner if face.name else corner
+        reward = 2 * block.middle - corner if face.extra.name else corner
         put_reward(canvas, block.left - 1, reward, _reward_room(form), face.reward, look)
     elif not _has_mark(face):
-        start = first + (last + 1 - first - len(face.name)) // 2
+        start = first + (last + 1 - first - len(face.extra.name)) // 2
         _put_name(canvas, start, block.middle, face, form)
-        put_reward(canvas, centre, block.middle, _reward_room(form) * (not face.name), face.reward, look)
+        put_reward(
+            canvas, centre, block.middle, _reward_room(form) * (not face.extra.name), face.reward, look
+        )
 
 
 def _reward_room(form: ActionForm) -> int:
@@ -242,8 +240,8 @@ def name_room(form: ActionForm) -> int:
 
 
 def _put_name(canvas: Canvas, x: int, y: int, face: ActionFace, form: ActionForm) -> None:
-    if len(face.name) <= name_room(form):  # they are as wide as the longest: all have room, or none
-        canvas.put_over(x, y, face.name.strip(), Style.null())
+    if len(face.extra.name) <= name_room(form):  # they are as wide as the longest: all have room, or none
+        canvas.put_over(x, y, face.extra.name.strip(), Style.null())
 
 
 def _draw_list(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
@@ -276,7 +274,7 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
         if face.differs:
             canvas.put(centre + 1, 0, look.glyphs.differs, palette.you)
         _put_name(canvas, 0, 0, face, form)
-        put_reward(canvas, 0, 0, _reward_room(form) * (not face.name), face.reward, look)
+        put_reward(canvas, 0, 0, _reward_room(form) * (not face.extra.name), face.reward, look)
         return
     if face.cursor:
         for row in range(form.height):
@@ -373,7 +371,7 @@ def _put_mark(
     canvas: Canvas, x: int, y: int, face: ActionFace, look: Look, beside: int | None = None
 ) -> None:
     """Put agent or start, and a breakpoint in the column ``beside`` it, or in its place."""
-    palette, text = look.palette, mark_of(face.kind, face.agent, face.way, look)
+    palette, text = look.palette, mark_of(face.kind, face.agent, face.extra.way, look)
     if face.stops and (beside is None or not text):
         canvas.put(x, y, look.glyphs.agent if face.agent else look.glyphs.breakpoint, palette.breakpoint)
         return
@@ -385,7 +383,7 @@ def _put_mark(
 
 
 def _has_mark(face: ActionFace) -> bool:
-    return face.agent or face.stops or face.kind is CellKind.START or bool(face.way)
+    return face.agent or face.stops or face.kind is CellKind.START or bool(face.extra.way)
 
 
 # Cells of either kind as rows of text

@@ -30,8 +30,6 @@ from rl_tui.screen.panels.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm,
 from rl_tui.screen.panels.grid.headings import (
     heading_of_actions,
     heading_of_values,
-    headings_of_part,
-    in_view,
     numbered,
     shorter,
     where,
@@ -78,6 +76,7 @@ class GridView(WorldView):
     _action_artist: ActionArtist | None = None
     _landscapes: LandscapeArtist | None = None
     _is_landscape = False  # whether it was drawn as one
+    _names_bins = False  # whether a heading above the map does
     _digits = LEAST_DIGITS
     _action_digits = LEAST_DIGITS
     _longest_name = 0  # of those in view, where names are shown
@@ -209,9 +208,8 @@ class GridView(WorldView):
         if self.cell and not self.shows_actions:
             margins = margins_in(self._map.grid, self.cell, width, height)
         self._origin = margins.left, margins.above
+        self._names_bins = margins.names_bins
         strips = self._drawn_map(snapshot, width - margins.left, height - margins.above)
-        if margins == NO_MARGINS:
-            return strips
         assert self._part is not None
         assert self._form is not None
         place = LabelledPart(*self._part, self._form[:2])
@@ -268,7 +266,7 @@ class GridView(WorldView):
             else:
                 self._action_digits = needed
             return self._drawn_cells(snapshot, width, height)
-        self.heading = self._title(self._what_is_drawn(form, width), width)
+        self.heading = self._what_is_drawn(form, width)
         self.footing = self._where(width - SCALE_ROOM) or self._where(width)
         self.free_columns = width - part.columns * form.width
         self._form = form
@@ -332,7 +330,7 @@ class GridView(WorldView):
         return whole_map_form(kinds, *size, tints=self.look.palette.tints) or part_form(kinds, *size)
 
     def _what_is_drawn(self, form: CellForm, width: int) -> str:
-        """Return the heading without what rows and columns mean."""
+        """Return the heading."""
         actions, arrows = self._action_form, self.policy_shown
         if studies := self.study_headings("V" if actions is None else "Q"):
             return self.fitting(studies, width) or studies[-1]
@@ -340,8 +338,6 @@ class GridView(WorldView):
         forms: tuple[str, ...] = (heading,)
         if self.is_numbered and self._longest_name <= self._room_for_names(form):
             forms = numbered(heading, form, arrows, self._longest_name, in_corner=actions is not None)
-        elif actions is None and not self._map.grid.legend:
-            forms = (*self.captioned(TITLE), heading)
         return self.fitting(forms, width) or heading
 
     @property
@@ -406,7 +402,7 @@ class GridView(WorldView):
             yield LegendSign(sign, PALE if is_paled else self.policy_shown, palette.strong)
         says_start = form is not None and form.says_start and actions is None
         yield from place_signs(self._map, self._kinds, self.look, says_start=says_start)
-        if CellKind.WALL in self._kinds:
+        if CellKind.WALL in self._kinds and not self._map.grid.legend:  # else it is as the page
             yield LegendSign(glyphs.wall, "wall", palette.wall)
         if form is not None and 0 < self._longest_name <= self._room_for_names(form):
             yield LegendSign(self._own_name, "state", palette.text)
@@ -446,23 +442,9 @@ class GridView(WorldView):
         grid, part = self._map.grid, self._part
         return part is None or (part.rows, part.columns) == (grid.rows, grid.columns)
 
-    def _title(self, heading: str, width: int) -> str:
-        """Return ``heading``; of a part also what rows and columns mean, or which part it is.
-
-        Where it has room for the one, the footing tells the other.
-        """
-        legend = self._map.grid.legend
-        if self._is_whole or not legend or self.studied is not None:
-            return heading
-        heading_with_legend = self.fitting((f"{heading} · {legend}", f"{TITLE} · {legend}"), width)
-        if heading_with_legend or not self._following:
-            return heading_with_legend or heading
-        assert self._part is not None
-        return self.fitting(headings_of_part(*in_view(self._map.grid, self._part)), width) or heading
-
     def _where(self, width: int) -> str:
         """Return which part is in view, and how to follow again, or what rows and columns mean."""
         legend = self._map.grid.legend
         if self._is_whole or self._part is None:
-            return self.fitting(shorter(legend), width)
+            return "" if self._names_bins else self.fitting(shorter(legend), width)
         return self.fitting(where(self._map.grid, self._part, follows=self._following), width)

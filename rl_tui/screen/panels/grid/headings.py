@@ -55,17 +55,6 @@ def stretch(first: int, shown: int, total: int) -> str:
     return f"{first}–{first + shown - 1} of {total:,}"
 
 
-def in_view(grid: Grid, part: MapPart) -> tuple[str, str]:
-    """Return which rows and columns are in view, counted from 0 as in the last step."""
-    return stretch(part.top, part.rows, grid.rows), stretch(part.left, part.columns, grid.columns)
-
-
-def headings_of_part(down: str, across: str) -> tuple[str, ...]:
-    """Return headings that say which rows and columns are in view, the longest first."""
-    brief = f"{TITLE} {down}, {across}".replace(" of ", "/")
-    return f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief
-
-
 def where(grid: Grid, part: MapPart, *, follows: bool) -> tuple[str, ...]:
     """Return which part is in view, the longest form first, and how to follow the agent again.
 
@@ -73,7 +62,8 @@ def where(grid: Grid, part: MapPart, *, follows: bool) -> tuple[str, ...]:
     """
     follow = FOLLOWS if follows else FOLLOW_HINT
     is_cut = part.rows < grid.rows, part.columns < grid.columns
-    stretches = tuple(compress(in_view(grid, part), is_cut))
+    in_view = stretch(part.top, part.rows, grid.rows), stretch(part.left, part.columns, grid.columns)
+    stretches = tuple(compress(in_view, is_cut))
     named = " · ".join(map(" ".join, zip(compress(("rows", "columns"), is_cut), stretches, strict=True)))
     brief = " · ".join(stretches)
     legends = shorter(grid.legend) if grid.legend and follows else ()

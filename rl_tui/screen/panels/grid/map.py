@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from enum import Enum, auto
 from functools import cached_property
 from typing import Any, Final, NamedTuple
@@ -130,6 +130,8 @@ class CellExtra(NamedTuple):
 
 
 PLAIN: Final = CellExtra()
+PUSHES: Final[Mapping[str, Sign]] = {"left": (0, -1), "coast": (0, 0), "right": (0, 1)}
+"""How actions on a body are drawn: arrows, though none of them is a direction on the map."""
 _FAR: Final = 3  # cells, more than a step or a strong wind takes
 _UNREACHED: Final = CellExtra(is_reached=False)
 
@@ -189,8 +191,9 @@ class GridMap:
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
         self.grid = grid
         self._space = space
+        pushes = {} if grid.body is None else PUSHES
         self.signs = tuple(
-            (name[:1] or "?") if step is None else step
+            pushes.get(name, name[:1] or "?") if step is None else step
             for step, name in zip(grid.directions, space.action_names, strict=True)
         )
         self._order = order_of(space, grid)
