@@ -100,7 +100,7 @@ def test_words_say_what_a_cell_is_and_how_far_all_is() -> None:
     assert "mean 0.750 (95 %: 0.650 to 0.850)" in cell_line(drawn, 7)
     assert cell_line(drawn, 7).endswith("seed 7")
     assert "not done yet" in cell_line(scene(PART), 0)
-    assert "cannot be" in cell_line(scene(PART, cursor=3), 0)
+    assert "impossible" in cell_line(scene(PART, cursor=3), 0)
     assert "it ran away" in cell_line(scene(PART, cursor=2), 0)
     assert "worst 0.250" in legend(drawn)
     assert legend(scene(Atlas())) == ""
@@ -127,7 +127,7 @@ async def test_escape_leaves_the_run_as_it_is_and_enter_opens_that_of_a_cell(mak
         await settle(pilot)
         assert isinstance(pilot.app.screen, AtlasDialog)
         text = screen_text(pilot.app)
-        assert "Atlas of ε × α" in text
+        assert "Settings map · ε × α" in text
         assert "runs done" in text
         await press(pilot, "m", "right", "up", "n", "enter")
         await settle(pilot)

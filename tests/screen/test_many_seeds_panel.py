@@ -107,8 +107,8 @@ def test_the_mean_of_fewer_than_100_episodes_is_named_by_their_number() -> None:
     ("own", "words"),
     [
         (0.41, "this seed is typical: its last 100 is within 1 SD (.083) of the mean"),
-        (0.60, "not typical: its last 100 is 2.4 SD (.083) above the mean"),
-        (0.20, "not typical: its last 100 is 2.4 SD (.083) below the mean"),
+        (0.60, "this seed's last 100 is 2.4 SD (.083) above the mean"),
+        (0.20, "this seed's last 100 is 2.4 SD (.083) below the mean"),
     ],
 )
 def test_it_says_how_usual_this_seed_is(own: float, words: str) -> None:
@@ -138,7 +138,7 @@ def test_why_it_is_bounded_or_out_of_date_is_said() -> None:
     outdated = changed(lake(), study=lake_study(is_outdated=True))
     assert "enter counts again" in said(outdated)
     assert "seeds 0 to 63" not in said(outdated)
-    assert "typical" not in said(outdated)
+    assert "of the mean" not in said(outdated)
 
 
 @pytest.mark.parametrize(

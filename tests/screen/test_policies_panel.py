@@ -97,9 +97,7 @@ def test_each_policy_has_its_figures() -> None:
     for kind in KINDS[:4]:
         answer = answers[kind]
         figures = (answer.expected_return, answer.value_at_start, answer.steps)
-        assert rows[POLICY_NAMES[kind]][:3] == [
-            policies.amount(x, look()) for x in figures if x is not None
-        ]
+        assert rows[POLICY_NAMES[kind]][:3] == [policies.amount(x, look()) for x in figures if x is not None]
     assert rows["drawn"] == rows["random"]  # nothing was drawn
     assert "drawn: random until w p draws it" in said(studied(lake()))
 

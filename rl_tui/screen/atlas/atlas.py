@@ -277,16 +277,16 @@ def head(scene: AtlasScene, runs: int, how_long: str = "") -> str:
     """Return what is mapped, how far it has come, and ``how_long`` the rest takes where that is known."""
     atlas = scene.atlas
     each = "" if atlas.episodes is None else f" of {counted(atlas.episodes, 'episode')}"
-    return f"a cell is the mean of {counted(runs, 'seed')}{each}: {progress(atlas, how_long)}"
+    return f"each cell: mean of {counted(runs, 'seed')}{each}; {progress(atlas, how_long)}"
 
 
 def progress(atlas: Atlas, how_long: str) -> str:
     """Return how many runs are done, and ``how_long`` the rest takes; at the end, what came of it."""
     done = f"{atlas.done:,} of {counted(atlas.planned, 'run')}"
     if atlas.state is AtlasState.FAILED:
-        return f"it failed, {atlas.message}"
+        return f"failed: {atlas.message}"
     if atlas.state is AtlasState.STARTING:
-        return ", ".join(filter(None, ("the first cell is being trained", how_long)))
+        return ", ".join(filter(None, ("training the first cell", how_long)))
     if atlas.state is AtlasState.OUT_OF_TIME:
         return f"{done}: {atlas.message}"
     if atlas.state is AtlasState.DONE:
@@ -301,8 +301,8 @@ def legend(scene: AtlasScene) -> str:
         return ""
     first, last = (numbers.value(end, _ROOM, glyphs) for end in ends)
     names = ("least", "greatest") if scene.measure.larger_is_better is None else ("worst", "best")
-    marks = f"{BEST} best  {ALIKE} not different from it  " if scene.standings is not None else ""
-    return f"{marks}[ ] in force  {names[0]} {first}, {names[1]} {last}"
+    marks = f"{BEST} best  {ALIKE} tied with it  " if scene.standings is not None else ""
+    return f"{marks}[ ] current  {names[0]} {first}, {names[1]} {last}"
 
 
 def cell_line(scene: AtlasScene, seed: int) -> str:
@@ -318,7 +318,7 @@ def cell_line(scene: AtlasScene, seed: int) -> str:
 def _figures(scene: AtlasScene) -> str:
     index, glyphs = scene.cursor, scene.look.glyphs
     if index in scene.atlas.impossible:
-        return f"cannot be: {scene.atlas.impossible[index]}"
+        return f"impossible: {scene.atlas.impossible[index]}"
     cell = scene.atlas.cells.get(index)
     if cell is None:
         return "not done yet"
@@ -333,7 +333,7 @@ def _figures(scene: AtlasScene) -> str:
         parts.append(f"{found['arrived']} of {cell.runs - cell.failed} arrived")
     parts.append(counted(cell.runs, "run"))
     if cell.failed:
-        parts.append(f"{cell.failed} broke down ({cell.failure})")
+        parts.append(f"{cell.failed} failed ({cell.failure})")
     return ", ".join(parts)
 
 
@@ -348,7 +348,7 @@ def _interval(scene: AtlasScene, found: Mapping[str, Any]) -> str:
 # The dialog
 
 
-_KEYS: Final = "m: measure   n: next seed   enter: open the run   esc: close"
+_KEYS: Final = "m: metric   n: next seed   enter: open the run   esc: close"
 _NEWS_EVERY: Final = 0.1  # seconds
 
 
@@ -363,8 +363,8 @@ class AtlasDialog(Dialog[Recipe]):
         Path(__file__).with_name("atlas.tcss"),
     ]
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("S,q", "cancel", "back", id="close_atlas", tooltip="Close the atlas."),
-        Binding("m", "measure", "measure", id="atlas.measure", tooltip="Show the next measure."),
+        Binding("S,q", "cancel", "back", id="close_atlas", tooltip="Close the settings map."),
+        Binding("m", "measure", "metric", id="atlas.measure", tooltip="Show the next metric."),
         Binding("n", "seed", "next seed", id="atlas.seed", tooltip="Open another of the cell's runs."),
         Binding("enter", "open", "open", id="atlas.open", tooltip="Open this very run."),
     ]
@@ -384,7 +384,7 @@ class AtlasDialog(Dialog[Recipe]):
     def compose(self) -> ComposeResult:
         """Yield what is mapped, the map, and what the cell under the cursor says."""
         names = " × ".join(map(setting_name, self._request.variations))
-        with self.box(to_ascii(f"Atlas of {names}", self._look.glyphs), _KEYS):
+        with self.box(to_ascii(f"Settings map · {names}", self._look.glyphs), _KEYS):
             yield Static(id="measure", markup=False)
             yield Static(id="head", classes="hint", markup=False)
             yield AtlasMap(self._scene)
@@ -469,7 +469,7 @@ class AtlasDialog(Dialog[Recipe]):
 # Opening the map
 
 
-_IN_A_LESSON = "a lesson asks questions of its own: settings are mapped outside of it"
+_IN_A_LESSON = "Not here: a lesson has its own settings. Open the settings map outside of it."
 
 
 def open_atlas(subject: Subject, take: Callable[[Recipe], None]) -> None:

@@ -22,6 +22,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, kept, length, spelled
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Table, Text
+from rl_tui.screen.kit.panel import key_hints
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import (
     episodes_reached,
@@ -80,7 +81,7 @@ def how_typical(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret:
             return f"this seed is typical: its {figure.name} is within {kept(f'1 SD {size}')} of the mean"
         way = "above" if away > 0.0 else "below"
         far = kept(f"{numbers.fixed(abs(away), 1, glyphs)} SD {size}")
-        return f"this seed is not typical: its {figure.name} is {far} {way} the mean"
+        return f"this seed's {figure.name} is {far} {way} the mean"
     return ""
 
 
@@ -294,10 +295,8 @@ class ManySeeds(ScrolledPanel):
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it, and enter where there is something to count again."""
-        study = None if snapshot is None else snapshot.study
-        if not may_count_again(study):
-            return ("esc: close",)
-        return "enter: count again · esc: close", "enter: again · esc: close"
+        is_over = may_count_again(None if snapshot is None else snapshot.study)
+        return [*key_hints(("enter: count again", "enter: again") if is_over else (), ("esc: close",))]
 
 
 def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:

@@ -22,7 +22,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import Column, Columns, Table, Text, laid
-from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.panel import Panel, key_hints
 from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.panels.policies.studied import POLICY_NAMES, is_kept_back
@@ -152,16 +152,15 @@ class Policies(Panel, can_focus=True):
         lines, self._places, self.free_rows = laid(table, cursor, texts, width, height, self.look)
         return strips_of(lines, width, height, self.look)
 
-    def _hints(self, snapshot: Snapshot) -> tuple[str, ...]:
+    def _hints(self, snapshot: Snapshot) -> Iterator[str]:
         if not self.has_focus:
-            return "click or tab here to choose · esc: close", "tab here to choose · esc: close", "esc: close"
+            return key_hints(("click or tab here to choose", "tab here to choose"), ("esc: close",))
         # arms show their bars all the time: there is no V to go back to
         leave = "esc: close" if isinstance(snapshot.world.drawing, Arms) else "esc: back to V"
-        short = leave.removesuffix(" to V")
-        return (
-            f"↑ ↓: which · enter: keep it in view · {leave}",
-            *(f"{keys}{short}" for keys in ("↑ ↓: which · enter: keep · ", "↑ ↓ · enter: keep · ")),
-            *(f"{keys}{short}" for keys in ("enter: keep · ", "")),
+        return key_hints(
+            ("↑ ↓: which", "↑ ↓"),
+            ("enter: keep it in view", "enter: keep"),
+            (leave, leave.removesuffix(" to V")),
         )
 
     def _headings(self, snapshot: Snapshot | None) -> tuple[str, ...]:

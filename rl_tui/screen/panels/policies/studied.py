@@ -15,7 +15,6 @@ from rl_tui.screen.kit.snapshot_facts import hides_greedy, hides_means, is_secre
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
-
 POLICY_NAMES: Final = {
     PolicyKind.UNIFORM: "random",
     PolicyKind.GREEDY: "greedy",
