@@ -77,8 +77,7 @@ def test_colours_go_from_the_worst_to_the_best() -> None:
 def test_each_cell_is_found_where_it_is_drawn(width: int, height: int) -> None:
     plan = plan_of(scene(PART), width, height)
     for index in range(GRID.count):
-        x = plan.label + (index % 3) * plan.field
-        y = 1 + plan.row_of(index) * plan.tall
+        x, y = plan.place(index)
         assert plan.cell_at(x, y) == plan.cell_at(x + plan.field - 1, y + plan.tall - 1) == index
     assert plan.cell_at(0, 1) is None
 

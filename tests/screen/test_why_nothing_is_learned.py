@@ -150,4 +150,4 @@ def test_the_curve_tells_that_no_estimate_has_moved() -> None:
     assert f"{NOTHING_LEARNED} after 1,234 episodes; t y explains why" in drawn(shown, (80, 13))[0]
     assert "t y explains" in drawn(shown, NARROW)[0]
     assert remedies_of(shown) == ()
-    assert said(shown, UNICODE)[-1] == "The wait is unknown. No table."
+    assert said(shown, UNICODE)[-2:] == ["The wait is unknown.", "No table."]

@@ -85,7 +85,7 @@ class JournalScreen(Form):
         candidates = [
             _branch_row(timeline, number, lines, unit) for number, lines in enumerate(self.journals)
         ]
-        super().__init__("Branches", candidates, str(timeline.branch), look.glyphs, keys=_KEYS)
+        super().__init__("Branches", candidates, str(timeline.branch), look.glyphs, keys=_KEYS, does="go")
 
     def choose(self, id: str) -> None:  # noqa: A002
         """Answer the branch."""
@@ -131,7 +131,7 @@ def _branch_row(timeline: Timeline, number: int, lines: Sequence[JournalLine], u
         parts.insert(0, f"from {timeline.branches[branch.parent].name} at {unit} {branch.fork:,}")
     changes = " · ".join(line.text for line in lines[-_MOST_CHANGES:]) or NO_CHANGE
     about = (
-        as_sentence(", ".join(parts)),
+        *([as_sentence(", ".join(parts))] if branch.parent is not None or lines else []),
         changes,
         *([HOW_TO_BRANCH] if len(timeline.branches) == 1 else []),
     )

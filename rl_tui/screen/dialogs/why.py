@@ -127,7 +127,7 @@ def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
         return ["Computing in the background …"]
     lines = [_IS_OVER if view.has_moved else _so_far(snapshot.counters.episodes), ""]
     if view.answer is None:
-        return [*lines, f"The wait is unknown. {_sentence(view.refused)}"]
+        return [*lines, "The wait is unknown.", _sentence(view.refused)]
     in_words = partial(written, glyphs=glyphs)
     wait = wait_in_words(view.answer.wait, in_words)
     if view.has_moved:

@@ -223,7 +223,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "this sample is the expected one, the mean over all outcomes with the same estimates; the "
         "difference is luck. The history at the end is that of one cell, its exact value dotted: tab to "
         "the world and choose a state with the arrows. Without a cursor it is the cell updated last.",
-        caption="the last step, taken apart",
+        caption="the last step in detail",
         terms=(
             "backup",
             "bellman",

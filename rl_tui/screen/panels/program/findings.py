@@ -11,6 +11,7 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.common.findings import one_line
+from rl_tui.common.words import counted
 from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.programs.evidence.verdict import CodeFinding, Rule, step_number
@@ -154,8 +155,8 @@ def evidence_text(finding: CodeFinding) -> str:
     steps = ""
     if finding.steps_for:
         against = f"{finding.steps_against:,}" if finding.steps_against else "none"
-        steps = f"; steps for it: {finding.steps_for:,}, against it: {against}"
-    return f"{certain}{steps}. Enter goes to the first, step {step_number(finding.step):,}."
+        steps = f"; {counted(finding.steps_for, 'step')} for it, {against} against"
+    return f"{certain}{steps}. enter: first step, {step_number(finding.step):,}."
 
 
 def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[Block]:

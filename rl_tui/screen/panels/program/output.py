@@ -18,7 +18,7 @@ from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.panels.program.words import LONGEST_NAME, LONGEST_SENTENCE, is_own, place_text
 from rl_tui.screen.theme.look import Look
 
-NOTHING_WRITTEN: Final = "your program has written nothing yet"
+NOTHING_WRITTEN: Final = "your program has printed nothing yet: space runs it"
 MOST_LINES: Final = 400
 """Lines of output that can be scrolled to."""
 

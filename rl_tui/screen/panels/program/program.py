@@ -41,7 +41,7 @@ from rl_tui.screen.theme.look import Look
 LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
 NO_TABLE: Final = "no table found"
 UNKNOWN: Final = "update not known"
-_GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a usual one, yours is not known"}
+_GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a common value; yours is not known yet"}
 _NEWS_ROWS: Final = 2
 _ERROR_ROWS: Final = 3
 _REASON_ROWS: Final = 2
