@@ -23,6 +23,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.canvas import Line, Piece, kept, strips_of, wrapped
 from rl_tui.screen.draw.names import action_name, state_name
+from rl_tui.screen.draw.precision import fewest_decimals
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import Text
@@ -54,7 +55,6 @@ _LARGE: Final = 1e7  # from here on a return is written with an exponent
 _MOST_STATES: Final = 12
 _SIGNS: Final = 3  # columns before γ
 _GAP: Final = "  "
-UNKNOWN: Final = "unknown"
 
 
 class FlipForm(NamedTuple):
@@ -98,13 +98,10 @@ def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
     """
     gammas = [flip.gamma for flip in flips]
     returns = [each for flip in flips for each in flip.expected_return if each is not None]
-    least = next(
-        (
-            decimals
-            for decimals in range(_LEAST_DECIMALS, _MOST_DECIMALS)
-            if len({round(gamma, decimals) for gamma in gammas}) == len(gammas)
-        ),
+    least = fewest_decimals(
+        _LEAST_DECIMALS,
         _MOST_DECIMALS,
+        lambda decimals: len({round(gamma, decimals) for gamma in gammas}) == len(gammas),
     )
     for longest in _FORMS:
         form = longest._replace(
@@ -123,7 +120,7 @@ def _decimals_of(values: Sequence[float], most: int) -> int:
 
 def _return_text(value: float | None, decimals: int, look: Look) -> str:
     if value is None:
-        return UNKNOWN
+        return "unknown"
     if not 10.0**-decimals <= abs(value) < _LARGE:
         return numbers.brief(value, look.glyphs, decimals=decimals)
     return numbers.fixed(value, decimals, look.glyphs, leading_zero=False)
@@ -324,7 +321,9 @@ class DiscountPanel(Panel, can_focus=True):
         answer, look, chosen = snapshot.answers.flips, self.look, self.chosen
         assert answer.curves is not None
         blocks = _blocks(snapshot, state, chosen, look, width)
-        explained, highest = self._legend_rows(snapshot, width), max(map(len, blocks), default=0)
+        signs = tuple(sign._replace(in_full="") for sign in self.legend(snapshot) if self.is_explained)
+        explained = len(legend_rows(signs, width, len(signs), look))
+        highest = max(map(len, blocks), default=0)
         head = Text(_in_short(answer.flips), look.palette.strong).lines(width, look)
         if blocks and len(head) + _CHART_ROWS + explained + highest > height:
             head = ()
@@ -342,15 +341,11 @@ class DiscountPanel(Panel, can_focus=True):
             return _Drawn(strips, 0, "")
         if not blocks:
             return _Drawn([*strips, *strips_of((), width, room, look)], room, "")
-        focused = _focused(answer.flips, snapshot, chosen)
+        focused = _next_to(answer.flips, snapshot) if chosen is None else answer.flips.index(chosen)
         view = _in_view(blocks, focused, max(min(room, len(blocks[focused])), room - explained))
         listed = [line for block in blocks[view.start : view.stop] for line in block][:room]
         strips += strips_of(listed, width, room, look)
         return _Drawn(strips, room - len(listed), _range_in_words(view, len(blocks)))
-
-    def _legend_rows(self, snapshot: Snapshot, width: int) -> int:
-        signs = tuple(sign._replace(in_full="") for sign in self.legend(snapshot))
-        return len(legend_rows(signs, width, len(signs), self.look)) if self.is_explained else 0
 
     def _state(self, snapshot: Snapshot) -> int:
         space = snapshot.world.space
@@ -390,12 +385,6 @@ def _in_short(flips: Sequence[Flip]) -> str:
     on_path = sum(flip.turns_the_way for flip in flips)
     changes = f"{on_path or 'none'} {'change' if on_path > 1 else 'changes'} the optimal path"
     return f"{counted(len(flips), 'flip point')}, {changes}" if flips else NO_FLIPS
-
-
-def _focused(flips: Sequence[Flip], snapshot: Snapshot, chosen: Flip | None) -> int:
-    if chosen is not None:
-        return flips.index(chosen)
-    return _next_to(flips, snapshot) if flips else 0
 
 
 def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, width: int) -> list[list[Line]]:
