@@ -144,7 +144,7 @@ def test_solve_says_what_it_counts_and_what_the_clock_has_to_do_with_it() -> Non
     text = report("solve", "student")
     assert "(1 round of evaluating and improving)" in text
     assert "undiscounted, within 100 steps, of this policy" in text
-    assert "likewise, choosing by the clock" in text
+    assert "likewise, choosing by the clock too" in text
     assert "clock" not in report("solve", "bandit")
     assert "left out: 1 action." in report("solve", "student", "--gamma", "1")
     assert "left out" not in report("solve", "cliff") + report("solve", "windy") + text

@@ -32,7 +32,7 @@ def test_the_chosen_finding_shows_line_evidence_and_correction() -> None:
     for said in (
         "▸ fault: bootstraps after the end   line 15",
         f"{AFTER_END.text}.",
-        "Proven; 34 steps for it, none against. enter: first step, 812.",
+        "Proven; 34 steps for it, none against; first at step 812.",
         " ▸ 15 ",
         SOURCE[14],
         "Instead: after a terminal step the target is r alone",

@@ -285,14 +285,14 @@ def legend(scene: AtlasScene) -> str:
     return f"{marks}[ ] current  {names[0]} {first}, {names[1]} {last}"
 
 
-def cell_line(scene: AtlasScene, seed: int) -> str:
-    """Return what the runs of the cell under the cursor say, and which of them enter opens."""
+def cell_line(scene: AtlasScene) -> str:
+    """Return what the runs of the cell under the cursor say."""
     places = scene.cells.places(scene.cursor)
     settings = "  ".join(
         f"{setting_name(each)} {value_name(each, place)}"
         for each, place in zip(scene.cells.variations, places, strict=True)
     )
-    return f"{settings}: {_figures(scene)}; enter: seed {seed}"
+    return f"{settings}: {_figures(scene)}"
 
 
 def _figures(scene: AtlasScene) -> str:
@@ -326,7 +326,7 @@ def _figures(scene: AtlasScene) -> str:
 # The dialog
 
 
-_KEYS: Final = "m: metric   n: next seed   enter: open the run   esc: close"
+_KEYS: Final = "m: metric   n: next seed   enter: open seed {}   esc: close"
 _NEWS_EVERY: Final = 0.1  # seconds
 
 
@@ -362,7 +362,7 @@ class AtlasDialog(Dialog[Recipe]):
     def compose(self) -> ComposeResult:
         """Yield what is mapped, the map, and what the cell under the cursor says."""
         names = " × ".join(map(setting_name, self._request.variations))
-        with self.box(to_ascii(f"Settings map · {names}", self._look.glyphs), _KEYS):
+        with self.box(to_ascii(f"Settings map · {names}", self._look.glyphs), ""):
             yield Static(id="measure", markup=False)
             yield Static(id="head", classes="hint", markup=False)
             yield AtlasMap(self._scene)
@@ -412,10 +412,11 @@ class AtlasDialog(Dialog[Recipe]):
             "#measure": scene.measure.title,
             "#head": head(scene, self._request.runs, self._how_long),
             "#legend": legend(scene),
-            "#cell": cell_line(scene, self._request.seeds[self._seed]),
+            "#cell": cell_line(scene),
         }
         for name, text in texts.items():
             self.query_one(name, Static).update(to_ascii(text, glyphs))
+        self.query_one("#box").border_subtitle = _KEYS.format(self._request.seeds[self._seed])
 
     def on_atlas_map_cell_pointed(self, event: AtlasMap.CellPointed) -> None:
         """Let the cursor stand there."""

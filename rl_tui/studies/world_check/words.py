@@ -51,10 +51,10 @@ def rows(
     """
     name = name_of or space.state_names.__getitem__
     limit = f", within {counted(space.time_limit, 'step')}" if space.time_limit else ""
-    clock = ", choosing by the clock" if limit else ""
+    best = "choosing by the clock" if limit else "per episode"
     said: dict[str, Callable[[], Row]] = {
         "random_return": lambda: Row("", _return(report.random_return), f"per episode{limit}"),
-        "best_return": lambda: Row("", _return(report.best_return), f"likewise{clock}"),
+        "best_return": lambda: Row("", _return(report.best_return), best),
         "shortest_way": lambda: Row(
             "", counted(report.shortest_way or 0, "step"), f"fewest, optimal for γ {gamma:g}"
         ),

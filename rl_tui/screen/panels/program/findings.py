@@ -156,7 +156,7 @@ def evidence_text(finding: CodeFinding) -> str:
     if finding.steps_for:
         against = f"{finding.steps_against:,}" if finding.steps_against else "none"
         steps = f"; {counted(finding.steps_for, 'step')} for it, {against} against"
-    return f"{certain}{steps}. enter: first step, {step_number(finding.step):,}."
+    return f"{certain}{steps}; first at step {step_number(finding.step):,}."
 
 
 def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[Block]:
