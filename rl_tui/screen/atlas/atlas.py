@@ -65,8 +65,8 @@ class AtlasScene:
     @property
     def axes(self) -> tuple[Variation | None, Variation]:
         """The setting that varies upwards, None where there is but one, and that from left to right."""
-        first, *others = self.cells.variations
-        return (first, *others) if others else (None, first)  # type: ignore[return-value]
+        *upwards, across = self.cells.variations
+        return upwards[0] if upwards else None, across
 
     def value(self, index: int) -> float | None:
         """Return the mean of the measure in a cell; None where there is none yet."""
@@ -150,15 +150,16 @@ def draw_map(plan: MapPlan) -> Canvas:
     scene, palette = plan.scene, plan.scene.look.palette
     canvas = Canvas(plan.width, plan.height, palette.text)
     upwards, across = scene.axes
-    names = f"{setting_name(upwards)} ↑  " if upwards is not None else ""
-    canvas.put(0, 0, to_ascii(f"{names}{setting_name(across)} →", scene.look.glyphs), palette.dim)
-    current = scene.cells.places(scene.in_force)
+    current, names = scene.cells.places(scene.in_force), f"{setting_name(across)} →"
     for index in range(scene.cells.count):
         _draw_cell(canvas, plan, index)
-    for row in range(plan.rows if upwards is not None else 0):
-        y = plan.place(row * plan.columns)[1] + (plan.tall - 1) // 2
-        style = palette.strong if row == current[0] else palette.dim
-        canvas.put(0, y, f"{value_name(upwards, row):>{plan.label - 1}}", style)
+    if upwards is not None:
+        names = f"{setting_name(upwards)} ↑  {names}"
+        for row in range(plan.rows):
+            y = plan.place(row * plan.columns)[1] + (plan.tall - 1) // 2
+            style = palette.strong if row == current[0] else palette.dim
+            canvas.put(0, y, f"{value_name(upwards, row):>{plan.label - 1}}", style)
+    canvas.put(0, 0, to_ascii(names, scene.look.glyphs), palette.dim)
     for column in range(plan.columns):
         style = palette.strong if column == current[-1] else palette.dim
         text = centred(value_name(across, column), plan.field)
@@ -309,9 +310,8 @@ def _figures(scene: AtlasScene) -> str:
 
     parts = []
     if value is not None:
-        low, high = found.get("low"), found.get("high")
-        is_bounded = low is not None and high is not None
-        interval = f" (95 %: {written(low)} to {written(high)})" if is_bounded else ""
+        ends = [written(found[end]) for end in ("low", "high") if found.get(end) is not None]
+        interval = f" (95 %: {ends[0]} to {ends[1]})" if len(ends) == 2 else ""
         parts.append(f"mean {written(value)}{interval}")
     if found.get("median") is not None:
         parts.append(f"median {written(found['median'])}")
