@@ -97,7 +97,7 @@ def test_the_mean_of_fewer_than_100_episodes_is_named_by_their_number() -> None:
     )
     text = said(changed(lake(), study=lake_study(lanes=(lane,), episodes=48), episodes=48))
     assert "last 48 .410" in text
-    assert "its last 48 is within" in text
+    assert "last 48 within" in text
     assert "last 100" not in text
     assert "mean return" not in text  # the same figure
     assert "mean return .410" in said(changed(lake(), study=lake_study(lanes=(lane,))))
@@ -106,7 +106,7 @@ def test_the_mean_of_fewer_than_100_episodes_is_named_by_their_number() -> None:
 @pytest.mark.parametrize(
     ("own", "words"),
     [
-        (0.41, "this seed is typical: its last 100 is within 1 SD (.083) of the mean"),
+        (0.41, "this seed is typical: last 100 within 1 SD (.083) of the mean"),
         (0.60, "this seed's last 100 is 2.4 SD (.083) above the mean"),
         (0.20, "this seed's last 100 is 2.4 SD (.083) below the mean"),
     ],

@@ -78,7 +78,7 @@ def how_typical(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret:
         away, spread = found
         size = f"({figure_text(spread, figure_decimals(figure, study), glyphs)})"
         if abs(away) <= 1.0:
-            return f"this seed is typical: its {figure.name} is within {kept(f'1 SD {size}')} of the mean"
+            return f"this seed is typical: {figure.name} within {kept(f'1 SD {size}')} of the mean"
         way = "above" if away > 0.0 else "below"
         far = kept(f"{numbers.fixed(abs(away), 1, glyphs)} SD {size}")
         return f"this seed's {figure.name} is {far} {way} the mean"

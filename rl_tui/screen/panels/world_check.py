@@ -14,6 +14,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import KEPT_BLANK, Piece
 from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.kit.blocks import BLANK, Block, Labelled, Row, Text
+from rl_tui.screen.kit.layers import veiled
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import hides_means, is_secret, shown_by
 from rl_tui.screen.theme.look import Look
@@ -63,6 +64,8 @@ class WorldCheckPanel(ScrolledPanel):
         for row in rows(report, world.space, view.gamma, names):
             label = LABELS[row.field]
             yield Labelled(label, palette.dim, _LABEL, _said(row, snapshot, view, self.look), _BESIDE)
+        if is_secret(snapshot):
+            yield Text(f"{veiled(self.look.glyphs)} is hidden: {shown_by(snapshot)}", palette.dim)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it."""
@@ -100,7 +103,7 @@ def _said(row: CheckRow, snapshot: Snapshot, view: WorldCheckView, look: Look) -
         palette.bad if _is_warned_of(row, view) else palette.strong if row.field in _NUMBERS else palette.text
     )
     if is_hidden:
-        figure, remark = shown_by(snapshot), ""
+        figure, remark = veiled(look.glyphs), ""
     elif row.figure == NOT_KNOWN:
         figure, remark = f"{NOT_KNOWN}: {remark}", ""
     if row.figure in ("", NOT_KNOWN) or is_hidden or view.is_outdated:

@@ -119,7 +119,7 @@ def _endless(report: WorldReport, space: FiniteSpace) -> tuple[str, str]:
     if not tried.seeds:
         return "no policy", "every policy ends in this world"
     most = f"{tried.steps:,} steps"
-    how = f"seeds {tried.seeds[0]} to {tried.seeds[-1]}, {counted(tried.episodes, 'episode')} or {most} each"
+    how = f"seeds {tried.seeds[0]}–{tried.seeds[-1]}: {counted(tried.episodes, 'episode')} or {most}"
     if tried.in_part:
         how += f"; {names(tried.in_part)} reached the steps first"
     if not found:

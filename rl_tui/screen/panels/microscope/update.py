@@ -82,7 +82,7 @@ def has_open_discount(story: StepStory) -> bool:
 
 def _meaning(story: StepStory) -> str:
     if story.is_bandit:
-        return "every pull is an episode: its return is its reward"
+        return "each pull is an episode: its return is r"
     if not story.has_one_gamma:
         return "γ was changed on the way: each step counts with its own"
     return "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
