@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 from typing import ClassVar, Final
 
@@ -66,10 +66,6 @@ class WorldCheckPanel(ScrolledPanel):
             yield Labelled(label, palette.dim, _LABEL, _said(row, snapshot, view, self.look), _BESIDE)
         if is_secret(snapshot):
             yield Text(f"{veiled(self.look.glyphs)} is hidden: {shown_by(snapshot)}", palette.dim)
-
-    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the key that closes it."""
-        return ("esc: close",)
 
 
 def _how_far(view: WorldCheckView, look: Look) -> Text:

@@ -55,10 +55,6 @@ class OutputPanel(ScrolledPanel):
             self._first = max(0, len(rows) - height)
         return rows
 
-    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the key that closes it."""
-        return ("esc: close",)
-
     def _scroll(self, rows: int) -> None:
         self._follows = False
         super()._scroll(rows)
