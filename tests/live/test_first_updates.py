@@ -91,4 +91,4 @@ def test_numbers_of_episodes(number: float, text: str) -> None:
 
 def test_a_wait_without_a_mean_says_so() -> None:
     assert "no mean" in wait_in_words(Wait(0.25, None, None))
-    assert "3 episodes" in wait_in_words(Wait(0.25, 4.0, 3))
+    assert "3 or fewer" in wait_in_words(Wait(0.25, 4.0, 3))

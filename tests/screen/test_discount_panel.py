@@ -206,10 +206,10 @@ def test_each_sign_means_one_thing_in_chart_list_slider_and_legend(ascii: bool) 
     assert listed == [glyphs.flip if flip.turns_the_way else glyphs.side_flip for flip in flips]
     meanings = {sign.sign: sign.meaning for sign in made.legend(shown)}
     assert len(meanings) == 4
-    assert meanings[glyphs.flip] == "turns the way"
+    assert meanings[glyphs.flip] == "path"
     assert meanings[glyphs.side_flip] == "other"
-    assert meanings[glyphs.thumb] == "γ now"
-    plot = [row[4:] for row in rows[: next(y for y, row in enumerate(rows) if "earns" in row) - 1]]
+    assert meanings[glyphs.thumb] == "current γ"
+    plot = [row[4:] for row in rows[1 : next(y for y, row in enumerate(rows) if "earns" in row) - 1]]
     assert sum(row.count(glyphs.thumb) for row in plot) == 1, "on the best value at the γ in force"
     assert sum(glyphs.untried in row for row in plot) > len(plot) - 4
 
@@ -288,12 +288,12 @@ def test_the_flip_chosen_comes_before_the_legend_and_that_before_other_flips(
 def test_a_list_that_is_cut_tells_which_flips_of_how_many() -> None:
     made, rows = framed(with_flips(discount()), 56, 20, *range(20))
     count = sum("earns" in row for row in rows)
-    assert f"flips {15 - count}–14 of 14" in made.heading
+    assert f"{15 - count}–14 of 14" in made.heading
     for width in (36, 44):
         made, _ = framed(with_flips(discount()), width, 18, *range(20))
         assert made.heading.endswith("–14 of 14")
     made, _ = framed(with_flips(lake()), 26, 10, 1, 2)
-    assert made.heading.endswith("flip 2 of 2")
+    assert made.heading.endswith("2 of 2")
     assert not re.search(r"\d of \d", framed(with_flips(lake()), 56, 20)[0].heading)
 
 

@@ -266,18 +266,18 @@ def test_a_moment_may_be_written_in_many_ways(text: str, command: GoTo) -> None:
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("", "that is none of these"),
-        ("x", "that is none of these"),
-        ("-1", "that is none of these"),
-        ("1.5", "that is none of these"),
-        ("1,2", "that is none of these"),
-        ("٣", "that is none of these"),
-        ("9" * 5_000, "that is none of these"),
-        ("month 3", "that is none of these"),
-        ("10001", "the run has come to step 10,000 so far; esc, then space goes on from there"),
+        ("", "expected one of these"),
+        ("x", "expected one of these"),
+        ("-1", "expected one of these"),
+        ("1.5", "expected one of these"),
+        ("1,2", "expected one of these"),
+        ("٣", "expected one of these"),
+        ("9" * 5_000, "expected one of these"),
+        ("month 3", "expected one of these"),
+        ("10001", "the run has reached step 10,000 so far; esc, then space goes on from there"),
         ("101%", "a share goes from 0% to 100%"),
         ("e0", "episodes count from 1"),
-        ("e12502", "the run has come to episode 12,501 so far; esc, then space goes on from there"),
+        ("e12502", "the run has reached episode 12,501 so far; esc, then space goes on from there"),
     ],
 )
 def test_what_is_wrong_is_told(text: str, fault: str) -> None:

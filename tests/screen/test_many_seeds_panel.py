@@ -69,7 +69,7 @@ def test_it_tells_how_far_it_has_come_and_of_which_seeds() -> None:
     assert "seeds 0 to 63" in text
     assert "about 40 s left" in said(changed(lake(), study=lake_study(how_long="about 40 s left")))
     done = said(changed(lake(), study=lake_study(state=StudyState.DONE, seeds=256)))
-    assert done.startswith("256 seeds · episodes 1–500 seeds 0 to 255")
+    assert done.startswith("256 seeds · episodes 1–500 this seed")
     by_steps = said(changed(lake(), study=lake_study(episodes=None, steps=2_000_000)))
     assert "seeds · steps 1–2,000,000" in by_steps
     assert "seeds · pulls 1–1,000" in said(changed(bandit(400), study=bandit_study()))
@@ -97,7 +97,7 @@ def test_the_mean_of_fewer_than_100_episodes_is_named_by_their_number() -> None:
     )
     text = said(changed(lake(), study=lake_study(lanes=(lane,), episodes=48), episodes=48))
     assert "last 48 .410" in text
-    assert "its last 48 is within" in text
+    assert "last 48 within" in text
     assert "last 100" not in text
     assert "mean return" not in text  # the same figure
     assert "mean return .410" in said(changed(lake(), study=lake_study(lanes=(lane,))))
@@ -106,9 +106,9 @@ def test_the_mean_of_fewer_than_100_episodes_is_named_by_their_number() -> None:
 @pytest.mark.parametrize(
     ("own", "words"),
     [
-        (0.41, "its last 100 is within one standard deviation (one is .083)"),
-        (0.60, "this seed's last 100 is 2.4 standard deviations (one is .083) above the mean"),
-        (0.20, "this seed's last 100 is 2.4 standard deviations (one is .083) below the mean"),
+        (0.41, "this seed is typical: last 100 within 1 SD (.083) of the mean"),
+        (0.60, "this seed's last 100 is 2.4 SD (.083) above the mean"),
+        (0.20, "this seed's last 100 is 2.4 SD (.083) below the mean"),
     ],
 )
 def test_it_says_how_usual_this_seed_is(own: float, words: str) -> None:
@@ -133,12 +133,12 @@ def test_nothing_is_said_of_it_where_that_is_not_known(lane: LaneStudy) -> None:
 def test_why_it_is_bounded_or_out_of_date_is_said() -> None:
     assert "a reason of its own" in said(changed(lake(), study=lake_study(message="a reason of its own")))
     out_of_time = said(changed(lake(), study=lake_study(state=StudyState.OUT_OF_TIME)))
-    assert "processor time" in out_of_time
+    assert "CPU-time limit" in out_of_time
     assert "low priority" not in out_of_time
     outdated = changed(lake(), study=lake_study(is_outdated=True))
     assert "enter counts again" in said(outdated)
     assert "seeds 0 to 63" not in said(outdated)
-    assert "standard deviation" not in said(outdated)
+    assert "of the mean" not in said(outdated)
 
 
 @pytest.mark.parametrize(
@@ -172,7 +172,7 @@ def test_lanes_are_compared_seed_by_seed() -> None:
     text = said(lanes(cliff_study()))
     assert "2 is better: higher by 22.5 ± .6 (20.7 to 24.3), in 64 of 64 seeds" in text
     assert "1 is better: higher by 4.00 ± .06 (3.82 to 4.18), in 61 of 64 seeds, equal in 3" in text
-    assert "in 4 of 64 seeds lane 1's greedy policy may never end" in text
+    assert "left out: 4 of 64 seeds, where run 1's greedy policy may never end" in text
     rows = [line.split() for line in drawn(lanes(cliff_study())).splitlines()]
     assert ["1", "α", "0.1", "−43.0", "−47.1", "±", ".5"] in rows
     assert ["▸2", "α", "0.5", "−22.0", "−24.6", "±", ".4"] in rows

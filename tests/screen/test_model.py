@@ -35,12 +35,12 @@ def test_the_five_parts_of_a_grid() -> None:
     assert "S       16 states: 0, 1, 2" in text
     assert "14, 15; 11 with actions" in text
     assert "A       4 actions: ↑ up, → right, ↓ down, ← left" in text
-    assert "P       44 legal pairs (s, a), 132 outcomes" in text
+    assert "P       44 state–action pairs, 132 outcomes" in text
     assert "R       from 0 to 1" in text
     assert "γ       .99" in text
     assert "start   0 (row 0, column 0, counted from 0)" in text
     assert "terminal 5, 7, 11, 12, 15" in text
-    assert "after 100 steps the time limit cuts the episode off" in text
+    assert "truncated after 100 steps" in text
     assert made.heading == "Model ⟨S, A, P, R, γ⟩ · FrozenLake 4×4 slippery"
 
 
@@ -206,9 +206,9 @@ def test_of_a_stepped_environment_it_says_what_is_known() -> None:
     made = panel(stepped_lake(), 0)
     text = drawn(made)
     assert "15; 11 with actions" in text
-    assert "P       unknown: stepped for real, nobody wrote its table down; 44 legal pairs (s, a)" in text
-    assert "R       unknown" in text
-    assert "where the environment says so; after 100 steps the time limit" in text
+    assert "P       no transition table (simulated only); 44 state–action pairs" in text
+    assert "R       no transition table" in text
+    assert "where the environment says so; truncated after 100 steps" in text
     assert "no transition table to work it out from" in text
     assert "learned Q(0,←)" in text
     assert panel(stepped_lake()).pair is not None
@@ -228,7 +228,7 @@ def egg() -> Snapshot:
 
 def test_where_states_look_alike_it_says_that_there_is_no_p() -> None:
     text = " ".join(drawn(panel(egg(), 7)).split())
-    assert "P none: states look alike, so what follows depends on how one came there" in text
+    assert "P none: the agent cannot tell some states apart" in text
     assert "p r s′ 1 −10 or 10 ? Plate ends ? depends on how you came here" in text
     waiting = " ".join(drawn(panel(egg(), 6)).split())
     assert "p r s′ ? −1 Pot ? −10 Plate ends ?" in waiting
@@ -246,7 +246,7 @@ def test_means_that_drift_are_those_of_the_start_and_said_to_drift() -> None:
     text = drawn(panel(drifting, 3), 100)
     assert "drifts by a normal step of standard deviation 0.01" in text
     assert "r at the start" in text
-    assert "means as they are now" in text
+    assert "the current means" in text
 
 
 def test_names_with_commas_are_kept_apart() -> None:

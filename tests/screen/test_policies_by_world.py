@@ -21,13 +21,13 @@ def test_of_arms_that_drift_the_figures_are_of_the_means_as_they_are_now() -> No
     assert OF_MEANS_NOW not in said(shown)
     assert isinstance(shown.world.space, TabularMDP)
     drifting = replace(shown, world=replace(shown.world, space=replace(shown.world.space, drift_std=0.01)))
-    assert f"a pull: the reward it brings on average, {OF_MEANS_NOW}, exact" in said(drifting)
+    assert f"a pull: its mean reward, {OF_MEANS_NOW}" in said(drifting)
 
 
 def test_of_a_world_without_a_table_one_sentence_is_said() -> None:
     shown = stepped_lake()
     shown = replace(shown, answers=replace(shown.answers, studied=PolicyKind.GREEDY))
-    assert said(shown, 60) == f"what they are worth cannot be told: {NO_TABLE}"
+    assert said(shown, 60) == f"no exact returns: {NO_TABLE}"
     for size in SIZES:
         drawn(shown, *size)
 

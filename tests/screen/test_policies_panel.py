@@ -93,15 +93,13 @@ def said(shown: Snapshot | None, width: int = 46, **how: bool) -> str:
 def test_each_policy_has_its_figures() -> None:
     shown = studied(lake())
     answers = shown.answers.policies
-    rows = {line[1:16].strip(): line[16:].split() for line in drawn(shown).splitlines()[:6]}
+    rows = {line[1:9].strip(): line[9:].split() for line in drawn(shown).splitlines()[:6]}
     for kind in KINDS[:4]:
         answer = answers[kind]
         figures = (answer.expected_return, answer.value_at_start, answer.steps)
-        assert rows[POLICY_NAMES[kind].row][:3] == [
-            policies.amount(x, look()) for x in figures if x is not None
-        ]
-    assert rows["drawn"] == rows["uniform random"]  # nothing was drawn
-    assert "nothing drawn: at random; w p draws" in said(studied(lake()))
+        assert rows[POLICY_NAMES[kind]][:3] == [policies.amount(x, look()) for x in figures if x is not None]
+    assert rows["drawn"] == rows["random"]  # nothing was drawn
+    assert "drawn: random until w p draws it" in said(studied(lake()))
 
 
 def test_what_exploring_costs_is_the_difference() -> None:
@@ -114,16 +112,16 @@ def test_what_exploring_costs_is_the_difference() -> None:
     assert f"exploring (ε .10) brings {policies.amount(acts - greedy, look())} an episode" in text
     assert "greedy earns as much as optimal" in text
     worse = replace(answers[PolicyKind.OPTIMAL], expected_return=greedy + 0.25)
-    assert "greedy is .250 an episode short of optimal" in said(studied(lake(), optimal=worse))
+    assert "greedy earns .250 less than optimal" in said(studied(lake(), optimal=worse))
     worst = replace(answers[PolicyKind.BEHAVIOUR], expected_return=greedy - 0.01)
     assert "exploring (ε .10) costs .010" in said(studied(lake(), behaviour=worst))
 
 
 def test_the_limit_and_the_discount_are_told() -> None:
     text = said(studied(lake()), 60)
-    assert "undiscounted, within 100 steps" in text
-    assert "γ .99, as if without a limit" in text
-    assert "ending: the chance that an episode ends within 100 steps" in text
+    assert "return: mean of an episode within 100 steps" in text
+    assert "γ .99, without the limit" in text
+    assert "ending: how likely an episode ends" in text
 
 
 def test_a_policy_that_never_ends_has_no_return_and_says_so() -> None:
@@ -131,7 +129,7 @@ def test_a_policy_that_never_ends_has_no_return_and_says_so() -> None:
     text = said(studied(student(), greedy=endless), 60)
     assert "greedy: never ends, so it has no return" in text
     assert "0 %" in text
-    assert "greedy now – −9.00 – 0 %" in text
+    assert "greedy – −9.00 – 0 %" in text
     assert "exploring" not in text
 
 
@@ -144,7 +142,7 @@ def test_how_likely_a_policy_ends_stands_where_that_is_not_certain_rather_than_i
 
 def test_why_there_is_none_is_said_once() -> None:
     text = said(studied(lake(), behaviour=PolicyAnswer(refused=NO_CHANCES)))
-    assert f"as it acts: {NO_CHANCES}" in text
+    assert f"agent: {NO_CHANCES}" in text
     waiting = {kind.value: PolicyAnswer(refused=WHILE_RUNNING) for kind in KINDS}
     assert said(studied(lake(), **waiting)).count(WHILE_RUNNING) == 1
     assert PLANS in said(studied(lake(), behaviour=PolicyAnswer(refused=PLANS)))
@@ -166,7 +164,7 @@ def test_a_hidden_optimum_is_not_told() -> None:
     hidden = changed(shown, is_hidden=True)
     rows = [line for line in drawn(hidden).splitlines() if "optimal" in line]
     assert rows[0].split()[-1] == "?"
-    assert policies.SHORT_OF_OPTIMAL not in said(hidden)
+    assert policies.THAN_OPTIMAL not in said(hidden)
     assert policies.AS_MUCH_AS_OPTIMAL not in said(hidden)
 
 
@@ -199,7 +197,7 @@ def test_its_figures_can_be_asked() -> None:
     line = "exploring (ε .10) costs .146 an episode"
     assert term_at(line, 0, UNICODE) in ("explore", "exploring-cost")
     for kind in (PolicyKind.UNIFORM, PolicyKind.BEHAVIOUR):
-        assert term_at(POLICY_NAMES[kind].row, 0, UNICODE) is not None
+        assert term_at(POLICY_NAMES[kind], 0, UNICODE) is not None
 
 
 # The curve beside it
@@ -239,13 +237,13 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert not board.shows(TABLE)
         assert "t p: policies" not in headings(pilot)[0]  # there esc goes back
         if board.shows(WORLD):
-            assert "V of uniform random" in headings(pilot)[0]
+            assert "V of the random policy" in headings(pilot)[0]
         if size != (60, 18):  # there the graph is a list of its edges
             assert "4.04" in screen_text(pilot.app)
             assert "2.40" in screen_text(pilot.app)
         assert (await press(pilot, "down")).answers.studied is PolicyKind.GREEDY
         if board.shows(WORLD):
-            assert "V of greedy now" in headings(pilot)[0]
+            assert "V of the greedy policy" in headings(pilot)[0]
         assert (await press(pilot, "end")).answers.studied is PolicyKind.DRAWN
         assert (await press(pilot, "down", "home", "up")).answers.studied is PolicyKind.UNIFORM
         assert (await press(pilot, "t", "p")).answers.studied is None
@@ -265,11 +263,11 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         kept = await press(pilot, "t", "p", "enter")
         assert kept.answers.studied is PolicyKind.UNIFORM
         assert board.opened is None
-        assert "V of uniform random · t p: policies" in headings(pilot)[0]
+        assert "V of the random policy · t p: policies" in headings(pilot)[0]
         assert Layer.POLICY in board.table.layer_choices
         await press(pilot, *["v"] * board.table.layer_choices.index(Layer.POLICY))
         assert board.table.shown_layer is Layer.POLICY
-        assert headings(pilot)[1].strip().startswith("Q of uniform random")
+        assert headings(pilot)[1].strip().startswith("Q of the random policy")
         text = screen_text(pilot.app)
         assert "5.928" in text
         assert "random    6.2" in text
@@ -280,7 +278,7 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         await press(pilot, "t", "p")
         panel = board.panel(POLICIES)
         rows = [panel.render_line(y).text for y in range(8)]
-        y = next(y for y, row in enumerate(rows) if "as it acts" in row)
+        y = next(y for y, row in enumerate(rows) if "agent" in row)
         await click(pilot, panel, offset=(4, y + 1))
         assert snapshot(pilot).answers.studied is PolicyKind.BEHAVIOUR
 
@@ -335,7 +333,7 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
         assert both.beside.answers.studied is PolicyKind.BEHAVIOUR
         assert screen.board.is_paired
         text = screen_text(pilot.app)
-        assert text.count("V of the agent as it acts") == 2
+        assert text.count("V of the agent") == 2
         world = screen.board.world
         left, right = (as_studied(each).agent.policy > 0.0 for each in sides(both))
         differs = {both.world.space.state_of(pair) for pair in np.flatnonzero(left != right).tolist()}
@@ -350,4 +348,4 @@ async def test_a_dear_world_says_while_it_runs_what_to_do(make_app: MakeApp) -> 
         waits = {kind: PolicyAnswer(refused=WHILE_RUNNING) for kind in PolicyKind}
         show(screen, replace(now, answers=AnswersView(studied=PolicyKind.GREEDY, policies=waits)))
         await pilot.pause()
-        assert "pause: V of greedy now" in headings(pilot)[0]
+        assert "pause: V of the greedy policy" in headings(pilot)[0]

@@ -32,7 +32,7 @@ def test_the_chosen_finding_shows_line_evidence_and_correction() -> None:
     for said in (
         "▸ fault: bootstraps after the end   line 15",
         f"{AFTER_END.text}.",
-        "Proven; steps for it: 34, against it: none. Enter goes to the first, step 812.",
+        "Proven; 34 steps for it, none against; first at step 812.",
         " ▸ 15 ",
         SOURCE[14],
         "Instead: after a terminal step the target is r alone",
@@ -87,7 +87,7 @@ def test_the_file_of_a_program_may_be_given_as_people_do(path: str, file: str, i
 def test_nothing_found_says_what_that_rests_on() -> None:
     text = " ".join(drawn(FindingsPanel, watched()).split())
     assert f"{NOTHING} in 12,400 steps and 1,033 ends of episodes. {EXAMINED}" in text
-    assert "On 1,204 steps the next state had a value" in text
+    assert "γ shows only on 1,204 steps" in text
 
 
 @pytest.mark.parametrize("rule", [Rule.UNKNOWN, Rule.MONTE_CARLO])
@@ -122,7 +122,7 @@ def test_the_name_of_a_finding_is_not_cut_off() -> None:
 def test_declared_is_said() -> None:
     declared = replace(AFTER_END, certainty="declared", fault=CodeFault.GAMMA_TWICE)
     text = drawn(FindingsPanel, watched(program(verdict=ProgramVerdict(findings=(declared,)))), 80)
-    assert "rests on a number read from your code" in text
+    assert "relies on a value read from your code" in text
     assert "proven" not in text
 
 

@@ -309,7 +309,7 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     assert told is not None
     section = return_section(replace(told, rewards=(1.0,)), look())
     text = " ".join(piece.text for line in section.lines(200, look()) for piece in line)
-    assert "no step has decided it yet; exact answers are for 0.95, read from your code" in text
+    assert "no step shows it yet; exact values are for 0.95, read from your code" in text
 
 
 def test_what_a_fault_puts_into_the_target_is_written_as_it_is() -> None:

@@ -72,7 +72,7 @@ def test_only_states_known_to_both_are_counted() -> None:
     right = with_greedy(lake(0), {0: 1, 1: 3, 4: 0})
     found = greedy_differences(left, right)
     assert (found.states, found.known, found.is_part) == (frozenset({1}), 2, False)
-    assert "1 of 2 states known to both" in found.words(left)[0]
+    assert "1 of 2 states" in found.words(left)[0]
     assert greedy_differences(lake(0), lake(0)).words(left) == ()
     assert "1 of 2 states in view" in replace(found, is_part=True).words(left)[0]
 

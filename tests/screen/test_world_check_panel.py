@@ -79,14 +79,14 @@ def test_it_is_drawn_at_any_size(size: tuple[int, int], ascii: bool) -> None:  #
 def test_it_says_how_far_it_has_come() -> None:
     assert said(None) == said(student()) == said(changed(student(), world_check=WorldCheckView())) == WAITING
     first, *_, last = grown(walk())
-    assert "working out the flips" in said(with_check(walk(), first))
+    assert "computing the flip points" in said(with_check(walk(), first))
     assert FINE in said(with_check(walk(), last))
     trying = replace(last, stage=CheckStage.TRIALS, trying="sarsa")
     assert "trying SARSA, 2 of 12" in said(with_check(walk(), trying))
     assert OUTDATED in said(with_check(walk(), is_outdated=True))
     warned = replace(last, warnings=("never ends: a time_limit would end it",))
     text = said(with_check(walk(), warned))
-    assert text.startswith("done: 1 warning ! never ends: a time_limit would end it random policy")
+    assert text.startswith("1 warning ! never ends: a time_limit would end it random policy")
     broken_off = said(with_check(walk(), first, refused="it took too long"))
     assert "it took too long" in broken_off
     assert "0.50000" in broken_off
@@ -101,20 +101,21 @@ def test_what_is_not_known_yet_and_what_never_will_be_look_different() -> None:
 
 def test_while_hidden_nothing_gives_the_answer_away() -> None:
     hidden = said(changed(with_check(walk()), answers=AnswersView(is_hidden=True)))
-    assert "best policy w h shows it" in hidden
-    assert "flips w h shows it" in hidden
+    assert "best policy ···" in hidden
+    assert "flip points ···" in hidden
     assert "random policy 0.50000" in hidden
+    assert "··· is hidden: w h shows it" in hidden
     warning = "the best policy never ends"
     warned = replace(grown(walk())[-1], warnings=(warning,))
     told = with_check(walk(), warned)
     assert warning in said(told)
     hidden = said(changed(told, answers=AnswersView(is_hidden=True)))
     assert warning not in hidden
-    assert "done: 1 warning" in hidden
+    assert "1 warning" in hidden
     assert "warnings: w h shows them" in hidden
     arms = said(changed(with_check(bandit(1)), answers=AnswersView(is_hidden=True)))
-    assert "random policy w h shows it" in arms
-    assert "no way out no state" in arms
+    assert "random policy ···" in arms
+    assert "no way out no states" in arms
 
 
 def test_a_report_of_another_world_names_the_states_of_that_one() -> None:

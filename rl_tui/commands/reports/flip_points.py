@@ -57,10 +57,10 @@ def flips_report(world: World, flips: Sequence[Flip]) -> str:
     within = f", within {counted(limit, 'step')}" if limit else ""
     return "\n".join(
         (
-            f"{counted(len(flips), 'flip')}: where the best actions change as γ goes from 0 to 1",
+            f"{counted(len(flips), 'flip point')}: where the optimal actions change as γ goes from 0 to 1",
             columns([HEAD, *(row for flip in flips for row in _rows(world, flip))], right=(5, 6)),
-            f"{TURNS_THE_WAY} turns the way from the start",
-            f"return: undiscounted{within}, of the best actions just below and just above",
+            f"{TURNS_THE_WAY} changes the optimal path",
+            f"return: undiscounted{within}, of the optimal actions just below and just above",
         )
     )
 

@@ -34,13 +34,12 @@ def wait_in_words(wait: Wait, in_words: Writer = number_in_words) -> str:
         return NOTHING_IN_THE_WAY
     if wait.chance == 0.0:
         return "no episode ever moves an estimate"
-    chance = f"an episode moves an estimate with chance {in_words(wait.chance)}"
+    chance = f"the first update has a chance of {in_words(wait.chance)} per episode"
     if wait.mean_episodes is None:
-        return f"{chance}; one that does not may go on for ever, so that there is no mean wait"
+        return f"{chance}; an episode without it may never end, so there is no mean wait"
     assert wait.median_episodes is not None
     mean, median = map(episodes_in_words, (wait.mean_episodes, wait.median_episodes))
-    plural = "" if wait.median_episodes == 1 else "s"
-    return f"{chance}: on average the first after {mean}, as likely as not within {median} episode{plural}"
+    return f"{chance}: {mean} episodes on average, {median} or fewer in half of all runs"
 
 
 def cause_in_words(
@@ -56,7 +55,7 @@ def cause_in_words(
         case Cause.ALPHA:
             return "the step size α is so small that no update moves an estimate"
         case Cause.NO_REWARD:
-            return "nothing that can be reached tells anything: it all is what the estimates already say"
+            return "no reachable outcome differs from the initial estimates"
         case Cause.TIME_LIMIT:
             return f"{_nearest(answer)}, and an episode ends after {counted(time_limit, 'step')}"
         case Cause.TIES:
@@ -64,11 +63,9 @@ def cause_in_words(
             others = f"ε {in_words(settings.epsilon)} {often} takes another"
             return f"of equal estimates the first action is taken (ties first), and {others}"
         case Cause.EPSILON:
-            return (
-                f"ε is {in_words(settings.epsilon)}: another one alone would make the wait a tenth, or less"
-            )
+            return f"ε is {in_words(settings.epsilon)}: with another ε the wait is a tenth, or less"
         case None:
-            walk = ", and random ties take any action on the way" if settings.ties == "random" else ""
+            walk = ", and random ties choose any action on the way" if settings.ties == "random" else ""
             return f"no single setting is to blame: {_nearest(answer)}{walk}"
 
 
@@ -80,4 +77,4 @@ def setting_in_words(setting: str, value: float | str, in_words: Writer = number
 
 def _nearest(answer: FirstUpdate) -> str:
     assert answer.distance is not None
-    return f"the nearest outcome that tells anything is {counted(answer.distance, 'step')} away"
+    return f"the nearest outcome that changes an estimate is {counted(answer.distance, 'step')} away"

@@ -5,10 +5,10 @@ Each cell shows a metric of many seeds, trained with one combination of two sett
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import ClassVar, Final, NamedTuple
 
 from rich.cells import cell_len
 from rich.style import Style
@@ -32,7 +32,7 @@ from rl_tui.screen.draw.canvas import Canvas, centred
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.atlas.cells import CellGrid
-from rl_tui.studies.atlas.figures import Atlas, AtlasStandings, AtlasState
+from rl_tui.studies.atlas.figures import Atlas, AtlasState
 from rl_tui.studies.atlas.request import WORK, AtlasRequest, surroundings
 from rl_tui.studies.sweeps.cell import JUDGED_BY, MEASURES
 from rl_tui.studies.sweeps.cells.variation import Variation
@@ -44,7 +44,7 @@ MOST_FIELD: Final = 11
 LEAST_FIELD: Final = 5
 _MARKS: Final = 1
 _TALL: Final = 3
-BEST, ALIKE, NOT_DONE, IMPOSSIBLE, FAILED = "*", "'", "·", "×", "fails"
+BEST, TIED, NOT_DONE, IMPOSSIBLE, FAILED = "*", "'", "·", "×", "fails"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,19 +62,10 @@ class AtlasScene:
     in_force: int
 
     @property
-    def columns(self) -> Variation:
-        """The setting that varies from left to right."""
-        return self.cells.variations[-1]
-
-    @property
-    def rows(self) -> Variation | None:
-        """The setting that varies upwards; None where one setting is all there is."""
-        return self.cells.variations[0] if len(self.cells.variations) > 1 else None
-
-    @property
-    def standings(self) -> AtlasStandings | None:
-        """How the cells compare by the measure, None while that is not known."""
-        return self.atlas.standings.get(self.measure.id)
+    def axes(self) -> tuple[Variation | None, Variation]:
+        """The setting that varies upwards, None where there is but one, and that from left to right."""
+        *upwards, across = self.cells.variations
+        return upwards[0] if upwards else None, across
 
     def value(self, index: int) -> float | None:
         """Return the mean of the measure in a cell; None where there is none yet."""
@@ -109,14 +100,14 @@ class AtlasScene:
         return FAILED[:width] if has_failed else to_ascii(NOT_DONE, self.look.glyphs)
 
     def mark(self, index: int) -> str:
-        """Return the mark behind a number: the best, or what cannot be told from it."""
-        if self.standings is None or index not in self.standings.alike:
+        """Return the mark behind a number: the best, or tied with it."""
+        standings = self.atlas.standings.get(self.measure.id)
+        if standings is None or index not in standings.alike:
             return " "
-        return BEST if index == self.standings.best else ALIKE
+        return BEST if index == standings.best else TIED
 
 
-@dataclass(frozen=True, slots=True)
-class MapPlan:
+class MapPlan(NamedTuple):
     """Where the cells of a map stand: ``label`` cells of names at the left, ``field`` by ``tall`` each."""
 
     scene: AtlasScene
@@ -125,78 +116,68 @@ class MapPlan:
     label: int
     field: int
     tall: int
+    rows: int
+    columns: int
 
-    @property
-    def column_count(self) -> int:
-        """How many cells stand in a row."""
-        return self.scene.columns.count
-
-    @property
-    def row_count(self) -> int:
-        """How many rows there are."""
-        return 1 if self.scene.rows is None else self.scene.rows.count
-
-    def row_of(self, index: int) -> int:
-        """Return the row of a cell from the top: high values of its setting stand above."""
-        return self.row_count - 1 - index // self.column_count
+    def place(self, index: int) -> tuple[int, int]:
+        """Return x and y of a cell: high values of its setting stand above."""
+        row, column = divmod(index, self.columns)
+        return self.label + column * self.field, 1 + (self.rows - 1 - row) * self.tall
 
     def cell_at(self, x: int, y: int) -> int | None:
         """Return the cell that is drawn at ``x``, ``y``."""
         column, row = (x - self.label) // self.field, (y - 1) // self.tall
-        if x < self.label or y < 1 or column >= self.column_count or row >= self.row_count:
+        if x < self.label or y < 1 or column >= self.columns or row >= self.rows:
             return None
-        return (self.row_count - 1 - row) * self.column_count + column
+        return (self.rows - 1 - row) * self.columns + column
 
 
 def plan_of(scene: AtlasScene, width: int, height: int) -> MapPlan:
     """Return where the cells of ``scene`` stand in so much room; a line above and one below are for names."""
-    names = [] if scene.rows is None else [value_name(scene.rows, row) for row in range(scene.rows.count)]
+    upwards, across = scene.axes
+    rows = 1 if upwards is None else upwards.count
+    names = [] if upwards is None else [value_name(upwards, row) for row in range(rows)]
     label = max(map(cell_len, names), default=0) + 1
-    rows = 1 if scene.rows is None else scene.rows.count
-    field = max(LEAST_FIELD, min(MOST_FIELD, (width - label) // scene.columns.count))
-    tall = max(1, min(_TALL, (height - 2) // rows))
-    return MapPlan(scene, width, height, label, field, tall)
+    field = max(LEAST_FIELD, min(MOST_FIELD, (width - label) // across.count))
+    return MapPlan(
+        scene, width, height, label, field, max(1, min(_TALL, (height - 2) // rows)), rows, across.count
+    )
 
 
 def draw_map(plan: MapPlan) -> Canvas:
     """Return the map: the settings' names and values around it, a cell for each combination."""
-    scene, look = plan.scene, plan.scene.look
-    palette = look.palette
+    scene, palette = plan.scene, plan.scene.look.palette
     canvas = Canvas(plan.width, plan.height, palette.text)
-    upwards = "" if scene.rows is None else f"{setting_name(scene.rows)} ↑  "
-    names = to_ascii(f"{upwards}{setting_name(scene.columns)} →", look.glyphs)
-    canvas.put(0, 0, names, palette.dim)
-    bottom = 1 + plan.row_count * plan.tall
-    in_force = scene.cells.places(scene.in_force)
+    upwards, across = scene.axes
+    current, names = scene.cells.places(scene.in_force), f"{setting_name(across)} →"
     for index in range(scene.cells.count):
         _draw_cell(canvas, plan, index)
-    for row in range(plan.row_count):
-        if scene.rows is not None:
-            y = 1 + (plan.row_count - 1 - row) * plan.tall + (plan.tall - 1) // 2
-            style = palette.strong if row == in_force[0] else palette.dim
-            canvas.put(0, y, f"{value_name(scene.rows, row):>{plan.label - 1}}", style)
-    for column in range(plan.column_count):
-        style = palette.strong if column == in_force[-1] else palette.dim
-        text = centred(value_name(scene.columns, column), plan.field)
-        canvas.put(plan.label + column * plan.field, bottom, text, style)
+    if upwards is not None:
+        names = f"{setting_name(upwards)} ↑  {names}"
+        for row in range(plan.rows):
+            y = plan.place(row * plan.columns)[1] + (plan.tall - 1) // 2
+            style = palette.strong if row == current[0] else palette.dim
+            canvas.put(0, y, f"{value_name(upwards, row):>{plan.label - 1}}", style)
+    canvas.put(0, 0, to_ascii(names, scene.look.glyphs), palette.dim)
+    for column in range(plan.columns):
+        style = palette.strong if column == current[-1] else palette.dim
+        text = centred(value_name(across, column), plan.field)
+        canvas.put(plan.place(column)[0], 1 + plan.rows * plan.tall, text, style)
     return canvas
 
 
 def _draw_cell(canvas: Canvas, plan: MapPlan, index: int) -> None:
     scene = plan.scene
-    left = plan.label + (index % plan.column_count) * plan.field
-    top = 1 + plan.row_of(index) * plan.tall
+    left, top = plan.place(index)
     style = scene.style(index)
     for line in range(plan.tall):
         canvas.put(left, top + line, " " * plan.field, style)
     brackets = ("[", "]") if index == scene.in_force else ("", "")
     room = plan.field - _MARKS - (sum(map(len, brackets)) or _MARKS)
     text = f"{brackets[0]}{scene.text(index, room)}{scene.mark(index)}{brackets[1]}"
-    middle = top + (plan.tall - 1) // 2
-    canvas.put(left, middle, centred(text, plan.field), style)
-    if index == scene.cursor:
-        for line in range(plan.tall):
-            canvas.restyle(left, top + line, plan.field, scene.look.palette.agent)
+    canvas.put(left, top + (plan.tall - 1) // 2, centred(text, plan.field), style)
+    for line in range(plan.tall if index == scene.cursor else 0):
+        canvas.restyle(left, top + line, plan.field, scene.look.palette.agent)
 
 
 def setting_name(variation: Variation) -> str:
@@ -276,16 +257,16 @@ def head(scene: AtlasScene, runs: int, how_long: str = "") -> str:
     """Return what is mapped, how far it has come, and ``how_long`` the rest takes where that is known."""
     atlas = scene.atlas
     each = "" if atlas.episodes is None else f" of {counted(atlas.episodes, 'episode')}"
-    return f"a cell is the mean of {counted(runs, 'seed')}{each}: {progress(atlas, how_long)}"
+    return f"each cell: mean of {counted(runs, 'seed')}{each}; {progress(atlas, how_long)}"
 
 
 def progress(atlas: Atlas, how_long: str) -> str:
     """Return how many runs are done, and ``how_long`` the rest takes; at the end, what came of it."""
     done = f"{atlas.done:,} of {counted(atlas.planned, 'run')}"
     if atlas.state is AtlasState.FAILED:
-        return f"it failed, {atlas.message}"
+        return f"failed: {atlas.message}"
     if atlas.state is AtlasState.STARTING:
-        return ", ".join(filter(None, ("the first cell is being trained", how_long)))
+        return ", ".join(filter(None, ("training the first cell", how_long)))
     if atlas.state is AtlasState.OUT_OF_TIME:
         return f"{done}: {atlas.message}"
     if atlas.state is AtlasState.DONE:
@@ -300,54 +281,51 @@ def legend(scene: AtlasScene) -> str:
         return ""
     first, last = (numbers.value(end, _ROOM, glyphs) for end in ends)
     names = ("least", "greatest") if scene.measure.larger_is_better is None else ("worst", "best")
-    marks = f"{BEST} best  {ALIKE} not different from it  " if scene.standings is not None else ""
-    return f"{marks}[ ] in force  {names[0]} {first}, {names[1]} {last}"
+    marks = f"{BEST} best  {TIED} tied with it  " if scene.measure.id in scene.atlas.standings else ""
+    return f"{marks}[ ] current  {names[0]} {first}, {names[1]} {last}"
 
 
-def cell_line(scene: AtlasScene, seed: int) -> str:
-    """Return what the runs of the cell under the cursor say, and which of them enter opens."""
+def cell_line(scene: AtlasScene) -> str:
+    """Return what the runs of the cell under the cursor say."""
     places = scene.cells.places(scene.cursor)
     settings = "  ".join(
         f"{setting_name(each)} {value_name(each, place)}"
         for each, place in zip(scene.cells.variations, places, strict=True)
     )
-    return f"{settings}: {_figures(scene)}; enter opens seed {seed}"
+    return f"{settings}: {_figures(scene)}"
 
 
 def _figures(scene: AtlasScene) -> str:
     index, glyphs = scene.cursor, scene.look.glyphs
     if index in scene.atlas.impossible:
-        return f"cannot be: {scene.atlas.impossible[index]}"
+        return f"impossible: {scene.atlas.impossible[index]}"
     cell = scene.atlas.cells.get(index)
     if cell is None:
         return "not done yet"
-    found = cell.figures.get(scene.measure.id, {})
+    found, value = cell.figures.get(scene.measure.id, {}), cell.value(scene.measure)
+
+    def written(number: float) -> str:
+        return numbers.value(number, _ROOM, glyphs)
+
     parts = []
-    value = cell.value(scene.measure)
     if value is not None:
-        parts.append(f"mean {numbers.value(value, _ROOM, glyphs)}{_interval(scene, found)}")
+        ends = [written(found[end]) for end in ("low", "high") if found.get(end) is not None]
+        interval = f" (95 %: {ends[0]} to {ends[1]})" if len(ends) == 2 else ""
+        parts.append(f"mean {written(value)}{interval}")
     if found.get("median") is not None:
-        parts.append(f"median {numbers.value(found['median'], _ROOM, glyphs)}")
+        parts.append(f"median {written(found['median'])}")
     if scene.measure.may_never_arrive and "arrived" in found:
         parts.append(f"{found['arrived']} of {cell.runs - cell.failed} arrived")
     parts.append(counted(cell.runs, "run"))
     if cell.failed:
-        parts.append(f"{cell.failed} broke down ({cell.failure})")
+        parts.append(f"{cell.failed} failed ({cell.failure})")
     return ", ".join(parts)
-
-
-def _interval(scene: AtlasScene, found: Mapping[str, Any]) -> str:
-    low, high = found.get("low"), found.get("high")
-    if low is None or high is None:
-        return ""
-    ends = (numbers.value(end, _ROOM, scene.look.glyphs) for end in (low, high))
-    return " (95 %: {} to {})".format(*ends)
 
 
 # The dialog
 
 
-_KEYS: Final = "m: measure   n: next seed   enter: open the run   esc: close"
+_KEYS: Final = "m: metric   n: next seed   enter: open seed {}   esc: close"
 _NEWS_EVERY: Final = 0.1  # seconds
 
 
@@ -362,8 +340,8 @@ class AtlasDialog(Dialog[Recipe]):
         Path(__file__).with_name("atlas.tcss"),
     ]
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("S,q", "cancel", "back", id="close_atlas", tooltip="Close the atlas."),
-        Binding("m", "measure", "measure", id="atlas.measure", tooltip="Show the next measure."),
+        Binding("S,q", "cancel", "back", id="close_atlas", tooltip="Close the settings map."),
+        Binding("m", "measure", "metric", id="atlas.measure", tooltip="Show the next metric."),
         Binding("n", "seed", "next seed", id="atlas.seed", tooltip="Open another of the cell's runs."),
         Binding("enter", "open", "open", id="atlas.open", tooltip="Open this very run."),
     ]
@@ -383,7 +361,7 @@ class AtlasDialog(Dialog[Recipe]):
     def compose(self) -> ComposeResult:
         """Yield what is mapped, the map, and what the cell under the cursor says."""
         names = " × ".join(map(setting_name, self._request.variations))
-        with self.box(to_ascii(f"Atlas of {names}", self._look.glyphs), _KEYS):
+        with self.box(to_ascii(f"Settings map · {names}", self._look.glyphs), ""):
             yield Static(id="measure", markup=False)
             yield Static(id="head", classes="hint", markup=False)
             yield AtlasMap(self._scene)
@@ -433,10 +411,11 @@ class AtlasDialog(Dialog[Recipe]):
             "#measure": scene.measure.title,
             "#head": head(scene, self._request.runs, self._how_long),
             "#legend": legend(scene),
-            "#cell": cell_line(scene, self._request.seeds[self._seed]),
+            "#cell": cell_line(scene),
         }
         for name, text in texts.items():
             self.query_one(name, Static).update(to_ascii(text, glyphs))
+        self.query_one("#box").border_subtitle = _KEYS.format(self._request.seeds[self._seed])
 
     def on_atlas_map_cell_pointed(self, event: AtlasMap.CellPointed) -> None:
         """Let the cursor stand there."""

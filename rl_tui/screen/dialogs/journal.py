@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from typing import ClassVar, Final, NamedTuple
 
 from textual.binding import Binding, BindingType
@@ -85,7 +84,7 @@ class JournalScreen(Form):
         candidates = [
             _branch_row(timeline, number, lines, unit) for number, lines in enumerate(self.journals)
         ]
-        super().__init__("Branches", candidates, str(timeline.branch), look.glyphs, keys=_KEYS)
+        super().__init__("Branches", candidates, str(timeline.branch), look.glyphs, keys=_KEYS, does="go")
 
     def choose(self, id: str) -> None:  # noqa: A002
         """Answer the branch."""
@@ -130,7 +129,7 @@ def _branch_row(timeline: Timeline, number: int, lines: Sequence[JournalLine], u
         parts.insert(0, f"from {timeline.branches[branch.parent].name} at {unit} {branch.fork:,}")
     changes = " · ".join(line.text for line in lines[-_MOST_CHANGES:]) or NO_CHANGE
     about = (
-        as_sentence(", ".join(parts)),
+        *([as_sentence(", ".join(parts))] if branch.parent is not None or lines else []),
         changes,
         *([HOW_TO_BRANCH] if len(timeline.branches) == 1 else []),
     )
@@ -172,23 +171,44 @@ def journal_lines(
 ) -> list[JournalLine]:
     """Return ``journal`` in lines: one a setting and step, one for steps by hand in a row."""
     lines: list[JournalLine] = []
-    for (kind, _), group in groupby(_keyed(journal), key=lambda each: each[0]):
-        entries = [entry for _, entry in group]
-        first, last = entries[0].step, entries[-1]
-        if isinstance(last.change, TakeAction):
-            what = f"{len(entries)} by hand"
-            if len(entries) == 1:
-                what = f"by hand {_taken(world, last.change.action, glyphs)}"
-            lines.append(JournalLine(first, last.step + 1, what, len(entries)))
-        elif isinstance(last.change, OrderSweep):
-            lines.append(JournalLine(first, first, f"next sweep: {last.change.phase}"))
-        elif isinstance(last.change, WorldChange):
-            lines.append(JournalLine(first, first, _edited(last.change)))
+    for entries in _grouped(journal):
+        first, last, change = entries[0].step, entries[-1].step, entries[-1].change
+        if isinstance(change, TakeAction):
+            count = len(entries)
+            what = f"{count} by hand" if count > 1 else f"by hand {_taken(world, change.action, glyphs)}"
+            lines.append(JournalLine(first, last + 1, what, count))
+            continue
+        if isinstance(change, OrderSweep):
+            what = f"next sweep: {change.phase}"
+        elif isinstance(change, WorldChange):
+            what = _edited(change)
         else:
-            before, recipe = recipe, changed_recipe(recipe, last.change)
-            was, is_now = _in_force(before, last.change), _in_force(recipe, last.change)
-            lines.append(JournalLine(first, first, f"{kind} {was} → {is_now}".strip()))
+            symbol = f"{PARAMETERS[change.name].symbol} " if isinstance(change, SetParameter) else ""
+            before, recipe = recipe, changed_recipe(recipe, change)
+            what = f"{symbol}{_called(before, change)} → {_called(recipe, change)}"
+        lines.append(JournalLine(first, first, what))
     return lines
+
+
+def _grouped(journal: Sequence[JournalEntry]) -> Iterator[Sequence[JournalEntry]]:
+    """Yield what one line tells: steps by hand in a row, or what one setting became after the same step."""
+    group: list[JournalEntry] = []
+    for entry in journal:
+        if group and not _goes_on(group[-1], entry):
+            yield group
+            group = []
+        group.append(entry)
+    if group:
+        yield group
+
+
+def _goes_on(before: JournalEntry, entry: JournalEntry) -> bool:
+    was, change = before.change, entry.change
+    if type(was) is not type(change) or isinstance(change, WorldChange):
+        return False
+    if isinstance(change, SetParameter) and isinstance(was, SetParameter) and change.name != was.name:
+        return False
+    return entry.step == before.step + isinstance(change, TakeAction)
 
 
 def _edited(change: WorldChange) -> str:
@@ -211,28 +231,7 @@ def _taken(world: World, action: int | str, glyphs: Glyphs) -> str:
     return action_name(world, names.index(action) if isinstance(action, str) else action, glyphs)
 
 
-def _keyed(journal: Sequence[JournalEntry]) -> Iterator[tuple[tuple[str, int], JournalEntry]]:
-    """Yield each entry with what makes it one line with its neighbours: kind, and where the line began."""
-    began, previous = 0, None
-    for number, entry in enumerate(journal):
-        change = entry.change
-        if isinstance(change, TakeAction):
-            follows = previous is not None and isinstance(previous.change, TakeAction)
-            if not follows or previous is None or entry.step != previous.step + 1:
-                began = entry.step
-            yield ("by hand", began), entry
-        elif isinstance(change, SetParameter):
-            yield (PARAMETERS[change.name].symbol, entry.step), entry
-        elif isinstance(change, OrderSweep):
-            yield ("sweep", entry.step), entry
-        elif isinstance(change, WorldChange):
-            yield ("world", number), entry  # each stroke by itself
-        else:
-            yield ("", entry.step), entry
-        previous = entry
-
-
-def _in_force(recipe: Recipe, change: Setting) -> str:
+def _called(recipe: Recipe, change: Setting) -> str:
     if isinstance(change, SwitchAlgorithm):
         return algorithm_row(recipe.algorithm).name
     return called(change.name, recipe.hyperparameters.value(change.name))
@@ -303,12 +302,12 @@ def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
         return GoTo(round(end * float(share[1]) / 100.0))
     moment = _MOMENT.fullmatch(text)
     if not moment or moment[1] not in _STEPS + _EPISODES:
-        raise ValueError("that is none of these")
+        raise ValueError("expected one of these")
     number = int(moment[2].replace(",", ""))
     if moment[1] in _EPISODES:
         return _episode(number, snapshot)
     if number > end:
-        raise ValueError(f"the run has come to step {end:,} so far; {_GO_ON}")
+        raise ValueError(f"the run has reached step {end:,} so far; {_GO_ON}")
     return GoTo(number)
 
 
@@ -319,7 +318,7 @@ def _episode(number: int, snapshot: Snapshot) -> GoTo:
     if number < 1:
         raise ValueError(f"{unit}s count from 1")
     if number > begun and not snapshot.timeline.in_past:
-        raise ValueError(f"the run has come to {unit} {begun:,} so far; {_GO_ON}")
+        raise ValueError(f"the run has reached {unit} {begun:,} so far; {_GO_ON}")
     return GoTo(episode=number)
 
 

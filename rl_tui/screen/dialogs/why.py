@@ -36,7 +36,7 @@ _COLUMNS: Final = (13, 11, 16, 9)  # what to change, chance, mean and median
 EXACT: Final = "w h"
 _SECRET: Final = f"Hidden: it would reveal the arms. {EXACT} shows both."
 _KEPT: Final = f"Hidden: it would reveal the arms ({ANSWER_KEPT})."
-_IS_OVER: Final = "An estimate has moved already: the wait is over."
+_IS_OVER: Final = "The wait is over: an estimate has changed."
 _STARTS_AGAIN: Final = "the run starts again with it"
 _CHANGES: Final = "enter: change   "
 _CLOSES: Final = "esc: close"
@@ -122,10 +122,10 @@ def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
     """Return what is known of the first update of the run of ``snapshot``, a sentence or two a line."""
     view = snapshot.answers.first_update
     if view is None:
-        return ["It is being worked out."]
+        return ["Computing in the background …"]
     lines = [_IS_OVER if view.has_moved else _so_far(snapshot.counters.episodes), ""]
     if view.answer is None:
-        return [*lines, f"How long the wait is cannot be told. {as_sentence(view.refused)}"]
+        return [*lines, "The wait is unknown.", as_sentence(view.refused)]
     in_words = partial(written, glyphs=glyphs)
     wait = wait_in_words(view.answer.wait, in_words)
     if view.has_moved:
@@ -146,9 +146,8 @@ def _said_in_secret(snapshot: Snapshot) -> list[str]:
 
 
 def _so_far(episodes: int) -> str:
-    return (
-        f"In {counted(episodes, 'episode')} no estimate has moved." if episodes else "No estimate has moved."
-    )
+    since = f" in {counted(episodes, 'episode')}" if episodes else ""
+    return f"No estimate has changed{since}."
 
 
 def written(number: float, glyphs: Glyphs) -> str:

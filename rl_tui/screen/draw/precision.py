@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
 from rl_tui.screen.draw import numbers
@@ -86,3 +87,8 @@ def last_digit(text: str) -> float:
     """Return what the last digit of a printed number counts: .01 for ``.36``."""
     mantissa, _, exponent = text.partition("e")
     return 10.0 ** (int(exponent or "0") - len(mantissa.partition(".")[2]))
+
+
+def fewest_decimals(fewest: int, most: int, is_enough: Callable[[int], bool]) -> int:
+    """Return the fewest decimals that are enough; ``most`` where no fewer are."""
+    return next(filter(is_enough, range(fewest, most)), most)

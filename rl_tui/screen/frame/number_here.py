@@ -17,7 +17,7 @@ from rl_tui.screen.draw.number_form import number_form
 from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, exact_q, other_lane
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_secret, shown_by
 from rl_tui.screen.panels.model.pair import SECRET
-from rl_tui.screen.panels.policies.studied import POLICY_NAMES
+from rl_tui.screen.panels.policies.studied import policy_name
 from rl_tui.screen.panels.q_table.layers import policy_q
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
@@ -101,12 +101,12 @@ def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Loo
     value = float(snapshot.agent.values[state])
     if math.isnan(value):
         return NumberHere(
-            f"Vπ({name}): none", f"From state {name} on {POLICY_NAMES[kind].of} {_NO_VALUE}", _OF_POLICY
+            f"Vπ({name}): none", f"From state {name} on {policy_name(kind)} {_NO_VALUE}", _OF_POLICY
         )
     text = number_form([value], _COLUMNS).text(value, look.glyphs)
     return NumberHere(
         f"Vπ({name}) = {text}",
-        f"The discounted return to be expected from state {name} on of {POLICY_NAMES[kind].of}. Exact: "
+        f"The discounted return to be expected from state {name} on of {policy_name(kind)}. Exact: "
         f"worked out from the table of the world, not learned. t p compares policies.",
         _OF_POLICY,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from typing import Final, NamedTuple
@@ -129,6 +129,18 @@ def key_at(hints: str, column: int) -> str | None:
         if hint.start() <= column < hint.end():
             return key_of_hint(hint[1])
     return None
+
+
+def key_hints(*keys: Sequence[str]) -> Iterator[str]:
+    """Yield the lower border, the longest form first: a key with shorter words, then without the first key.
+
+    Each of ``keys`` has its hint in one or more forms, the longest first.
+    """
+    left = [list(forms) for forms in keys if forms]
+    while left:
+        yield _BETWEEN.join(forms[0] for forms in left)
+        longer = next((forms for forms in reversed(left) if len(forms) > 1), None)
+        (longer or left).pop(0)
 
 
 def is_same(one: object, other: object) -> bool:

@@ -76,8 +76,8 @@ def page_bindings(panel: str) -> list[BindingType]:
 class ScrolledPanel(Panel, can_focus=True):
     """Shows as many of its rows as there is room for, with a bar at the right where there are more.
 
-    Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`, and :meth:`keys` or
-    :meth:`hints`.
+    Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`; those with keys of their own
+    also :meth:`keys` or :meth:`hints`.
     """
 
     title: ClassVar[str]
@@ -105,7 +105,7 @@ class ScrolledPanel(Panel, can_focus=True):
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the keys for the lower border besides those that scroll, the longest form first."""
-        raise NotImplementedError
+        return ("esc: close",)
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
         """Return all keys for the lower border, the longest form first."""

@@ -209,7 +209,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "this sample is the expected one, the mean over all outcomes with the same estimates; the "
         "difference is luck. The history at the end is that of one cell, its exact value dotted: tab to "
         "the world and choose a state with the arrows. Without a cursor it is the cell updated last.",
-        caption="the last step, taken apart",
+        caption="the last step in detail",
         terms=(
             *("backup", "bellman", "target", "td-error"),
             *("bootstrap", "discounted-return", "return", "q-star"),
@@ -256,7 +256,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "just above, undiscounted, and which states change. The arrows choose a flip point, and enter sets "
         "γ beyond it; on the slider { and } do so. A program of your own sets γ in its file. Flip points "
         "are worked out for worlds of up to 100 states.",
-        caption="where the best policy turns",
+        caption="where the optimal actions change",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
         opened_by=OpeningKey("t g", "flip points", "Show each γ at which the best actions change.", old="G"),
         wide_rows=15,
@@ -274,7 +274,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "the likeliest actions of the policy under the cursor, and the curve its return as a dashed line. "
         "enter closes the panel and keeps these, and the table then has a view Qπ; esc goes back to what "
         "the agent learned. In a large world, the return of the agent is computed while the run is paused.",
-        caption="what each way to act is worth",
+        caption="exact return of each policy",
         terms=(
             *("policy-value", "policy-return", "exploring-cost", "behaviour", "greedy", "uniform-policy"),
             *("q-pi", "value-at-start", "expected-steps", "chance-of-ending", "bellman-expectation"),
@@ -294,7 +294,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "for a short while, to see whether a greedy policy may never end; that is a trial, not a proof. "
         "After a change of the world or of the settings, everything is computed again at low priority. w n "
         "numbers the states of a map. rl-tui check --deep prints the same.",
-        caption="before a class gets it",
+        caption="is this world sound?",
         terms=(
             *("uniform-policy", "best-by-clock", "fewest-steps", "first-update", "flip-point"),
             *("unreached", "no-way-out", "return", "greedy", "truncated"),

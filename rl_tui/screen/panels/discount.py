@@ -16,15 +16,18 @@ from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
 
+from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.flip_answer import FlipState, beyond
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.canvas import Line, Piece, kept, strips_of, wrapped
 from rl_tui.screen.draw.names import action_name, state_name
+from rl_tui.screen.draw.precision import fewest_decimals
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, legend_rows
+from rl_tui.screen.kit.blocks import Text
+from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, key_hints, legend_rows
 from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.kit.snapshot_facts import answer_key, is_secret, passes_too_fast
 from rl_tui.screen.panels.discount_chart import (
@@ -52,7 +55,6 @@ _LARGE: Final = 1e7  # from here on a return is written with an exponent
 _MOST_STATES: Final = 12
 _SIGNS: Final = 3  # columns before γ
 _GAP: Final = "  "
-UNKNOWN: Final = "unknown"
 
 
 class FlipForm(NamedTuple):
@@ -96,13 +98,10 @@ def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
     """
     gammas = [flip.gamma for flip in flips]
     returns = [each for flip in flips for each in flip.expected_return if each is not None]
-    least = next(
-        (
-            decimals
-            for decimals in range(_LEAST_DECIMALS, _MOST_DECIMALS)
-            if len({round(gamma, decimals) for gamma in gammas}) == len(gammas)
-        ),
+    least = fewest_decimals(
+        _LEAST_DECIMALS,
         _MOST_DECIMALS,
+        lambda decimals: len({round(gamma, decimals) for gamma in gammas}) == len(gammas),
     )
     for longest in _FORMS:
         form = longest._replace(
@@ -121,7 +120,7 @@ def _decimals_of(values: Sequence[float], most: int) -> int:
 
 def _return_text(value: float | None, decimals: int, look: Look) -> str:
     if value is None:
-        return UNKNOWN
+        return "unknown"
     if not 10.0**-decimals <= abs(value) < _LARGE:
         return numbers.brief(value, look.glyphs, decimals=decimals)
     return numbers.fixed(value, decimals, look.glyphs, leading_zero=False)
@@ -178,15 +177,14 @@ def _actions(pairs: Sequence[int], world: World, look: Look) -> str:
 # The panel
 
 
-HIDDEN: Final = "what γ decides is hidden: "
-PENDING: Final = "being worked out, beside all else"
-NO_FLIPS: Final = "the same actions are best at every γ between 0 and 1"
-_TITLE: Final = "γ"
+HIDDEN: Final = "flip points are hidden: "
+PENDING: Final = "computing in the background …"
+NO_FLIPS: Final = "no flip point: the same actions are optimal at every γ"
+_TITLE: Final = "Flip points"
 _CHART_SHARE: Final = 0.55  # of the rows, where the list has more than it has room for
 _CHART_ROWS: Final = 6
 _LIST_ROWS: Final = 2  # what the list has at the least, where that leaves a chart
 _RANKED: Final = "worst to best"
-_CLOSE: Final = "esc: close"
 
 
 class _Drawn(NamedTuple):
@@ -217,7 +215,7 @@ class DiscountPanel(Panel, can_focus=True):
 
     @dataclass
     class GammaWanted(Message):
-        """The user wants this γ."""
+        """A person wants this γ."""
 
         gamma: float
 
@@ -234,7 +232,7 @@ class DiscountPanel(Panel, can_focus=True):
         return next((flip for flip in flips if flip.gamma == self._chosen), None)
 
     def action_choose(self, by: int) -> None:
-        """Choose the next flip; the first time the one that is next to the γ in force."""
+        """Choose the next flip; the first time the one next to the current γ."""
         if self.snapshot is None or not (flips := _shown_flips(self.snapshot)):
             return
         gammas = [flip.gamma for flip in flips]
@@ -264,22 +262,22 @@ class DiscountPanel(Panel, can_focus=True):
             return ()
         glyphs, palette = self.look.glyphs, self.look.palette
         signs = {
-            True: LegendSign(glyphs.flip, "turns the way", palette.best, "turns the way from the start"),
-            False: LegendSign(glyphs.side_flip, "other", palette.dim, "other flip"),
+            True: LegendSign(glyphs.flip, "path", palette.best, "changes the optimal path"),
+            False: LegendSign(glyphs.side_flip, "other", palette.dim, "other flip point"),
         }
-        in_force = LegendSign(glyphs.thumb, "γ now", palette.press, "γ in force")
+        current = LegendSign(glyphs.thumb, "current γ", palette.press)
         there = {flip.turns_the_way for flip in _shown_flips(snapshot)}
         if not there:
-            return (in_force,)
+            return (current,)
         return (
             *(sign for turns_the_way, sign in signs.items() if turns_the_way in there),
-            LegendSign(glyphs.change_mark, "this state", palette.strong, "this state turns"),
-            in_force,
+            LegendSign(glyphs.change_mark, "here", palette.strong, "in this state"),
+            current,
         )
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the chart above the list, or why there is none."""
-        self.heading, self.footing, self.free_rows = _TITLE, self.fitting((_CLOSE,), width), 0
+        self.heading, self.footing, self.free_rows = _TITLE, self.fitting(("esc: close",), width), 0
         palette = self.look.palette
         text = "" if snapshot is None else said_instead(snapshot)
         if snapshot is None or text:
@@ -306,20 +304,13 @@ class DiscountPanel(Panel, can_focus=True):
 
     def _headings(self, name: str, listed: str) -> tuple[str, ...]:
         layer = f", {_RANKED}" if self._is_ranked else ""
-        noun = "flips" if "–" in listed else "flip"
-        count, short = (f" · {noun} {listed}", f" · {listed}") if listed else ("", "")
+        count = f" · {listed}" if listed else ""
         about = f"{_TITLE} · Q* of state {name}{layer}{count}"
         shorter = f"Q* of {name}{layer}"
         return (
             *self.captioned(about),
-            about,
-            f"{shorter}{count}",
-            f"{shorter}{short}",
-            f"{name}{layer}{short}",
-            f"Q* of {name}{short}",
-            shorter,
-            f"Q* of {name}",
-            _TITLE,
+            *(about, f"{_TITLE} · Q* of {name}{count}", f"{shorter}{count}", f"{name}{layer}{count}"),
+            *(f"Q* of {name}{count}", shorter, f"Q* of {name}", _TITLE),
         )
 
     def _drawn(self, snapshot: Snapshot, state: int, width: int, height: int) -> _Drawn:
@@ -330,26 +321,31 @@ class DiscountPanel(Panel, can_focus=True):
         answer, look, chosen = snapshot.answers.flips, self.look, self.chosen
         assert answer.curves is not None
         blocks = _blocks(snapshot, state, chosen, look, width)
-        explained = self._legend_rows(snapshot, width)
+        signs = tuple(sign._replace(in_full="") for sign in self.legend(snapshot) if self.is_explained)
+        explained = len(legend_rows(signs, width, len(signs), look))
+        highest = max(map(len, blocks), default=0)
+        head = Text(_in_short(answer.flips), look.palette.strong).lines(width, look)
+        if blocks and len(head) + _CHART_ROWS + explained + highest > height:
+            head = ()
+        room = max(0, height - len(head))
+        most = room - explained - highest
+        least = min(_CHART_ROWS, max(LEAST_HEIGHT, room - _LIST_ROWS))
         needed = sum(map(len, blocks)) + explained
-        most = height - explained - max(map(len, blocks))
-        least = min(_CHART_ROWS, max(LEAST_HEIGHT, height - _LIST_ROWS))
-        rows = min(height, max(least, height - needed, min(most, round(_CHART_SHARE * height))))
+        rows = min(room, max(least, room - needed, min(most, round(_CHART_SHARE * room))))
         gamma = snapshot.agent.hyperparameters.gamma
         lines = action_lines(snapshot.world, answer.curves, state, look)
         lines = ranked(lines) if self._is_ranked else lines
         chart = draw_values(lines, answer.curves.gamma, answer.flips, state, gamma, chosen, look, width, rows)
+        strips, room = [*strips_of(head, width, len(head), look), *chart][:height], room - rows
         if rows < LEAST_HEIGHT:
-            return _Drawn(chart, 0, "")
-        focused, room = _focused(answer.flips, snapshot, chosen), height - rows
+            return _Drawn(strips, 0, "")
+        if not blocks:
+            return _Drawn([*strips, *strips_of((), width, room, look)], room, "")
+        focused = _next_to(answer.flips, snapshot) if chosen is None else answer.flips.index(chosen)
         view = _in_view(blocks, focused, max(min(room, len(blocks[focused])), room - explained))
         listed = [line for block in blocks[view.start : view.stop] for line in block][:room]
-        strips = [*chart, *strips_of(listed, width, room, look)]
+        strips += strips_of(listed, width, room, look)
         return _Drawn(strips, room - len(listed), _range_in_words(view, len(blocks)))
-
-    def _legend_rows(self, snapshot: Snapshot, width: int) -> int:
-        signs = tuple(sign._replace(in_full="") for sign in self.legend(snapshot))
-        return len(legend_rows(signs, width, len(signs), self.look)) if self.is_explained else 0
 
     def _state(self, snapshot: Snapshot) -> int:
         space = snapshot.world.space
@@ -395,16 +391,14 @@ def _next_to(flips: Sequence[Flip], snapshot: Snapshot) -> int:
     return min(range(len(flips)), key=lambda place: abs(flips[place].gamma - gamma))
 
 
-def _focused(flips: Sequence[Flip], snapshot: Snapshot, chosen: Flip | None) -> int:
-    if chosen is not None:
-        return flips.index(chosen)
-    return _next_to(flips, snapshot) if flips else 0
+def _in_short(flips: Sequence[Flip]) -> str:
+    on_path = sum(flip.turns_the_way for flip in flips)
+    changes = f"{on_path or 'none'} {'change' if on_path > 1 else 'changes'} the optimal path"
+    return f"{counted(len(flips), 'flip point')}, {changes}" if flips else NO_FLIPS
 
 
 def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, width: int) -> list[list[Line]]:
     flips: Sequence[Flip] = snapshot.answers.flips.flips
-    if not flips:
-        return [[*wrapped(NO_FLIPS, width, look.palette.dim, look, " ", " ")]]
     form = fitting_form(flips, look, width)
     return [
         flip_lines(flip, state, snapshot.world, look, width, form, is_chosen=flip is chosen) for flip in flips
@@ -433,17 +427,11 @@ def _range_in_words(view: range, all_of_them: int) -> str:
     return f"{first if first == view.stop else f'{first}–{view.stop}'} of {all_of_them}"
 
 
-def _keys(flips: Sequence[Flip], *, is_ranked: bool, may_set: bool) -> tuple[str, ...]:
-    """Return the ways to say what the keys do, the longest first; v by what it turns to.
-
-    Where enter does not set γ, as beside somebody's program, it is not named.
-    """
-    in_full, short = ("v: Q*", "v: Q*") if is_ranked else (f"v: {_RANKED}", "v: ranks")
-    if not flips:
-        return f"{in_full} · {_CLOSE}", f"{short} · {_CLOSE}", _CLOSE
-    forms: list[tuple[str, ...]] = [(in_full,), (short,), ()]
-    if may_set:
-        whole = "enter: γ beyond it"
-        forms = [(whole, in_full), (whole, short), ("enter: beyond", short), ("enter: beyond",)]
-        forms += [("enter: γ",), ()]
-    return *(" · ".join(("↑ ↓: flip", *form, _CLOSE)) for form in forms), _CLOSE
+def _keys(flips: Sequence[Flip], *, is_ranked: bool, may_set: bool) -> Iterator[str]:
+    """Yield the keys, the longest form first; beside somebody's program enter does not set γ."""
+    return key_hints(
+        ("↑ ↓: flip point", "↑ ↓: flip") if flips else (),
+        ("enter: γ beyond it", "enter: beyond", "enter: γ") if flips and may_set else (),
+        ("v: Q*",) if is_ranked else (f"v: {_RANKED}", "v: ranks"),
+        ("esc: close",),
+    )

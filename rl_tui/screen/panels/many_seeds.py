@@ -22,6 +22,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, kept, length, spelled
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Table, Text
+from rl_tui.screen.kit.panel import key_hints
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import (
     episodes_reached,
@@ -63,53 +64,40 @@ ABOVE_BEST: Final = "is above the best arm's mean"
 
 def remarks(study: SeedStudy, snapshot: Snapshot, look: Look, *, secret: bool) -> Iterator[Block]:
     """Yield what is said below the table; ``secret``: a bandit's true means must not show."""
-    palette, glyphs = look.palette, look.glyphs
-    usual = "" if study.is_outdated else _how_usual(study, shown_lane(study, snapshot), glyphs, secret=secret)
-    yield Text(_luck_now(snapshot, glyphs, secret=secret), palette.text, rest="   ")
-    yield Text(usual, palette.text, rest="   ")
-    yield Text(_luck_of_100(snapshot, glyphs, secret=secret), palette.text, rest="   ")
-    yield Text(_arms(study, snapshot), palette.dim, rest="   ")
-    yield Text(_meaning(study), palette.dim, rest="   ")
+    yield Text(_luck(snapshot, look.glyphs, secret=secret), look.palette.text, rest="   ")
+    yield Text(_meaning(study, snapshot), look.palette.dim, rest="   ")
 
 
-def _how_usual(study: SeedStudy, shown: int, glyphs: Glyphs, *, secret: bool) -> str:
-    """Return how far this seed of the lane shown is from the mean, in standard deviations of the seeds."""
-    lane, last_100 = study.lanes[shown], last_100_of(study)
+def how_typical(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
+    """Return how far this seed of the run shown is from the mean, in standard deviations of the seeds."""
+    run, last_100 = study.lanes[shown_lane(study, snapshot)], last_100_of(study)
     for figure in (last_100, WINNINGS) if secret else (REGRET, last_100, WINNINGS):
-        found = deviation(figure, lane)
+        found = deviation(figure, run)
         if found is None:
             continue
         away, spread = found
-        sizes = kept(f"(one is {figure_text(spread, figure_decimals(figure, study), glyphs)})")
+        size = f"({figure_text(spread, figure_decimals(figure, study), glyphs)})"
         if abs(away) <= 1.0:
-            return f"this seed is a usual one: its {figure.name} is within one standard deviation {sizes}"
+            return f"this seed is typical: {figure.name} within {kept(f'1 SD {size}')} of the mean"
         way = "above" if away > 0.0 else "below"
-        return (
-            f"this seed's {figure.name} is {numbers.fixed(abs(away), 1, glyphs)} standard deviations {sizes} "
-            f"{way} the mean"
-        )
+        far = kept(f"{numbers.fixed(abs(away), 1, glyphs)} SD {size}")
+        return f"this seed's {figure.name} is {far} {way} the mean"
     return ""
 
 
-def _luck_now(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
-    """Return that the mean of the last 100 pulls is above the best arm's, where it is, and why."""
+def _luck(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
+    """Return why the mean of the last 100 pulls is above the best arm's, or may be while that is hidden."""
     mdp, recent = snapshot.world.mdp, snapshot.results.return_last_100
-    is_bandit = isinstance(snapshot.world.drawing, Arms)
-    if not is_bandit or secret or mdp is None or mdp.drift_std > 0.0 or recent is None:
+    if recent is None or mdp is None or not isinstance(snapshot.world.drawing, Arms):
         return ""
+    pulls = recent_name(snapshot.counters.episodes)
+    if secret:
+        return f"{pulls}: {_noise(snapshot, glyphs)}, so it can be above the best arm's mean"
     best = float(true_means(mdp).max())
-    if recent <= best:
+    if mdp.drift_std > 0.0 or recent <= best:
         return ""
     shown, above = (figure_text(each, 2, glyphs) for each in (recent, best))
-    pulls = recent_name(snapshot.counters.episodes)
     return f"{pulls}, {shown}, {ABOVE_BEST}, {above}: {_noise(snapshot, glyphs)}"
-
-
-def _luck_of_100(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
-    if not secret or snapshot.results.return_last_100 is None:
-        return ""
-    pulls = recent_name(snapshot.counters.episodes)
-    return f"{pulls}: {_noise(snapshot, glyphs)}, so it can be above the best arm's mean"
 
 
 def _noise(snapshot: Snapshot, glyphs: Glyphs) -> str:
@@ -121,20 +109,16 @@ def _noise(snapshot: Snapshot, glyphs: Glyphs) -> str:
     return f"a mean of {pulls} noisy rewards is off{off} by luck alone"
 
 
-def _arms(study: SeedStudy, snapshot: Snapshot) -> str:
-    if not snapshot.recipe.scenario.section.drawn_from_seed:
-        return ""
-    what = "arms" if isinstance(snapshot.world.drawing, Arms) else "a world"
-    return f"each seed draws {what} of its own"
-
-
-def _meaning(study: SeedStudy) -> str:
-    error = "± is the standard error: how far a mean of so many seeds is typically off"
-    pairs = (
-        f"lanes are compared seed by seed; one is called better, from {LEAST_SEEDS} seeds on, "
-        "where 0 is outside the brackets"
-    )
-    return error if len(study.lanes) == 1 else f"{error}; {pairs}"
+def _meaning(study: SeedStudy, snapshot: Snapshot) -> str:
+    first = snapshot.recipe.seed
+    which = "" if study.is_outdated else f" over seeds {first} to {first + study.seeds - 1}"
+    meaning = f"± is the standard error{which}"
+    if snapshot.recipe.scenario.section.drawn_from_seed:
+        what = "arms" if isinstance(snapshot.world.drawing, Arms) else "a world"
+        meaning = f"{meaning}; each draws {what} of its own"
+    if len(study.lanes) > 1:
+        meaning = f"{meaning}; better: from {LEAST_SEEDS} seeds on, with 0 outside the brackets"
+    return meaning
 
 
 # The table
@@ -226,9 +210,8 @@ def _missing(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[Bloc
         estimate = lane.estimates.get(figure.id)
         missing = study.seeds - (0 if estimate is None else estimate.count)
         if figure is GREEDY and missing > 0:
-            whose = "the" if len(study.lanes) == 1 else f"lane {number}'s"
-            where = f"in {missing} of {study.seeds} seeds"
-            text = f"{where} {whose} greedy policy may never end: these are left out"
+            whose = "the" if len(study.lanes) == 1 else f"run {number}'s"
+            text = f"left out: {missing} of {study.seeds} seeds, where {whose} greedy policy may never end"
             yield Text(text, look.palette.dim, "   ", "   ")
 
 
@@ -273,6 +256,7 @@ def _verdict_text(study: SeedStudy, figure: StudyFigure, other: int, look: Look)
 # The panel
 
 
+FIRST_SEEDS: Final = "training: the first numbers come after 8 seeds"
 _LEAST_BAR: Final = 8
 _MOST_BAR: Final = 32
 _UNDER_WAY: Final = (StudyState.STARTING, StudyState.RUNNING)
@@ -289,38 +273,30 @@ class ManySeeds(ScrolledPanel):
     title = "Many seeds"
 
     def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterator[Block]:
-        """Yield what is known so far; of a bandit what the agent cannot know only where it is not hidden.
-
-        In short there are no blank lines, and the figures stand above what was counted for them.
-        """
+        """Yield what is known so far; of a bandit what the agent cannot know only where it is not hidden."""
         study, look = None if snapshot is None else snapshot.study, self.look
         if snapshot is None or study is None:
-            yield Text("the first seeds are being counted", look.palette.dim)
+            yield Text(FIRST_SEEDS, look.palette.dim)
             return
         study = in_percent(study)
         yield from _how_far(study, snapshot, look)
         if not study.lanes or not study.seeds:
-            yield from _what_is_counted(study, snapshot, look)
             return
-        if not is_short:
-            yield from _what_is_counted(study, snapshot, look)
-            yield BLANK
-        secret = hides_greedy(snapshot)
+        secret, gap = hides_greedy(snapshot), () if is_short else (BLANK,)
+        if not study.is_outdated:
+            typical = how_typical(study, snapshot, look.glyphs, secret=secret)
+            yield Text(typical, look.palette.strong, rest="   ")
+        yield from gap
         yield seed_table(study, snapshot, shown_figures(study, secret=secret), look, is_short=is_short)
         if hides_means(snapshot) and not keeps_back(snapshot, "answer"):
             yield Text("w h shows regret and best arm", look.palette.dim, rest="   ")
-        if is_short:
-            yield from _what_is_counted(study, snapshot, look)
-        else:
-            yield BLANK
+        yield from gap
         yield from remarks(study, snapshot, look, secret=secret)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it, and enter where there is something to count again."""
-        study = None if snapshot is None else snapshot.study
-        if not may_count_again(study):
-            return ("esc: close",)
-        return "enter: count again · esc: close", "enter: again · esc: close"
+        is_over = may_count_again(None if snapshot is None else snapshot.study)
+        return [*key_hints(("enter: count again", "enter: again") if is_over else (), ("esc: close",))]
 
 
 def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:
@@ -329,14 +305,14 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block
         yield _Progress(study, _span(study, snapshot))
     elif study.state is StudyState.STARTING:
         yield Text("starting", palette.dim)
-    if study.state in _UNDER_WAY and not study.seeds:
-        yield Text("the first figures come after 8 seeds", palette.dim)
     if study.state in _UNDER_WAY:
+        yield Text("" if study.seeds else FIRST_SEEDS, palette.dim)
         yield Text(study.how_long, palette.dim)
     if study.is_outdated:
-        yield Text("the run has been changed since: enter counts again", palette.strong)
+        yield Text("outdated, the run has changed: enter counts again", palette.strong)
     if study.state is StudyState.OUT_OF_TIME:
-        yield Text("it has used up the processor time that it may take", palette.strong)
+        yield Text("stopped: CPU-time limit reached", palette.strong)
+    yield Text(study.message, palette.strong if study.state in _SAYS_WHY else palette.text)
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,14 +342,6 @@ class _Progress:
         done = max(1, room * study.seeds // study.most) if study.seeds else 0
         bar = Piece(f" {glyphs.track_done * done}", palette.press)
         return [[*fitting, bar, Piece(glyphs.track_rest * (room - done), palette.slider_rest)]]
-
-
-def _what_is_counted(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:
-    palette = look.palette
-    yield Text(study.message, palette.strong if study.state in _SAYS_WHY else palette.text)
-    if study.seeds and not study.is_outdated:
-        first = snapshot.recipe.seed
-        yield Text(f"seeds {first} to {first + study.seeds - 1}", palette.dim)
 
 
 def _span(study: SeedStudy, snapshot: Snapshot) -> str:

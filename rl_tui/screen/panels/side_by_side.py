@@ -77,8 +77,7 @@ class GreedyDifferences:
             return (f"{DIFFERS} other greedy arms" if self.states else "the same greedy arms",)
         count, seen = f"{len(self.states)} of {self.known:,}", " in view" if self.is_part else ""
         return (
-            f"{DIFFERS} greedy actions differ in {count} states{seen} known to both",
-            f"{DIFFERS} greedy differs in {count} states{seen} known to both",
+            f"{DIFFERS} greedy actions differ in {count} states{seen}",
             f"{DIFFERS} greedy differs in {count} states{seen}",
             f"{DIFFERS} differs in {count} states{seen}",
             f"{DIFFERS} in {count}{seen}",

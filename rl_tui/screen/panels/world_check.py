@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 from typing import ClassVar, Final
 
@@ -11,9 +11,10 @@ from textual.binding import BindingType
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.canvas import KEPT_BLANK, Piece, kept
+from rl_tui.screen.draw.canvas import KEPT_BLANK, Piece
 from rl_tui.screen.draw.names import state_name
-from rl_tui.screen.kit.blocks import Block, Labelled, Row, Text
+from rl_tui.screen.kit.blocks import BLANK, Block, Labelled, Row, Text
+from rl_tui.screen.kit.layers import veiled
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import hides_means, is_secret, shown_by
 from rl_tui.screen.theme.look import Look
@@ -23,13 +24,14 @@ from rl_tui.studies.world_check.words import Row as CheckRow
 from rl_tui.studies.world_check.world_checks import WorldCheckView
 
 TITLE: Final = "World check"
-WAITING: Final = "being worked out, beside all else"
-OUTDATED: Final = "of before the last change; being worked out anew"
-FINE: Final = "done: nothing to warn of"
+WAITING: Final = "computing in the background …"
+OUTDATED: Final = "outdated; recomputing …"
+FINE: Final = "sound: no warnings"
 _GIVE_AWAY: Final = frozenset({"best_return", "shortest_way", "flips"})
-"""What would give the exact answer away."""
+"""What would reveal the exact answer."""
 _TELL_MEANS: Final = frozenset({"random_return", "first_update"})
-"""What would tell of the means of arms."""
+"""What would reveal the means of arms."""
+_NUMBERS: Final = frozenset({"random_return", "best_return", "shortest_way"})
 _LABEL: Final = max(map(len, LABELS.values())) + 2
 _BESIDE: Final = 34
 """Columns from which on texts stand beside their labels, else below them."""
@@ -56,14 +58,14 @@ class WorldCheckPanel(ScrolledPanel):
             warnings = (f"warnings: {shown_by(snapshot, 'them')}",)
         for warning in warnings:
             yield Text(warning, palette.dim if view.is_outdated else palette.bad, " ! ", "   ")
+        if not is_short:
+            yield BLANK
         names = partial(state_name, world, glyphs=self.look.glyphs)
         for row in rows(report, world.space, view.gamma, names):
             label = LABELS[row.field]
             yield Labelled(label, palette.dim, _LABEL, _said(row, snapshot, view, self.look), _BESIDE)
-
-    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the key that closes it."""
-        return ("esc: close",)
+        if is_secret(snapshot):
+            yield Text(f"{veiled(self.look.glyphs)} is hidden: {shown_by(snapshot)}", palette.dim)
 
 
 def _how_far(view: WorldCheckView, look: Look) -> Text:
@@ -77,12 +79,12 @@ def _how_far(view: WorldCheckView, look: Look) -> Text:
         count = len(report.warnings)
         text, style = FINE, palette.good
         if count:
-            text, style = f"done: {counted(count, 'warning')}", palette.bad
+            text, style = counted(count, "warning"), palette.bad
     elif report is not None and report.trying:
         name, place = BY_ID[report.trying].name, list(BY_ID).index(report.trying) + 1
         text = f"trying {name}, {place} of {len(BY_ID)}"
     elif report is not None:
-        text = "working out the flips" if report.stage is CheckStage.FLIPS else WAITING
+        text = "computing the flip points …" if report.stage is CheckStage.FLIPS else WAITING
     if view.how_long and not view.is_outdated and not view.refused:
         text = f"{text} · {view.how_long}"
     return Text(text, style)
@@ -93,9 +95,11 @@ def _said(row: CheckRow, snapshot: Snapshot, view: WorldCheckView, look: Look) -
     is_hidden = is_secret(snapshot) and row.field in _GIVE_AWAY
     is_hidden = is_hidden or (hides_means(snapshot) and row.field in _TELL_MEANS)
     figure, remark = _unbroken(row.figure, look) or look.glyphs.ellipsis, _unbroken(row.remark, look)
-    style = palette.bad if _is_warned_of(row, view) else palette.strong
+    style = (
+        palette.bad if _is_warned_of(row, view) else palette.strong if row.field in _NUMBERS else palette.text
+    )
     if is_hidden:
-        figure, remark = shown_by(snapshot), ""
+        figure, remark = veiled(look.glyphs), ""
     elif row.figure == NOT_KNOWN:
         figure, remark = f"{NOT_KNOWN}: {remark}", ""
     if row.figure in ("", NOT_KNOWN) or is_hidden or view.is_outdated:
@@ -109,14 +113,10 @@ def _unbroken(text: str, look: Look) -> str:
     """Return ``text`` with the minus sign of the screen, and γ on one line with its value."""
     if text.startswith("-"):
         text = f"{look.glyphs.minus}{text[1:]}"
-    return text.replace("γ ", f"γ{KEPT_BLANK}").replace("(0, 1)", kept("(0, 1)"))
+    return text.replace("γ ", f"γ{KEPT_BLANK}")
 
 
 def _is_warned_of(row: CheckRow, view: WorldCheckView) -> bool:
-    report = view.report
-    assert report is not None
-    assert view.world is not None
-    if view.world.space.time_limit:
-        return False
-    is_endless = {"endless": report.endless, "endless_states": report.endless_states}
-    return bool(is_endless.get(row.field))
+    is_bounded = view.world is None or view.world.space.time_limit
+    is_endless = row.field in ("endless", "endless_states") and bool(getattr(view.report, row.field))
+    return is_endless and not is_bounded

@@ -21,7 +21,7 @@ LABELS: Final[Mapping[str, str]] = {
     "best_return": "best policy",
     "shortest_way": "best way",
     "first_update": "first update",
-    "flips": "flips",
+    "flips": "flip points",
     "never_reached": "never reached",
     "endless_states": "no way out",
     "endless": "may never end",
@@ -50,13 +50,13 @@ def rows(
     ``gamma`` is that for which the best way was worked out.
     """
     name = name_of or space.state_names.__getitem__
-    limit = f" within {counted(space.time_limit, 'step')}" if space.time_limit else ""
-    clock = ", choosing by the clock too" if limit else ""
+    limit = f", within {counted(space.time_limit, 'step')}" if space.time_limit else ""
+    best = "choosing by the clock" if limit else "per episode"
     said: dict[str, Callable[[], Row]] = {
-        "random_return": lambda: Row("", _return(report.random_return), f"return of an episode{limit}"),
-        "best_return": lambda: Row("", _return(report.best_return), f"likewise{clock}"),
+        "random_return": lambda: Row("", _return(report.random_return), f"per episode{limit}"),
+        "best_return": lambda: Row("", _return(report.best_return), best),
         "shortest_way": lambda: Row(
-            "", counted(report.shortest_way or 0, "step"), f"at least, by the best actions for γ {gamma:g}"
+            "", counted(report.shortest_way or 0, "step"), f"fewest, optimal for γ {gamma:g}"
         ),
         "first_update": lambda: Row("", _first_update(report)),
         "flips": lambda: Row("", _flips(report)),
@@ -93,16 +93,16 @@ def _first_update(report: WorldReport) -> str:
 def _flips(report: WorldReport) -> str:
     assert report.flips is not None
     if not report.flips:
-        return "none: the same actions are best at every γ in (0, 1)"
+        return "none: the same actions are optimal at every γ"
     at = ", ".join(f"{flip.gamma:.{_DIGITS}g}" for flip in report.flips[:_MOST_NAMED])
     more = ", …" if len(report.flips) > _MOST_NAMED else ""
-    return f"{counted(len(report.flips), 'flip')} of the best actions: at γ {at}{more}"
+    return f"the optimal actions change at γ {at}{more}"
 
 
 def _some(states: Sequence[int] | None, name: Callable[[int], str]) -> str:
     assert states is not None
     if not states:
-        return "no state"
+        return "no states"
     more = f" and {len(states) - _MOST_NAMED:,} more" if len(states) > _MOST_NAMED else ""
     return f"{counted(len(states), 'state')}: {', '.join(map(name, states[:_MOST_NAMED]))}{more}"
 
@@ -117,13 +117,13 @@ def _endless(report: WorldReport, space: FiniteSpace) -> tuple[str, str]:
     assert found is not None
     assert tried is not None
     if not tried.seeds:
-        return "no greedy policy", "in this world each policy ends"
+        return "no policy", "every policy ends in this world"
     most = f"{tried.steps:,} steps"
-    how = f"seeds {tried.seeds[0]} to {tried.seeds[-1]}, {counted(tried.episodes, 'episode')} or {most} each"
+    how = f"seeds {tried.seeds[0]}–{tried.seeds[-1]}: {counted(tried.episodes, 'episode')} or {most}"
     if tried.in_part:
-        how += f"; of {names(tried.in_part)} the steps came first"
+        how += f"; {names(tried.in_part)} reached the steps first"
     if not found:
-        return "no greedy policy of any algorithm, as far as tried", how
+        return "none found", how
     return f"a greedy policy of {names(found)}{_ended_by(space, 'it')}", how
 
 

@@ -18,7 +18,7 @@ from rl_tui.live.last_step.step_report import StepStory
 from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_place
 from rl_tui.screen.draw.canvas import Piece
-from rl_tui.screen.draw.precision import agrees, column_figure, leading_zeros, parsed
+from rl_tui.screen.draw.precision import agrees, column_figure, fewest_decimals, leading_zeros, parsed
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Flow, Labelled, Row, Section, Table, Text
 from rl_tui.screen.panels.last_step.words import StepWords
 from rl_tui.screen.panels.model.pair import HIDDEN
@@ -28,7 +28,7 @@ from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
 from rl_tui.worlds.world import World
 
 BACKUP_HEADING: Final = "The backup"
-AFTER_END: Final = "the episode has ended: after its end there is nothing to look up"
+AFTER_END: Final = "the episode has ended: there is no next state to look up"
 NOT_KNOWN: Final = "which estimates your program looked up is not known"
 MOST_LEAVES: Final = 8
 TARGET_ROWS: Final = 4
@@ -54,7 +54,7 @@ def backup_section(words: StepWords, look: Look, *, secret: Sequence[str]) -> Se
     ]
     remarks = () if backup.is_current else ("estimates as they are now", "as they are now")
     if world.mdp is None:
-        remarks = ("what else may follow is not known", "one sample")
+        remarks = ("one sample: other outcomes are unknown", "one sample")
     return Section(BACKUP_HEADING, blocks, backup_rows(world), remarks)
 
 
@@ -215,23 +215,22 @@ def _share(backup: Backup, leaf: Leaf, value: float | None) -> float | None:
 
 def _decimals_that_agree(backup: Backup, leaves: Sequence[Leaf], look: Look) -> int:
     """Return the fewest decimals with which the shares are those of the printed values."""
+
+    def agree(decimals: int) -> bool:
+        for leaf in leaves:
+            share = _share(backup, leaf, leaf.value)
+            if share is None or leaf.value is None:
+                return True
+            printed = parsed(column_figure(leaf.value, decimals, look.glyphs), look.glyphs)
+            worked_out = _share(backup, leaf, printed)
+            assert worked_out is not None
+            if not agrees(worked_out, column_figure(share, decimals, look.glyphs), look.glyphs, decimals):
+                return False
+        return True
+
     known = [leaf.value for leaf in leaves if leaf.value and abs(leaf.value) >= numbers.NEGLIGIBLE]
     fewest = _DECIMALS + max(0, leading_zeros(*known) - 1)
-    most = fewest + _MORE
-    return next((each for each in range(fewest, most) if _agree(backup, leaves, look, each)), most)
-
-
-def _agree(backup: Backup, leaves: Sequence[Leaf], look: Look, decimals: int) -> bool:
-    for leaf in leaves:
-        share = _share(backup, leaf, leaf.value)
-        if share is None or leaf.value is None:
-            return True
-        printed = parsed(column_figure(leaf.value, decimals, look.glyphs), look.glyphs)
-        shown, worked_out = column_figure(share, decimals, look.glyphs), _share(backup, leaf, printed)
-        assert worked_out is not None
-        if not agrees(worked_out, shown, look.glyphs, decimals):
-            return False
-    return True
+    return fewest_decimals(fewest, fewest + _MORE, agree)
 
 
 # The sampled and the expected target
@@ -249,10 +248,14 @@ def target_blocks(words: StepWords, backup: Backup, look: Look, *, secret: Seque
     """
     dim, planned = look.palette.dim, words.story.last.planned
     if backup.sampled is None:
-        yield Text(_no_sample(words), dim)
+        several = "the target spans several steps: one step has no expected target to match it"
+        yield Text(several if words.estimate else words.story.terms.waiting, dim)
         return
     decimals = _decimals(backup.sampled, backup.expected, look)
-    yield _target("target" if planned else "sampled", _symbols(words), backup.sampled, decimals, look)
+    terms = words.story.terms
+    looked_up = f" + {terms.discount}·{words.bootstrap}" if words.bootstrap else ""
+    symbols = f"{terms.gathered}{looked_up}"
+    yield _target("target" if planned else "sampled", symbols, backup.sampled, decimals, look)
     if secret:
         yield Labelled("expected", dim, _LABEL, Row(*([Piece(each, dim)] for each in secret)))
     elif backup.expected is None:
@@ -298,27 +301,16 @@ def _reason(story: StepStory, backup: Backup, difference: float) -> str:
         return "which action came next" if backup.lookup is Lookup.NEXT else "one outcome, no luck"
     if abs(difference) < numbers.NEGLIGIBLE:
         targets = {leaf.reward + backup.gamma * (leaf.value or 0.0) for leaf in backup.leaves}
-        return "all outcomes look alike as yet" if len(targets) == 1 else "just what was expected"
+        return "all outcomes have equal value so far" if len(targets) == 1 else "just what was expected"
     return "luck of this sample and of A′" if backup.lookup is Lookup.NEXT else "luck of this sample"
-
-
-def _no_sample(words: StepWords) -> str:
-    if not words.estimate:
-        return words.story.terms.waiting
-    return "the target spans several steps: one step has no expected target to match it"
 
 
 def _not_known(story: StepStory) -> str:
     if story.world.prospects:
-        return "expected: there is none, what follows depends on how one came here"
+        return "no expected target: what follows depends on how one came here"
     if story.world.mdp is None:
-        return "expected: not known, this world is stepped and nobody wrote its table down"
-    return "expected: not known, not all estimates that it needs are at hand"
-
-
-def _symbols(words: StepWords) -> str:
-    terms = words.story.terms
-    return f"{terms.gathered} + {terms.discount}·{words.bootstrap}" if words.bootstrap else terms.gathered
+        return "no expected target: the world has no transition table"
+    return "no expected target: some estimates are not known"
 
 
 def _decimals(sampled: float, expected: float | None, look: Look) -> int:
@@ -327,16 +319,17 @@ def _decimals(sampled: float, expected: float | None, look: Look) -> int:
     Two at least, three where both are fractions, more where both are small.
     """
     known = [sampled] if expected is None else [sampled, expected]
-    largest = max(map(abs, known))
-    fewest = _FEWEST if largest >= 1.0 else _FEWEST + max(1, leading_zeros(*known))
+    is_large = max(map(abs, known)) >= 1.0
+    fewest = _FEWEST if is_large else _FEWEST + max(1, leading_zeros(*known))
     if expected is None or abs(sampled - expected) < numbers.NEGLIGIBLE:
         return fewest
-    difference = sampled - expected
-    for decimals in range(fewest, fewest + _MORE_OF_TARGETS):
-        first, second, printed = (
-            column_figure(each, decimals, look.glyphs) for each in (sampled, expected, difference)
-        )
+
+    def agree(decimals: int) -> bool:
+        texts = (column_figure(x, decimals, look.glyphs) for x in (sampled, expected, difference))
+        first, second, printed = texts
         between = parsed(first, look.glyphs) - parsed(second, look.glyphs)
-        if round(difference, decimals) and agrees(between, printed, look.glyphs, decimals, digits=0.5):
-            return decimals
-    return fewest + _MORE_OF_TARGETS
+        is_seen = bool(round(difference, decimals))
+        return is_seen and agrees(between, printed, look.glyphs, decimals, digits=0.5)
+
+    difference = sampled - expected
+    return fewest_decimals(fewest, fewest + _MORE_OF_TARGETS, agree)

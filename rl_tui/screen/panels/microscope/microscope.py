@@ -6,7 +6,7 @@ columns where there is room. While steps pass too fast, only the history of the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import ClassVar, Final
 
@@ -48,9 +48,9 @@ from rl_tui.screen.theme.look import Look
 
 
 HISTORY: Final = "History"
-COMING: Final = "comes with the next picture"
+COMING: Final = "loading …"
 NO_CELL: Final = "no cell was updated yet: choose a state with the world's cursor"
-NOT_KEPT: Final = "of a table as large as this no history is kept"
+NOT_KEPT: Final = "no history: the table is too large"
 LEAST_HEIGHT: Final = 4
 _LEAST_WIDTH: Final = 16
 _TICK_COLUMNS: Final = 9
@@ -146,51 +146,46 @@ _Form = tuple[str, str, str]  # symbol, value and remark
 
 def step_section(words: StepWords, look: Look) -> Section:
     """Return state, action and why, reward, next state, and what was updated: a line each."""
-    places = words.place, words.place.removesuffix(COUNTED), ""
-    parts = {
-        "state": [("s = ", words.state, place) for place in places],
-        **(_planned() if words.story.last.planned else _taken(words)),
-        "update": _update(words),
-    }
     rows = [
         Labelled(label, look.palette.dim, _LABEL, Row(*(_pieces(form, look) for form in forms)))
-        for label, forms in parts.items()
+        for label, forms in _parts(words)
     ]
     return Section(STEP_HEADING, rows, STEP_ROWS, _which(words.story))
 
 
-def _planned() -> dict[str, list[_Form]]:
-    return {
-        "action": _step_remarks("none: every action is tried", "every action"),
-        "reward": _step_remarks("all of them: see the backup", "all"),
-        "next": _step_remarks("all of them: see the backup", "all"),
-    }
+def _parts(words: StepWords) -> Iterator[tuple[str, Sequence[_Form]]]:
+    places = words.place, words.place.removesuffix(COUNTED), ""
+    yield "state", [("s = ", words.state, place) for place in places]
+    if words.story.last.planned:
+        yield "action", _remarks("none: every action is tried", "every action")
+        yield "reward", _remarks("all of them: see the backup", "all")
+        yield "next", _remarks("all of them: see the backup", "all")
+    else:
+        yield "action", [("a = ", words.action, reason) for reason in (*words.choices, "")]
+        yield "reward", [("r = ", words.reward, "")]
+        yield (
+            "next",
+            _remarks("none: every pull is an episode", "none")
+            if words.story.is_bandit
+            else [
+                *(
+                    ("s′ = ", words.next_state, ", ".join(filter(None, (moved, words.landmark, ending))))
+                    for ending in (words.endings or ("",))
+                    for moved in _moved(words)
+                ),
+                ("s′ = ", words.next_state, ""),
+            ],
+        )
+    waiting, change = words.story.terms.waiting, f" {words.update.before} → {words.update.after}"
+    yield (
+        "update",
+        [(words.estimate, change, remark) for remark in (words.story.algorithm.name, "")]
+        if words.estimate
+        else _remarks(f"none: {waiting}", waiting, "none"),
+    )
 
 
-def _taken(words: StepWords) -> dict[str, list[_Form]]:
-    landings = [
-        ("s′ = ", words.next_state, ", ".join(filter(None, (moved, words.landmark, ending))))
-        for ending in (words.endings or ("",))
-        for moved in _moved(words)
-    ]
-    return {
-        "action": [("a = ", words.action, reason) for reason in (*words.choices, "")],
-        "reward": [("r = ", words.reward, "")],
-        "next": _step_remarks("none: every pull is an episode", "none")
-        if words.story.is_bandit
-        else [*landings, ("s′ = ", words.next_state, "")],
-    }
-
-
-def _update(words: StepWords) -> list[_Form]:
-    waiting = words.story.terms.waiting
-    if not words.estimate:
-        return _step_remarks(f"none: {waiting}", waiting, "none")
-    change = f" {words.update.before} → {words.update.after}"
-    return [(words.estimate, change, remark) for remark in (words.story.algorithm.name, "")]
-
-
-def _step_remarks(*texts: str) -> list[_Form]:
+def _remarks(*texts: str) -> list[_Form]:
     return [("", "", text) for text in texts]
 
 
@@ -210,23 +205,21 @@ def _moved(words: StepWords) -> list[str]:
 
 
 def _which(story: StepStory) -> Sequence[str]:
-    last = story.last
-    step = f"{last.step:,}"
+    last, step = story.last, f"{story.last.step:,}"
     if last.planned:
         return f"{step}, {'ended its sweep' if story.ends_episode else f'sweep {last.episode:,}'}", step
     if story.is_bandit:
         return (step,)
     episode = f"{step}, {ENDED if story.ends_episode else f'episode {last.episode:,}'}"
-    where = f"with step {last.episode_step:,}" if story.ends_episode else f"its step {last.episode_step:,}"
-    place = f"{episode}, {where}" if last.episode_step else episode
-    return place, episode, step
+    where = "with step" if story.ends_episode else "its step"
+    return f"{episode}, {where} {last.episode_step:,}" if last.episode_step else episode, episode, step
 
 
 # The panel
 
 
 ROOM_FOR_TWO: Final = 96
-TOO_FAST: Final = f"steps pass too fast to take one apart: space pauses, −{KEPT_BLANK}slows down"
+TOO_FAST: Final = f"steps pass too fast to show one: space pauses, −{KEPT_BLANK}slows down"
 _HISTORY_ROWS: Final = 7  # its heading, some rows of dots and the steps below them
 _GAP: Final = 2
 

@@ -9,6 +9,8 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Final
 
+from rich.style import Style
+
 from rl_tui.agents.catalogue import Lookup, UpdateTerms
 from rl_tui.live.last_step.step_report import StepStory, discounted_sum
 from rl_tui.screen.draw import names, numbers
@@ -16,10 +18,11 @@ from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.canvas import Line, Piece, length, spelled
 from rl_tui.screen.draw.precision import column_figure, comes_to, in_brackets, parsed
 from rl_tui.screen.draw.to_ascii import separated
-from rl_tui.screen.kit.blocks import Block, Equation, Flow, Labelled, Row, Section, Text
+from rl_tui.screen.kit.blocks import Block, Flow, Labelled, Row, Section, Text
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.panels.last_step.words import StepWords, equation, error_style
 from rl_tui.screen.panels.program.words import fit_texts, open_text, update_texts
+from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
 # The discounted return so far
@@ -27,8 +30,8 @@ from rl_tui.screen.theme.look import Look
 
 RETURN_HEADING: Final = "Discounted return so far"
 RETURN_ROWS: Final = 3
-PLANNER: Final = "a planner takes no steps: nothing is earned"
-OPEN_DISCOUNT: Final = "the γ of your program is open: no step has decided it yet"
+PLANNER: Final = "a planner takes no steps, so it earns nothing"
+OPEN_DISCOUNT: Final = "the γ of your program is unknown: no step shows it yet"
 _LEFT_OUT: Final = "…"
 _START: Final = 6  # cells before the terms
 _SUPERSCRIPTS: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -55,7 +58,10 @@ def _return_blocks(story: StepStory, look: Look) -> Iterator[Block]:
     if has_open_discount(story):
         start = " " if is_known else f" of the last {len(rewards):,} steps, "
         yield Row([Piece(f"{start}undiscounted ", palette.dim), Piece(undiscounted.text, palette.strong)])
-        yield Text(_open_discount(story), palette.dim)
+        declared, program = "", story.program
+        if program is not None and program.gamma is not None and program.gamma_source == "declared":
+            declared = f"; exact values are for {program.gamma:g}, read from your code"
+        yield Text(f"{OPEN_DISCOUNT}{declared}", palette.dim)
         return
     total = Piece(numbers.brief(story.discounted_return, look.glyphs, decimals=4), palette.strong)
     if story.steps == 1:
@@ -74,16 +80,9 @@ def has_open_discount(story: StepStory) -> bool:
     return story.program is not None and story.program.verdict.update.gamma is None
 
 
-def _open_discount(story: StepStory) -> str:
-    program = story.program
-    if program is None or program.gamma is None or program.gamma_source != "declared":
-        return OPEN_DISCOUNT
-    return f"{OPEN_DISCOUNT}; exact answers are for {program.gamma:g}, read from your code"
-
-
 def _meaning(story: StepStory) -> str:
     if story.is_bandit:
-        return "every pull is an episode: its return is its reward"
+        return "each pull is an episode: its return is r"
     if not story.has_one_gamma:
         return "γ was changed on the way: each step counts with its own"
     return "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
@@ -177,17 +176,18 @@ def update_section(words: StepWords, look: Look) -> Section:
 
 
 def _equation_blocks(words: StepWords, look: Look) -> list[Block]:
-    writer, palette = _Writer(words, look), look.palette
+    story, palette = words.story, look.palette
+    source = palette.source if story.sources else palette.strong
     whole = [] if words.backup is None else words.backup.lines(look.glyphs.arrow_update)[0].split(" ")
-    remarks = ([TABLES] if words.story.last.table else []) + [*words.others[:1]]
+    remarks = ([TABLES] if story.last.table else []) + [*words.others[:1]]
     return [
-        writer.equation(),
-        Flow(writer.terms()),
-        Flow(writer.mixture(), 4),
-        *writer.gathered(),
+        equation(words, look, palette.updated, source, palette.updated, "δ"),
+        Flow(_terms(words, look, source)),
+        Flow(_mixture(words, look, source), 4),
+        *_gathered(words, look),
         Flow([[Piece(f" {each}", palette.text)] for each in whole], 4),
         *(Flow([[Piece(f" {remark}", palette.dim)]]) for remark in remarks),
-        *_evidence(words.story, look),
+        *_evidence(story, look),
     ]
 
 
@@ -231,78 +231,60 @@ def _evidence(story: StepStory, look: Look) -> list[Block]:
     ]
 
 
-class _Writer:
-    def __init__(self, words: StepWords, look: Look) -> None:
-        self._words = words
-        self._story = words.story
-        self._look = look
-        self._palette = look.palette
-        self._dim = partial(Piece, style=look.palette.dim)
-        self._plain = partial(Piece, style=look.palette.text)
-        self._bootstrap_style = look.palette.source if words.story.sources else look.palette.strong
+def _terms(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
+    """Yield δ, and what a word above the numbers does not say: which N, which estimate was looked up."""
+    story, update, palette = words.story, words.update, look.palette
+    yield [Piece(" δ = ", palette.dim), Piece(update.error, error_style(words, look))]
+    if "/" in update.step_size:
+        yield [Piece(f"{_GAP}N = ", palette.dim), Piece(update.step_size[2:], palette.text)]
+    if story.has_trace:
+        yield [Piece(f"{_GAP}e is the trace of {words.estimate}", palette.dim)]
+    if words.bootstrap:
+        looked_up = Piece(f" is {_looked_up(words, look)}", palette.dim)
+        yield [Piece(_GAP, palette.text), Piece(update.bootstrap, source), looked_up]
+    elif story.last.terminated and not story.is_bandit:
+        yield [Piece(f"{_GAP}terminal: nothing is added for the next state", palette.dim)]
 
-    def equation(self) -> Equation:
-        """Return ``now = was + α·(r + γ·best − was)`` with its numbers."""
-        updated = self._palette.updated
-        return equation(self._words, self._look, updated, self._bootstrap_style, updated, "δ")
 
-    def terms(self) -> list[Line]:
-        """Return δ, and what a word above the numbers does not say: which N, which estimate was looked up."""
-        words, update = self._words, self._words.update
-        error = Piece(update.error, error_style(words, self._look))
-        found: list[Line] = [[self._dim(" δ = "), error]]
-        if "/" in update.step_size:
-            found.append([self._dim(f"{_GAP}N = "), self._plain(update.step_size[2:])])
-        if self._story.has_trace:
-            found.append([self._dim(f"{_GAP}e is the trace of {words.estimate}")])
-        if words.bootstrap:
-            number = Piece(update.bootstrap, self._bootstrap_style)
-            found.append([self._plain(_GAP), number, self._dim(f" is {self._looked_up()}")])
-        elif self._story.last.terminated and not self._story.is_bandit:
-            found.append([self._dim(f"{_GAP}terminal: nothing is added for the next state")])
-        return found
+def _mixture(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
+    """Yield the cells of a weighted mean in their order, ``.58 = .925·.62 + .025·.31``; else none."""
+    story, palette, glyphs = words.story, look.palette, look.glyphs
+    is_mean = words.bootstrap and story.terms.lookup is Lookup.MEAN
+    if not is_mean or not 1 < len(story.sources) <= _MOST_CELLS:
+        return
+    yield [Piece(" ", palette.text), Piece(words.update.bootstrap, source), Piece(" =", palette.text)]
+    for number, (weight, estimate) in enumerate(_mixed(words, glyphs)):
+        factor = f"{' + ' if number else ' '}{weight}{glyphs.times}"
+        yield [Piece(factor, palette.text), Piece(in_brackets(estimate, glyphs), palette.source)]
 
-    def mixture(self) -> list[Line]:
-        """Return the cells of a weighted mean in their order, ``.58 = .925·.62 + .025·.31``; else none."""
-        story, bootstrap = self._story, self._words.update.bootstrap
-        is_mean = self._words.bootstrap and story.terms.lookup is Lookup.MEAN
-        if not is_mean or not 1 < len(story.sources) <= _MOST_CELLS:
-            return []
-        groups: list[Line] = [[self._plain(" "), Piece(bootstrap, self._bootstrap_style), self._plain(" =")]]
-        for number, (weight, estimate) in enumerate(self._mixed()):
-            sign = " " if number == 0 else " + "
-            factor = self._plain(f"{sign}{weight}{self._look.glyphs.times}")
-            groups.append([factor, Piece(in_brackets(estimate, self._look.glyphs), self._palette.source)])
-        return groups
 
-    def _mixed(self) -> list[tuple[str, str]]:
-        """Return weights and estimates with the fewest decimals that give the bootstrap as it is printed."""
-        glyphs, mixed = self._look.glyphs, dict(zip(self._story.sources, self._story.looked_up, strict=True))
-        shown: list[tuple[str, str]] = []
-        for decimals in range(_FEWEST, _MOST + 1):
-            shown = [
-                (numbers.brief(weight, glyphs, decimals=decimals), column_figure(estimate, decimals, glyphs))
-                for weight, estimate in map(mixed.__getitem__, shown_pairs(self._story.world, mixed))
-            ]
-            worked_out = sum(parsed(weight, glyphs) * parsed(each, glyphs) for weight, each in shown)
-            if comes_to(worked_out, self._words.update.bootstrap, glyphs):
-                break
-        return shown
+def _mixed(words: StepWords, glyphs: Glyphs) -> list[tuple[str, str]]:
+    """Return weights and estimates with the fewest decimals that give the bootstrap as it is printed."""
+    mixed = dict(zip(words.story.sources, words.story.looked_up, strict=True))
+    shown: list[tuple[str, str]] = []
+    for decimals in range(_FEWEST, _MOST + 1):
+        shown = [
+            (numbers.brief(weight, glyphs, decimals=decimals), column_figure(estimate, decimals, glyphs))
+            for weight, estimate in map(mixed.__getitem__, shown_pairs(words.story.world, mixed))
+        ]
+        worked_out = sum(parsed(weight, glyphs) * parsed(each, glyphs) for weight, each in shown)
+        if comes_to(worked_out, words.update.bootstrap, glyphs):
+            break
+    return shown
 
-    def gathered(self) -> list[Block]:
-        """Return the rewards of a target of several steps, ``.3 = 0 + .9·0 + .9²·.37``; nothing elsewhere."""
-        rewards, total = self._story.gathered_rewards, self._words.update.gathered
-        if not rewards:
-            return []
-        terms = partial(terms_of, rewards, len(rewards), self._story.last.gamma, self._look, total=total)
-        text = Text(terms, self._palette.text, "")
-        return [Labelled(f"{total} =", self._palette.text, len(f" {total} = "), text)]
 
-    def _looked_up(self) -> str:
-        story, bootstrap = self._story, self._words.bootstrap
-        pairs = list(story.sources)
-        if story.last.planned or story.terms.lookup is Lookup.MEAN or not pairs:
-            return bootstrap
-        action = int(story.world.space.pair_action[pairs[0]])
-        name = names.action_name(story.world, action, self._look.glyphs)
-        return f"{bootstrap}: {name if len(pairs) == 1 else f'one of {len(pairs)} equal'}"
+def _gathered(words: StepWords, look: Look) -> Iterator[Block]:
+    """Yield the rewards of a target of several steps, ``.3 = 0 + .9·0 + .9²·.37``; nothing elsewhere."""
+    rewards, total = words.story.gathered_rewards, words.update.gathered
+    if rewards:
+        terms = partial(terms_of, rewards, len(rewards), words.story.last.gamma, look, total=total)
+        text = Text(terms, look.palette.text, "")
+        yield Labelled(f"{total} =", look.palette.text, len(f" {total} = "), text)
+
+
+def _looked_up(words: StepWords, look: Look) -> str:
+    story, pairs = words.story, list(words.story.sources)
+    if story.last.planned or story.terms.lookup is Lookup.MEAN or not pairs:
+        return words.bootstrap
+    name = names.action_name(story.world, int(story.world.space.pair_action[pairs[0]]), look.glyphs)
+    return f"{words.bootstrap}: {name if len(pairs) == 1 else f'one of {len(pairs)} equal'}"

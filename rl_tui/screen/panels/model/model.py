@@ -34,7 +34,7 @@ from rl_tui.worlds.world import World
 # The model in words
 
 
-ALIKE: Final = "none: states look alike, so what follows depends on how one came there, not on s and a alone"
+ALIKE: Final = "none: the agent cannot tell some states apart (not Markov)"
 _MANY_NAMES: Final = 100  # no two lines hold more
 _LABEL: Final = 9
 
@@ -45,7 +45,7 @@ def model_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
     others = _without_pairs(space)
     actors = f"; {space.states - len(others):,} with actions" if len(others) else ""
     actions = [action_text(world, action, look) for action in shown_order(world)]
-    pairs = f"{counted(space.pairs, 'legal pair')} (s, a)"
+    pairs = counted(space.pairs, "state–action pair")
     reason = ALIKE if world.prospects else UNKNOWN
     parts: dict[str, str | Callable[[int], str]] = {
         "S": lambda room: (
@@ -110,21 +110,13 @@ def _end(world: World, mdp: TabularMDP, look: Look, room: int) -> str:
     reached = _terminal(mdp)
     listed = [*reached[:_MANY_NAMES], *reached[_MANY_NAMES:][-1:]]
     terminal = [names.state_name(world, int(state), look.glyphs) for state in listed]
-    text = (
-        f"terminal {_listed(terminal, room, look)}: nothing follows an outcome that ends there, worth 0"
-        if terminal
-        else "no state is terminal"
-    )
+    text = f"terminal {_listed(terminal, room, look)}, of value 0" if terminal else "no state is terminal"
     return text + _time_limit(mdp)
 
 
 def _time_limit(space: FiniteSpace) -> str:
-    if not space.time_limit:
-        return ""
-    return (
-        f"; after {space.time_limit:,} steps the time limit cuts the episode off, which is no end: "
-        "the last step still bootstraps"
-    )
+    truncated = f"; truncated after {space.time_limit:,} steps: the last one still bootstraps"
+    return truncated if space.time_limit else ""
 
 
 def _listed(items: Sequence[str], room: int, look: Look) -> str:

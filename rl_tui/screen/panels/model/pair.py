@@ -31,7 +31,7 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
 from rl_tui.worlds.world import World
 
-UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"
+UNKNOWN: Final = "no transition table (simulated only)"
 HIDDEN: Final = "···"
 SECRET: Final = "hidden until w h or the end of the budget"
 _DECIMALS: Final = 4
@@ -87,7 +87,7 @@ def _learned(snapshot: Snapshot, pair: int, taken: int, look: Look) -> str:
     if not taken:
         return "not yet visited"
     if not has_estimates(snapshot):
-        return "not known, no table was found in your program"
+        return "unknown: no table was found in your program"
     x, mdp, exact = float(snapshot.agent.q[pair]), snapshot.world.mdp, snapshot.exact_answer.solution
     if mdp is None or exact is None or is_secret(snapshot) or not math.isfinite(x):
         return numbers.value(x, 7, look.glyphs)
@@ -139,7 +139,7 @@ def _prospects(world: World, pair: int, look: Look) -> Iterator[Block]:
 def _table(columns: Mapping[str, Sequence[str]], ends: Sequence[bool], look: Look, remark: str = "") -> Table:
     """Return ``columns`` by their heads, where an episode ends with it, and ``remark`` behind each row."""
     text, ended = look.palette.text, Piece("ends", look.palette.strong)
-    parts = [Column(head, cells, text, right=False, gap=3) for head, cells in columns.items() if cells]
+    parts = [Column(head, cells, text, head[0] in "pr", 3) for head, cells in columns.items() if cells]
     if any(ends):
         parts.append(Column("", [ended if each else "" for each in ends], text, right=False, gap=3))
     if remark:
@@ -167,7 +167,7 @@ def bellman_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]
     else:
         decimals = decimals_of(mdp, exact.solution, pair)
         terms = _terms(mdp, exact.solution, shown_outcomes(snapshot.world, mdp, pair), look, decimals)
-        text = "means as they are now" if mdp.drift_std else " + ".join(terms)
+        text = "the current means" if mdp.drift_std else " + ".join(terms)
         yield Text(text, palette.text, _EQUALS, _CONTINUED)
         result = column_figure(float(exact.solution.q[pair]), decimals, look.glyphs)
         yield Row([Piece(_EQUALS, palette.text), Piece(result, palette.strong)])

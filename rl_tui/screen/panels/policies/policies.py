@@ -22,7 +22,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import Column, Columns, Table, Text, laid
-from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.panel import Panel, key_hints
 from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.panels.policies.studied import POLICY_NAMES, is_kept_back
@@ -33,41 +33,42 @@ from rl_tui.worlds.drawing import Arms
 
 
 class PolicyColumn(NamedTuple):
-    """A figure of every policy; ``rank``: those of the greatest are left out first."""
+    """A number of every policy: its field of an answer, and its head."""
 
     id: str
     head: str
-    rank: int
     has_sign: bool = False
 
 
-RETURN: Final = PolicyColumn("expected_return", "return", 0, has_sign=True)
-REWARD: Final = PolicyColumn("expected_return", "a pull", 0, has_sign=True)  # of a bandit
-VALUE: Final = PolicyColumn("value_at_start", "at start", 1, has_sign=True)
-STEPS: Final = PolicyColumn("steps", "length", 2)
-ENDS: Final = PolicyColumn("ends", "ending", 3)
+RETURN: Final = PolicyColumn("expected_return", "return", has_sign=True)
+REWARD: Final = PolicyColumn("expected_return", "a pull", has_sign=True)  # of a bandit
+VALUE: Final = PolicyColumn("value_at_start", "at start", has_sign=True)
+STEPS: Final = PolicyColumn("steps", "length")
+ENDS: Final = PolicyColumn("ends", "ending")
 FIGURES: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
-_LEAST_NAME: Final = 8  # cells of a name with the mark before it
 
 
 def policy_table(snapshot: Snapshot, look: Look) -> Table:
     """Return a row for each policy, that which is studied with the cursor."""
     known = known_answers(snapshot)
     figures = _figures(snapshot, known)
-    found = [getattr(each, figure.id) for each in known for figure in figures if figure.id != ENDS.id]
+    found = [getattr(each, figure.id) for each in known for figure in figures if figure is not ENDS]
     needed = max((len(amount(each, look)) for each in found if each is not None), default=0)
-
-    names = [_names(snapshot, look, is_short=is_short) for is_short in (False, True)]
+    names = [
+        Piece(f"{look.glyphs.cursor}{name}", look.palette.focus)
+        if kind is snapshot.answers.studied
+        else f" {name}"
+        for kind, name in POLICY_NAMES.items()
+    ]
+    named = Column("", names, look.palette.text, right=False, gap=0)
     column = cache(partial(_column, snapshot, look))
 
     def forms() -> Iterator[Columns]:
-        # short names come before numbers that are cut, and these before figures that are left out
-        ways = product(range(len(figures)), (False, True), names, (WIDEST, WIDEST - 1, WIDEST - 2))
-        for left_out, is_cut, named, cells in ways:
-            if (cells < needed) is is_cut:
-                shown = (each for each in figures if each.rank < len(figures) - left_out)
-                yield named, *(column(each, cells) for each in shown)
-        yield names[-1]._replace(least=_LEAST_NAME), column(figures[0], WIDEST - 2)
+        # numbers are cut before columns are left out, the last one first
+        for left, cells in product(range(len(figures), 0, -1), (WIDEST, WIDEST - 1, WIDEST - 2)):
+            if cells >= needed or cells < WIDEST:
+                yield named, *(column(each, cells) for each in figures if each in _first(figures, left))
+        yield named, column(figures[0], WIDEST - 2)
 
     return Table(forms(), margin=1)
 
@@ -75,32 +76,23 @@ def policy_table(snapshot: Snapshot, look: Look) -> Table:
 def _figures(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[PolicyColumn]:
     if isinstance(snapshot.world.drawing, Arms):
         return [REWARD]
-    if may_not_end(known):
-        return [RETURN, VALUE, STEPS._replace(rank=ENDS.rank), ENDS._replace(rank=STEPS.rank)]
-    return [RETURN, VALUE, STEPS]
+    return [RETURN, VALUE, STEPS, *([ENDS] if may_not_end(known) else [])]
 
 
-def _names(snapshot: Snapshot, look: Look, *, is_short: bool) -> Column:
-    names = {kind: name.line if is_short else name.row for kind, name in POLICY_NAMES.items()}
-    cells = [
-        Piece(f"{look.glyphs.cursor}{name}", look.palette.focus)
-        if kind is snapshot.answers.studied
-        else f" {name}"
-        for kind, name in names.items()
-    ]
-    return Column("", cells, look.palette.text, right=False, gap=0)
+def _first(figures: Sequence[PolicyColumn], count: int) -> Sequence[PolicyColumn]:
+    """Return the ``count`` columns that matter most: how likely an episode ends before how long it is."""
+    return sorted(figures, key=(RETURN, REWARD, VALUE, ENDS, STEPS).index)[:count]
 
 
 def _column(snapshot: Snapshot, look: Look, figure: PolicyColumn, cells: int) -> Column:
     width = max(cells - (not figure.has_sign), len(figure.head))
     texts = [_said(snapshot, kind, figure, width, look) for kind in POLICY_NAMES]
-    return Column(
-        figure.head, texts, look.palette.strong if figure.rank == 0 else look.palette.text, width=width
-    )
+    style = look.palette.strong if figure.id == RETURN.id else look.palette.text
+    return Column(figure.head, texts, style, width=width)
 
 
 def _said(snapshot: Snapshot, kind: PolicyKind, figure: PolicyColumn, cells: int, look: Look) -> str:
-    """Return a figure; in its place a dash where there is none, … while it is worked out, ? where hidden."""
+    """Return a number; in its place a dash where there is none, … while it is computed, ? where hidden."""
     if is_kept_back(snapshot, kind):
         return "?"
     answer = answer_of(snapshot, kind)
@@ -109,40 +101,15 @@ def _said(snapshot: Snapshot, kind: PolicyKind, figure: PolicyColumn, cells: int
     x: float | None = getattr(answer, figure.id)
     if x is None:
         return numbers.missing(look.glyphs)
-    return numbers.percent(x) if figure.id == ENDS.id else amount(x, look, cells)
+    return numbers.percent(x) if figure is ENDS else amount(x, look, cells)
 
 
 # The panel
 
 
 TITLE: Final = "Policies"
-WAITING: Final = "they are being worked out"
-_NOT_KNOWN: Final = f"what they are worth cannot be told: {NO_TABLE}"
+WAITING: Final = "computing in the background …"
 _CHOOSE: Final = "screen.do('policies.choose({})')"
-
-
-_KEYS: Final = (
-    "↑ ↓: which · enter: keep it in view · esc: back to V",
-    "↑ ↓: which · enter: keep · esc: back",
-    "↑ ↓ · enter: keep · esc: back",
-    "enter: keep · esc: back",
-    "esc: back",
-)
-
-# Arms show their bars all the time: there is no V to go back to
-_KEYS_OF_ARMS: Final = (
-    "↑ ↓: which · enter: keep it in view · esc: close",
-    "↑ ↓: which · enter: keep · esc: close",
-    "↑ ↓ · enter: keep · esc: close",
-    "enter: keep · esc: close",
-    "esc: close",
-)
-
-_KEYS_ELSEWHERE: Final = (
-    "click or tab here to choose · esc: close",
-    "tab here to choose · esc: close",
-    "esc: close",
-)
 
 
 @dataclass
@@ -167,19 +134,16 @@ class Policies(Panel, can_focus=True):
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the table and the notes, of which the last ones are left out where there is no room."""
         self.heading = self.fitting(self._headings(snapshot), width)
-        is_bandit = snapshot is not None and isinstance(snapshot.world.drawing, Arms)
-        keys = _KEYS_OF_ARMS if is_bandit else _KEYS
-        self.footing = self.fitting(keys if self.has_focus else _KEYS_ELSEWHERE, width)
         self._places = ()
-        if snapshot is None or snapshot.answers.studied is None:
-            return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
-        if snapshot.world.mdp is None:
-            # rows and explanations of figures would be about nothing
-            self.footing = self.fitting(_KEYS[-1:], width)
-            why = Text(_NOT_KNOWN, self.look.palette.dim).lines(width, self.look)
-            self.free_rows = height - len(why)
-            return strips_of(why, width, height, self.look)
         palette = self.look.palette
+        if snapshot is None or snapshot.answers.studied is None or snapshot.world.mdp is None:
+            self.footing = "esc: close"
+            is_known = snapshot is not None and snapshot.world.mdp is None
+            why = Text(f"no exact returns: {NO_TABLE}" if is_known else WAITING, palette.dim)
+            lines = why.lines(width, self.look)
+            self.free_rows = height - len(lines)
+            return strips_of(lines, width, height, self.look)
+        self.footing = self.fitting(self._hints(snapshot), width)
         texts = (
             Text(note, palette.text if is_plain else palette.dim, rest="   ")
             for note, is_plain in notes(snapshot, self.look)
@@ -188,16 +152,25 @@ class Policies(Panel, can_focus=True):
         lines, self._places, self.free_rows = laid(table, cursor, texts, width, height, self.look)
         return strips_of(lines, width, height, self.look)
 
+    def _hints(self, snapshot: Snapshot) -> Iterator[str]:
+        if not self.has_focus:
+            return key_hints(("click or tab here to choose", "tab here to choose"), ("esc: close",))
+        # arms show their bars all the time: there is no V to go back to
+        leave = "esc: close" if isinstance(snapshot.world.drawing, Arms) else "esc: back to V"
+        return key_hints(
+            ("↑ ↓: which", "↑ ↓"),
+            ("enter: keep it in view", "enter: keep"),
+            (leave, leave.removesuffix(" to V")),
+        )
+
     def _headings(self, snapshot: Snapshot | None) -> tuple[str, ...]:
         plain = (*self.captioned(TITLE), TITLE)
         if snapshot is None or not snapshot.run_group.lanes:
             return plain
-        lane = self._lane(snapshot)
-        named = f"{lane} {snapshot.run_group.lanes[snapshot.run_group.shown].name}"
-        return (*(f"{named} · {each}" for each in plain), f"{lane} · {TITLE}", lane)
-
-    def _lane(self, snapshot: Snapshot) -> str:
-        return f"{self.look.glyphs.cursor}{snapshot.run_group.shown + 1}"
+        group = snapshot.run_group
+        run = f"{self.look.glyphs.cursor}{group.shown + 1}"
+        named = (f"{run} {group.lanes[group.shown].name} · {each}" for each in plain)
+        return *named, f"{run} · {TITLE}", run
 
     def watch_has_focus(self, has_focus: bool) -> None:
         """Tell the keys that choose only where they do."""
@@ -215,43 +188,38 @@ class Policies(Panel, can_focus=True):
 # The notes below the table
 
 
-OF_MEANS_NOW: Final = "of the means as they are now"
-WITHOUT_LIMIT: Final = "as if without a limit"
+OF_MEANS_NOW: Final = "of the current means"
+WITHOUT_LIMIT: Final = "without the limit"
 AS_MUCH_AS_OPTIMAL: Final = "greedy earns as much as optimal"
-SHORT_OF_OPTIMAL: Final = "short of optimal"
-_GAMMA_BEST: Final = "best for this γ (γ-best)"
+THAN_OPTIMAL: Final = "than optimal"
 _NO_ENDING: Final = 0.9995  # from there on it is written as 100 %
 WIDEST: Final = 8  # cells of the widest number
 Note = tuple[str, bool]
 
 
 def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
-    """Yield the notes, those that matter most first, and of each whether it is about figures."""
+    """Yield the notes, those that matter most first, and of each whether it is about numbers."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
-        yield f"what they earn tells of the true means: {shown_by(snapshot, 'them')}", False
+        yield f"hidden, since returns reveal the arms: {shown_by(snapshot, 'them')}", False
         return
     yield from _gaps(snapshot, look)
     yield from _reasons(snapshot)
     if is_bandit:
         mdp = snapshot.world.mdp
         drifted = f", {OF_MEANS_NOW}" if mdp is not None and mdp.drift_std else ""
-        yield f"a pull: the reward it brings on average{drifted}, exact", False
-        yield "optimal: the best arm", False
+        yield f"a pull: its mean reward{drifted}; optimal: the best arm", False
         return
     limit, gamma = snapshot.world.space.time_limit, snapshot.agent.hyperparameters.gamma
-    within = f" within {limit:,} steps" if limit else ""
-    if may_not_end(known_answers(snapshot)):
-        yield f"ending: the chance that an episode ends{within}", False
-    yield f"return: expected, undiscounted,{within or ' without a limit'}", False
-    as_if = f", {WITHOUT_LIMIT}" if limit else ""
+    within, as_if = (f" within {limit:,} steps", f", {WITHOUT_LIMIT}") if limit else ("", "")
+    yield f"return: mean of an episode{within}", False
     yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}{as_if}", False
-    if not is_kept_back(snapshot, PolicyKind.OPTIMAL):
-        yield f"optimal: {_GAMMA_BEST}", False
+    if may_not_end(known_answers(snapshot)):
+        yield "ending: how likely an episode ends", False
 
 
 def amount(x: float, look: Look, width: int = WIDEST) -> str:
-    """Return an exact figure in ``width`` cells."""
+    """Return an exact number in ``width`` cells."""
     return numbers.figure(x, width, look.glyphs)
 
 
@@ -266,10 +234,7 @@ def known_answers(snapshot: Snapshot) -> list[PolicyAnswer]:
 
 
 def may_not_end(known: Iterable[PolicyAnswer]) -> bool:
-    """Return whether an episode of any of these policies may go on; then a column says how likely it ends.
-
-    That matters more than how long episodes are.
-    """
+    """Return whether an episode of any of these policies may go on; then a column says how likely it ends."""
     return any(each.ends is not None and each.ends < _NO_ENDING for each in known)
 
 
@@ -279,48 +244,40 @@ def _gaps(snapshot: Snapshot, look: Look) -> Iterator[Note]:
         for kind in (PolicyKind.BEHAVIOUR, PolicyKind.GREEDY, PolicyKind.OPTIMAL)
     )
     what = "a pull" if isinstance(snapshot.world.drawing, Arms) else "an episode"
-    if greedy is not None and acts is not None:
-        yield _exploring(greedy - acts, what, snapshot, look), True
     if greedy is not None and best is not None:
         gap = best - greedy
-        if not _amount(gap, look):
-            yield AS_MUCH_AS_OPTIMAL, True
-        elif gap > 0.0:
-            yield f"greedy is {_amount(gap, look)} {what} {SHORT_OF_OPTIMAL}", True
-        else:
-            yield f"greedy earns {_amount(-gap, look)} {what} more than optimal", True
+        way = "less" if gap > 0.0 else "more"
+        earns = f"greedy earns {amount(abs(gap), look)} {way} {THAN_OPTIMAL}"
+        yield AS_MUCH_AS_OPTIMAL if abs(gap) < numbers.NEGLIGIBLE else earns, True
+    if greedy is not None and acts is not None:
+        yield _exploring(greedy - acts, what, snapshot, look), True
 
 
 def _exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
-    """Return what exploring costs, with the ε in force, or brings where greedy earns less."""
+    """Return the cost of exploring with the current ε, or what it brings where greedy earns less."""
     values = snapshot.agent.hyperparameters
     rate = ""
     if POLICY_BY_ID[values.policy].explores_by_epsilon:
         epsilon = round(values.epsilon_at(snapshot.counters.episodes), 3)
         rate = f" (ε {setting(epsilon, look.glyphs)})"
-    verb, size = "brings" if cost <= -numbers.NEGLIGIBLE else "costs", _amount(abs(cost), look)
-    return f"exploring{rate} {verb} {size} {what}" if size else f"exploring{rate} {verb} nothing"
-
-
-def _amount(x: float, look: Look) -> str:
-    """Return an amount, empty for none."""
-    return "" if abs(x) < numbers.NEGLIGIBLE else amount(x, look)
+    if abs(cost) < numbers.NEGLIGIBLE:
+        return f"exploring{rate} costs nothing"
+    verb = "costs" if cost > 0.0 else "brings"
+    return f"exploring{rate} {verb} {amount(abs(cost), look)} {what}"
 
 
 def _reasons(snapshot: Snapshot) -> Iterator[Note]:
     said = set[str]()
     if not snapshot.answers.drawn.choices and answer_of(snapshot, PolicyKind.DRAWN).is_known:
-        yield "nothing drawn: at random; w p draws", False
+        yield "drawn: random until w p draws it", False
     for kind, name in POLICY_NAMES.items():
+        answer = answer_of(snapshot, kind)
         if is_kept_back(snapshot, kind):
-            which = f" {_GAMMA_BEST}," if kind is PolicyKind.OPTIMAL else ""
-            yield f"{name.line}:{which} hidden, {shown_by(snapshot)}", False
-        elif (refused := answer_of(snapshot, kind).refused) and refused not in said:
-            said.add(refused)
-            is_of_all = refused in (TOO_MANY, WHILE_RUNNING)
-            yield refused if is_of_all else f"{name.line}: {refused}", False
-        elif answer_of(snapshot, kind).is_known and answer_of(snapshot, kind).expected_return is None:
-            ends = answer_of(snapshot, kind).ends
-            if ends is not None:
-                share = f"ends in {numbers.percent(ends)}" if ends else "never ends"
-                yield f"{name.line}: {share}, so it has no return", False
+            yield f"{name}: hidden, {shown_by(snapshot)}", False
+        elif answer.refused and answer.refused not in said:
+            said.add(answer.refused)
+            is_of_all = answer.refused in (TOO_MANY, WHILE_RUNNING)
+            yield answer.refused if is_of_all else f"{name}: {answer.refused}", False
+        elif answer.is_known and answer.expected_return is None and answer.ends is not None:
+            share = f"ends in {numbers.percent(answer.ends)}" if answer.ends else "never ends"
+            yield f"{name}: {share}, so it has no return", False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -15,23 +15,19 @@ from rl_tui.screen.kit.snapshot_facts import hides_greedy, hides_means, is_secre
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
-
-class PolicyName(NamedTuple):
-    """``row`` names it in a table, ``line`` at the end of a line of the curve, ``of`` behind ``V of``."""
-
-    row: str
-    line: str
-    of: str
-
-
 POLICY_NAMES: Final = {
-    PolicyKind.UNIFORM: PolicyName("uniform random", "uniform", "uniform random"),
-    PolicyKind.GREEDY: PolicyName("greedy now", "greedy", "greedy now"),
-    PolicyKind.BEHAVIOUR: PolicyName("as it acts now", "as it acts", "the agent as it acts"),
-    PolicyKind.OPTIMAL: PolicyName("optimal", "optimal", "the optimal policy"),
-    PolicyKind.DRAWN: PolicyName("drawn", "drawn", "the drawn policy"),
+    PolicyKind.UNIFORM: "random",
+    PolicyKind.GREEDY: "greedy",
+    PolicyKind.BEHAVIOUR: "agent",
+    PolicyKind.OPTIMAL: "optimal",
+    PolicyKind.DRAWN: "drawn",
 }
 """In the order in which they are listed."""
+
+
+def policy_name(kind: PolicyKind) -> str:
+    """Return the name of a policy behind ``V of``."""
+    return "the agent" if kind is PolicyKind.BEHAVIOUR else f"the {POLICY_NAMES[kind]} policy"
 
 
 def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
@@ -70,7 +66,7 @@ def study_headings(
     to wait, they say so; none where there is nothing to say.
     """
     if shown is not None:
-        said = f"{what} of {POLICY_NAMES[shown].of}"
+        said = f"{what} of {policy_name(shown)}"
         forms = (f"{title} · {said}", said)
         return (f"{title} · {said} · t p: policies", *forms) if names_key else forms
     answers = snapshot.answers
@@ -79,7 +75,7 @@ def study_headings(
     answer = answers.policies.get(answers.studied)
     if answer is None or answer.refused != WHILE_RUNNING:
         return ()
-    note = f"pause: {what} of {POLICY_NAMES[answers.studied].of}"
+    note = f"pause: {what} of {policy_name(answers.studied)}"
     return f"{title} · {what} and greedy · {note}", f"{title} · {note}", note
 
 

@@ -11,12 +11,14 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.common.findings import one_line
+from rl_tui.common.words import counted
 from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.programs.evidence.verdict import CodeFinding, Rule, step_number
 from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Row, Text, lines_of
+from rl_tui.screen.kit.panel import key_hints
 from rl_tui.screen.kit.scrolling import ScrolledPanel, page_bindings
 from rl_tui.screen.panels.program.output import source_lines
 from rl_tui.screen.panels.program.words import (
@@ -36,12 +38,12 @@ NOTHING: Final = "nothing wrong found"
 NO_JUDGEMENT: Final = "nothing can be judged yet"
 WORTH_SAYING: Final = 100
 """Steps before which nothing could be found wrong."""
-NO_STEP_YET: Final = "no step yet: space runs your program, and what is wrong with it stands here"
+NO_STEP_YET: Final = "Nothing to examine yet. space runs your program."
 EXAMINED: Final = (
-    "Examined: the target, the ends of episodes, the table, which cells move, and the choice of actions."
+    "Examined: the target, the ends of episodes, the table, which cells change, and the choice of actions."
 )
 EXAMINED_WITHOUT_RULE: Final = (
-    "Examined: the table, which cells move, and the choice of actions; the target was not."
+    "Examined: the table, which cells change, and the choice of actions, but not the target."
 )
 _INDENT: Final = "   "
 
@@ -113,15 +115,8 @@ class FindingsPanel(ScrolledPanel):
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the keys of the panel."""
-        if not self._findings:
-            return ("esc: close",)
-        return (
-            "enter: go to its step · esc: close",
-            "enter: its step · esc: close",
-            "enter: step · esc: close",
-            "enter · esc: close",
-            "esc: close",
-        )
+        go = ("enter: go to its step", "enter: its step", "enter: step") if self._findings else ()
+        return [*key_hints(go, ("esc: close",))]
 
 
 def finding_blocks(
@@ -152,7 +147,7 @@ def finding_blocks(
 def evidence_text(finding: CodeFinding) -> str:
     """Return how certain a finding is: how many steps speak for it, and which is the first."""
     if finding.certainty == "declared":
-        certain = "Declared: it rests on a number read from your code"
+        certain = "Declared: this relies on a value read from your code"
     elif finding.kind == "risk":
         certain = "A risk: with good luck it does no harm"
     else:
@@ -160,8 +155,8 @@ def evidence_text(finding: CodeFinding) -> str:
     steps = ""
     if finding.steps_for:
         against = f"{finding.steps_against:,}" if finding.steps_against else "none"
-        steps = f"; steps for it: {finding.steps_for:,}, against it: {against}"
-    return f"{certain}{steps}. Enter goes to the first, step {step_number(finding.step):,}."
+        steps = f"; {counted(finding.steps_for, 'step')} for it, {against} against"
+    return f"{certain}{steps}; first at step {step_number(finding.step):,}."
 
 
 def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[Block]:
@@ -188,7 +183,7 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look) -> Iter
         text += f" {EXAMINED_WITHOUT_RULE}"
     else:
         text += (
-            f" {EXAMINED} On {update.informative:,} steps the next state had a value that was not 0: "
-            "only those tell γ, and which value is looked up."
+            f" {EXAMINED} γ shows only on {update.informative:,} steps: those where the next state's value "
+            "was not 0."
         )
     yield Text(text, style, _INDENT, _INDENT)

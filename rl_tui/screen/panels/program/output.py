@@ -18,7 +18,7 @@ from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.panels.program.words import LONGEST_NAME, LONGEST_SENTENCE, is_own, place_text
 from rl_tui.screen.theme.look import Look
 
-NOTHING_WRITTEN: Final = "your program has written nothing yet"
+NOTHING_WRITTEN: Final = "your program has printed nothing yet: space runs it"
 MOST_LINES: Final = 400
 """Lines of output that can be scrolled to."""
 
@@ -54,10 +54,6 @@ class OutputPanel(ScrolledPanel):
         if self._follows:
             self._first = max(0, len(rows) - height)
         return rows
-
-    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the key that closes it."""
-        return ("esc: close",)
 
     def _scroll(self, rows: int) -> None:
         self._follows = False

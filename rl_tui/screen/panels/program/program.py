@@ -41,7 +41,7 @@ from rl_tui.screen.theme.look import Look
 LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
 NO_TABLE: Final = "no table found"
 UNKNOWN: Final = "update not known"
-_GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a usual one, yours is not known"}
+_GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a common value; yours is not known yet"}
 _NEWS_ROWS: Final = 2
 _ERROR_ROWS: Final = 3
 _REASON_ROWS: Final = 2
@@ -80,7 +80,7 @@ def program_lines(
     snapshot: Snapshot, program: ProgramView, look: Look, width: int, height: int
 ) -> list[Line]:
     """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
-    parts = list(_Writer(snapshot, program, look).parts())
+    parts = list(_parts(snapshot, program, look))
     shown: dict[int, list[Line]] = {}
     for place in sorted(range(len(parts)), key=lambda place: parts[place].rank):
         part, room = parts[place], height - sum(map(len, shown.values()))
@@ -105,134 +105,87 @@ def _unfinished(line: Line, look: Look, width: int, more: str) -> Line:
     return [*whole, Piece(text + look.glyphs.ellipsis, last.style)]
 
 
-class _Writer:
-    def __init__(self, snapshot: Snapshot, program: ProgramView, look: Look) -> None:
-        self._steps = snapshot.counters.step
-        self._program = program
-        self._look = look
-        self._palette = look.palette
+def _parts(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[_Part]:
+    """Yield the parts in the order in which they stand below one another."""
+    palette, error, steps = look.palette, program.error, snapshot.counters.step
 
-    def parts(self) -> Iterator[_Part]:
-        """Yield the parts in the order in which they stand below one another."""
-        program = self._program
-        if program.refused:
-            refused = f"{self._look.glyphs.stopped} {one_line(program.refused, LONGEST_SENTENCE)}"
-            yield _Part(0, [self._text(refused, self._palette.bad)])
-            return
-        yield _Part(0, self._error(), _ERROR_ROWS)
-        news = self._text(one_line(program.reloaded, LONGEST_SENTENCE), self._palette.strong)
-        yield _Part(4, [news], _NEWS_ROWS)
-        yield _Part(5, self._table())
-        yield _Part(6, self._looked_for())
-        yield _Part(2, self._update(), _REASON_ROWS)
-        yield _Part(6, self._fit())
-        yield _Part(1 if program.verdict.findings else 3, self._findings())
-        yield _Part(7, self._gamma())
-        yield _Part(7, self._choices())
-        yield _Part(8, self._notes(), more=" a f shows it")
+    def text(words: str, style: Style) -> Sequence[Block]:
+        return [Text(words, style, rest="   ")]
 
-    def _error(self) -> Sequence[Block]:
-        error = self._program.error
-        if error is None:
-            return []
-        place = place_text(error.file, error.line, self._program)
-        at = f" ({place})" if place else ""
-        text = one_line(error.text, LONGEST_SENTENCE)
-        what = f"{self._look.glyphs.stopped} {one_line(error.type, LONGEST_NAME)}{at}: {text}"
-        return [self._text(what, self._palette.bad)]
+    def row(forms: Iterable[str], style: Style) -> Sequence[Block]:
+        lines = [[Piece(separated(f" {form}", look.glyphs), style)] for form in forms]
+        return [Row(*lines)] if lines else []
 
-    def _table(self) -> Sequence[Block]:
-        program = self._program
-        environment = one_line(program.environment, LONGEST_NAME)
-        if program.table is None and not self._steps:
-            later = (f" {environment} · {LOOKED_FOR_LATER}", f" {LOOKED_FOR_LATER}")
-            return [self._row(later, self._palette.text)]
-        if program.table is None:
-            start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
-            looked = f"{start}: a f says what was looked for" if program.looked_for else start
-            return [self._row((looked, start, f" {NO_TABLE}"), self._palette.text)]
-        tables = table_texts(program.table)
-        forms = (*(f" {environment} · {each}" for each in tables[:2]), *(f" {each}" for each in tables))
-        return [self._row(forms, self._palette.text)]
-
-    def _looked_for(self) -> Sequence[Block]:
-        looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in self._program.looked_for)
-        if not looked or not self._steps or self._program.table is not None:
-            return []
-        return [self._text(f"looked for: {looked}", self._palette.dim)]
-
-    def _update(self) -> Sequence[Block]:
-        update = self._program.verdict.update
-        texts = update_texts(update, self._look.glyphs)
-        if texts:
-            return [self._row([f" {each}" for each in texts], self._palette.strong)]
-        if self._program.table is None:
-            return []
+    if program.refused:
+        yield _Part(
+            0, text(f"{look.glyphs.stopped} {one_line(program.refused, LONGEST_SENTENCE)}", palette.bad)
+        )
+        return
+    if error is not None:
+        place = place_text(error.file, error.line, program)
+        what = f"{one_line(error.type, LONGEST_NAME)}{f' ({place})' if place else ''}"
+        said = f"{look.glyphs.stopped} {what}: {one_line(error.text, LONGEST_SENTENCE)}"
+        yield _Part(0, text(said, palette.bad), _ERROR_ROWS)
+    yield _Part(4, text(one_line(program.reloaded, LONGEST_SENTENCE), palette.strong), _NEWS_ROWS)
+    yield _Part(5, row(_table(program, steps), palette.text))
+    looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in program.looked_for)
+    if looked and steps and program.table is None:
+        yield _Part(6, text(f"looked for: {looked}", palette.dim))
+    update = program.verdict.update
+    if texts := update_texts(update, look.glyphs):
+        yield _Part(2, row(texts, palette.strong), _REASON_ROWS)
+    elif program.table is not None:
         reason = f": {clause(update.reason)}" if update.reason else ""
-        numbers = fitting_numbers(update, self._look.glyphs)
-        known = f"update known in part, {numbers}" if numbers else UNKNOWN if reason else f"{UNKNOWN} yet"
-        return [self._text(f"{known}{reason}", self._palette.text)]
-
-    def _fit(self) -> Sequence[Block]:
-        update = self._program.verdict.update
-        is_open, texts = open_text(update, self._look.glyphs), fit_texts(update)
-        forms = [" · ".join(filter(None, (each, is_open))) for each in texts] + list(texts)
-        return [self._row([f" {each}" for each in forms], self._palette.dim)] if forms else []
-
-    def _gamma(self) -> Sequence[Block]:
-        """Return which γ the exact answers are for, where it is not the one that the steps have told."""
-        program = self._program
-        if program.gamma is None or program.gamma_source not in _GAMMA_FROM:
-            return []
-        source = _GAMMA_FROM[program.gamma_source]
-        gamma = number_text(program.gamma, self._look.glyphs)
-        forms = (f" exact answers are for γ {gamma}: {source}", f" exact for γ {gamma}: {source}")
-        return [self._row(forms, self._palette.dim)]
-
-    def _findings(self) -> Sequence[Block]:
-        program, findings = self._program, ranked(self._program.verdict.findings)
-        if not findings:
-            return self._nothing_wrong()
-        worst = findings[0]
-        place = place_text(worst.file, worst.line, program)
-        said = IN_SHORT[worst.fault]
-        at = f" ({place})" if place else ""
-        count = f" {self._look.glyphs.breakpoint} {counted(findings)}: "
-        style = self._palette.bad if worst.kind == "fault" else self._palette.strong
-        hint = Piece("   a f shows it" if len(findings) == 1 else "   a f shows them", self._palette.dim)
-        texts = (f"{count}{said}{at}", f"{count}{said}", count.rstrip(": "))
-        return [Row([Piece(texts[0], style), hint], *([Piece(text, style)] for text in texts))]
-
-    def _nothing_wrong(self) -> Sequence[Block]:
-        if self._steps < WORTH_SAYING or self._program.table is None:
-            return []
-        if is_early(self._program.verdict.update):
-            early = f" {NO_JUDGEMENT}"
-            return [self._row((f"{early}   a f says what was examined", early), self._palette.dim)]
-        found = f" nothing wrong found in {self._steps:,} steps"
-        is_open = self._program.verdict.update.rule is Rule.UNKNOWN
-        if is_open:
-            in_part = f"{found}, as far as can be told"
-            return [self._row((f"{in_part}   a f says how far", in_part, found), self._palette.dim)]
-        return [self._row((f"{found}   a f says what was examined", found), self._palette.dim)]
-
-    def _choices(self) -> Sequence[Block]:
-        table = self._program.table
-        if table is None or not table.others:
-            return []
-        names = ", ".join(one_line(each, LONGEST_NAME) for each in table.others[:4])
-        forms = (f" a b chooses another table: {names}", f" a b: another table ({len(table.others):,})")
-        return [self._row(forms, self._palette.dim)]
-
-    def _notes(self) -> Sequence[Block]:
-        notes = notes_of(self._program)
-        if not notes:
-            return []
+        known = fitting_numbers(update, look.glyphs)
+        start = f"update known in part, {known}" if known else UNKNOWN if reason else f"{UNKNOWN} yet"
+        yield _Part(2, text(f"{start}{reason}", palette.text), _REASON_ROWS)
+    is_open, fits = open_text(update, look.glyphs), fit_texts(update)
+    forms = [" · ".join(filter(None, (each, is_open))) for each in fits]
+    yield _Part(6, row([*forms, *fits], palette.dim))
+    if program.verdict.findings:
+        yield _Part(1, [_findings(program, look)])
+    elif steps >= WORTH_SAYING and program.table is not None:
+        yield _Part(3, row(_nothing_wrong(program, steps), palette.dim))
+    if program.gamma is not None and program.gamma_source in _GAMMA_FROM:
+        source = f"for γ {number_text(program.gamma, look.glyphs)}: {_GAMMA_FROM[program.gamma_source]}"
+        yield _Part(7, row((f"exact values are {source}", f"exact {source}"), palette.dim))
+    if program.table is not None and (others := program.table.others):
+        listed = ", ".join(one_line(each, LONGEST_NAME) for each in others[:4])
+        forms = [f"a b chooses another table: {listed}", f"a b: another table ({len(others):,})"]
+        yield _Part(7, row(forms, palette.dim))
+    if notes := notes_of(program):
         count = f"note 1 of {len(notes):,}: " if len(notes) > 1 else "note: "
-        return [self._text(f"{count}{notes[0]}", self._palette.dim)]
+        yield _Part(8, text(f"{count}{notes[0]}", palette.dim), more=" a f shows it")
 
-    def _text(self, text: str, style: Style) -> Text:
-        return Text(text, style, rest="   ")
 
-    def _row(self, forms: Iterable[str], style: Style) -> Row:
-        return Row(*([Piece(separated(form, self._look.glyphs), style)] for form in forms))
+def _table(program: ProgramView, steps: int) -> Sequence[str]:
+    environment = one_line(program.environment, LONGEST_NAME)
+    if program.table is not None:
+        tables = table_texts(program.table)
+        return *(f"{environment} · {each}" for each in tables[:2]), *tables
+    if not steps:
+        return f"{environment} · {LOOKED_FOR_LATER}", LOOKED_FOR_LATER
+    start = f"{environment} · {NO_TABLE}" if environment else NO_TABLE
+    hint = [f"{start}: a f says what was looked for"] if program.looked_for else []
+    return *hint, start, NO_TABLE
+
+
+def _findings(program: ProgramView, look: Look) -> Row:
+    findings = ranked(program.verdict.findings)
+    worst = findings[0]
+    place, said = place_text(worst.file, worst.line, program), IN_SHORT[worst.fault]
+    count = f" {look.glyphs.breakpoint} {counted(findings)}"
+    style = look.palette.bad if worst.kind == "fault" else look.palette.strong
+    hint = Piece("   a f shows it" if len(findings) == 1 else "   a f shows them", look.palette.dim)
+    texts = (f"{count}: {said}{f' ({place})' if place else ''}", f"{count}: {said}", count)
+    return Row([Piece(texts[0], style), hint], *([Piece(text, style)] for text in texts))
+
+
+def _nothing_wrong(program: ProgramView, steps: int) -> Sequence[str]:
+    update = program.verdict.update
+    if is_early(update):
+        return f"{NO_JUDGEMENT}   a f says what was examined", NO_JUDGEMENT
+    found = f"nothing wrong found in {steps:,} steps"
+    if update.rule is Rule.UNKNOWN:
+        return f"{found}, as far as known   a f says how far", f"{found}, as far as known", found
+    return f"{found}   a f says what was examined", found

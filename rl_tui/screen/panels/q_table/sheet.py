@@ -16,7 +16,7 @@ from rl_tui.screen.kit.layers import Layer, other_lane
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.scrolling import kept_in_view, scroll_bar, scrolled_to
 from rl_tui.screen.kit.snapshot_facts import has_estimates
-from rl_tui.screen.panels.policies.studied import POLICY_NAMES
+from rl_tui.screen.panels.policies.studied import policy_name
 from rl_tui.screen.panels.q_table.forms import ListForm, MatrixForm, greedy_line
 from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -166,7 +166,7 @@ def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> 
     if other is None:
         title, studied = TITLES[layer], snapshot.answers.studied
         if layer is Layer.POLICY and studied is not None:
-            title = f"Q of {POLICY_NAMES[studied].of}"
+            title = f"Q of {policy_name(studied)}"
         captions = panel.captioned(title, _CAPTIONS.get(layer, ""))
         if layer is Layer.Q and not has_estimates(snapshot):
             captions = (f"{title} · {NO_TABLE}",)

@@ -12,7 +12,7 @@ from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.kit.row import MANY_SEEDS, MICROSCOPE, POLICIES
-from rl_tui.screen.panels.policies.studied import POLICY_NAMES
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES, policy_name
 from rl_tui.screen.panels.seed_figures import may_count_again
 
 _TO_END: Final = 999  # rows
@@ -128,5 +128,5 @@ class PolicyActions(Subject):
         """Close the panel, and go on to show the policy under its cursor."""
         self._is_kept = True
         self.board.close()
-        name = POLICY_NAMES[self._current].of
+        name = policy_name(self._current)
         self.screen.tell(f"Kept: {name}. v: Qπ in the table; t p, then esc: end it.")
