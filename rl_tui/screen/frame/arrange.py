@@ -39,7 +39,7 @@ from rl_tui.screen.panels.graph.chain import chain_rows
 from rl_tui.screen.panels.margins import wanted_margins
 from rl_tui.worlds.drawing import Arms, Axes, Body, Graph, Grid
 
-_LEAST_BELOW: Final = {SMALL: 3, MEDIUM: 5, ROOMY: 10}  # rows of the lower band
+_LEAST_BELOW: Final = {MEDIUM: 5, ROOMY: 10}  # rows of the lower band
 _LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
 _BESIDE_PAGE: Final = 12  # rows of curve and table, where the page of a lesson has the right column
 _AROUND_A_MAP: Final = 15  # rows
@@ -218,7 +218,10 @@ class _Bands:
         may_take = self.room is ROOMY and not self.is_place and self.aside is None
         if may_take and rows > sheet.size.height - _AROUND_A_MAP:
             return _LEAST_SCROLLING
-        return _LEAST_BELOW[self.room]
+        if self.room is SMALL:
+            return len(self._lines)
+        is_captioned = self.is_alone and self.room is MEDIUM  # a row more for the map is worth more there
+        return _LEAST_BELOW[self.room] - is_captioned
 
     def _world_room(self) -> int:
         sheet = self.sheet
@@ -372,7 +375,7 @@ class _Bands:
         elif not self.has_lower:
             return
         elif self.room is SMALL:
-            self._put_lines(foot - 3)
+            self._put_lines()
         elif columns and self.aside is None:
             at = sheet.size.width - sheet.margin - columns
             y = low
@@ -432,15 +435,20 @@ class _Bands:
         sheet.put(CURVE, Region(x, low, width, rows))
         sheet.put(TIMELINE, Region(x, low + rows, width, 1))
 
-    def _put_lines(self, y: int) -> None:
+    @property
+    def _lines(self) -> list[str]:
+        """What has a line each below the world on small screens: curve and timeline share theirs."""
+        return [each for each in (LAST_STEP, self.shape.settings, CURVE) if self.sheet.shows(each)]
+
+    def _put_lines(self) -> None:
         sheet, x, width = self.sheet, self.sheet.margin, self.sheet.usable
         half = width // 2
-        for panel in filter(sheet.shows, (LAST_STEP, self.shape.settings)):
-            sheet.put(panel, Region(x, y, width, 1))
-            y += 1
-        if sheet.shows(CURVE):
-            sheet.put(CURVE, Region(x, y, half - 1, 1))
-            sheet.put(TIMELINE, Region(x + half, y, width - half, 1))
+        for y, panel in enumerate(self._lines, sheet.foot - len(self._lines)):
+            if panel == CURVE:
+                sheet.put(CURVE, Region(x, y, half - 1, 1))
+                sheet.put(TIMELINE, Region(x + half, y, width - half, 1))
+            else:
+                sheet.put(panel, Region(x, y, width, 1))
 
     def _on_top(self, cell: Size, extra: int) -> Arrangement:
         """Return the place of a wide map above all else: below it the last step, curve and table."""
