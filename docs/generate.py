@@ -50,10 +50,11 @@ PLACES = {
     Place.EVERY: "everywhere",
 }
 _LAKE = "frozenlake-slippery"
+_LESSON_KEYS = "pagedown,pagedown,pagedown,pagedown,y,1,pagedown,enter,-,2,enter,1"
 PICTURES = {
     "playground.svg": ("screenshot", _LAKE, "--keys", "wait:20000"),
     "microscope.svg": ("screenshot", _LAKE, "--keys", "wait:60000,d"),
-    "lesson.svg": ("screenshot", "--lesson", "q-by-hand", "--keys", ".,.,.,.,y,1,.,A,-,2,enter,1"),
+    "lesson.svg": ("screenshot", "--lesson", "q-by-hand", "--keys", _LESSON_KEYS),
     "drawing.svg": ("screenshot", "maze", "--keys", "wait:3000,w,d,right,right,H,s,down,number_sign"),
     "figure-8.2.svg": ("figure", "8.2"),
     "own-code.svg": ("screenshot", "--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,a,f"),

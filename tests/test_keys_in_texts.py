@@ -18,22 +18,29 @@ PLAIN: Final = [*sorted(ROOT.glob("lessons/*.toml")), *sorted(ROOT.glob("scenari
 PAGES: Final = [ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))]
 MADE: Final = re.compile(r"<!-- made by make docs: .*?<!-- end -->", re.DOTALL)
 QUOTED: Final = re.compile(r"`([^`\s]|[a-z] [^`\s])`")
-SIGNS: Final = {"number_sign": "#", "left_square_bracket": "[", "right_square_bracket": "]"}
+SIGNS: Final = {
+    "number_sign": "#",
+    "left_square_bracket": "[",
+    "right_square_bracket": "]",
+    "full_stop": ".",
+    "comma": ",",
+}
 CURRENT: Final = {key for each in ACTIONS for key in (each.shown, *each.key.split(","))}
-ONLY_OLD: Final = {SIGNS.get(each.old, each.old) for each in ACTIONS if each.old} - CURRENT
+OLD: Final = {key for each in ACTIONS for key in each.old.split(",") if key}
+ONLY_OLD: Final = {SIGNS.get(key, key) for key in OLD} - CURRENT
 DRAWING: Final = {tool.key for each in TOOLBOXES.values() for tool in (*each.tools, *ALWAYS)}
 PATHS: Final = {each.key for each in ACTIONS if each.menu} | DRAWING
 
 OTHERS: Final = {
     "atlas.md": "n",  # a key of the map of settings
-    "commands.md": "V",  # of JSON
-    "drawing.md": "[]z",  # tools
+    "commands.md": "V.",  # of JSON; the beginning of names
+    "drawing.md": "[],Az",  # tools
     "keys.md": "op",  # a tool; the letter of a menu
     "own-code.md": "PQ",  # attributes of programs
     "questions.md": "C",  # a tool
     "README.md": "z",  # a tool
-    "scenario-files.md": "#GHSV",  # characters of maps
-    "screen.md": "o",  # the mark of a world in ASCII
+    "scenario-files.md": "#.GHSV",  # characters of maps
+    "screen.md": "o.",  # the marks of a world in ASCII
     "sweeps.md": "n",  # a setting
     "terminals.md": "GO",  # characters in ASCII
 }

@@ -93,15 +93,19 @@ class Learner:
     async def read(self) -> str:
         """Have the page in view; return what is seen of it, in one line."""
         place = playground(self.pilot).board.lesson
-        if not place.is_docked and not place.reads:
-            await self.keys("R")
-        rows = (place.panel.render_line(y).text.rstrip(" │█").strip() for y in range(place.panel.size.height))
-        return " ".join(" ".join(rows).split())
+        if not place.is_in_view:
+            await self.keys("enter")
+        panel = place.panel
+        rows = (panel.render_line(y).text.rstrip(" │█").strip(" ┃") for y in range(panel.size.height))
+        return " ".join([panel.heading, *" ".join(rows).split()])
 
     async def turn(self) -> None:
-        """Turn to the next page, which is allowed without a second press."""
+        """Turn to the next page, which is allowed without a second press at the end of this one."""
+        await self.read()
         before = self.record.page
-        await press(self.pilot, "full_stop")
+        while playground(self.pilot).board.lesson.panel.scroll_page(1):
+            pass
+        await press(self.pilot, "pagedown")
         assert NOT_DONE not in notes(self.pilot.app), f"the page {before} is not done"
         assert self.record.page != before
 
@@ -109,7 +113,8 @@ class Learner:
 
     async def answer(self, ask: Ask, answer: float) -> None:
         """Give ``answer``: the number, or the place of the choice."""
-        await self.keys("A")
+        await self.read()
+        await self.keys("enter")
         if ask.choices:
             await choose(self.pilot, str(int(answer)))
         else:
@@ -170,8 +175,8 @@ class Learner:
             assert self._is_manual, notes(self.pilot.app)
         before, place = self.now, playground(self.pilot).board.lesson
         key = _key_of(before, before.world.space.action_names.index(name))
-        if key in STEPS and place.panel.has_focus:
-            await self.keys("R")  # on the page arrows scroll
+        if key in STEPS and place.panel.takes_turns:
+            await self.keys("escape")  # on the page arrows scroll
         await self.keys(key)
         assert self.now.counters.step == before.counters.step + 1
 
@@ -221,17 +226,19 @@ class Learner:
         elif attempt.steps is not None and not self._is_done:
             await self.run_to(attempt.steps)
         if attempt.claim:
-            await self.keys("A", "enter")
+            await self.read()
+            await self.keys("enter", "2")
 
     async def write_program(self, code: str) -> None:
         """Have the file of the page begun in the working folder, write ``code`` into it, and check it."""
         task = self.page.task
         file = Path(task.program.file)
+        await self.read()
         if not file.exists():
-            await self.keys("A", "enter")
+            await self.keys("enter", "enter")
             assert file.read_text(encoding="utf-8") == task.program.skeleton
         file.write_text(code, encoding="utf-8")
-        await self.keys("A", "enter")
+        await self.keys("enter", "enter")
 
     async def _change(self, entry: JournalEntry) -> None:
         await self.run_to(entry.step)

@@ -57,7 +57,7 @@ async def test_a_message_goes_with_a_click_and_with_the_scenario_but_what_was_wr
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
-        await press(pilot, "A")
+        await press(pilot, "b")
         assert len(notes(pilot.app)) == 1
         pilot.app.post_message(MouseDown(None, 60, 5, 0, 0, 1, False, False, False))
         await pilot.pause()

@@ -26,7 +26,7 @@ SINGLE_KEYS = {
     *("space", "s", "e", "b", "B", "plus", "minus", "u", "1", "2", "3", "4"),
     *("v", "d", "f", "y", *MENUS, "slash", "question_mark", "q"),
 }
-LESSON_KEYS = {"R", "A", "full_stop", "comma", "h"}
+LESSON_KEYS = {"enter", "pagedown", "pageup", "h"}
 ACTING_LETTERS = set("sebBvfy")
 OF_ALL_LISTS = set("jkq?/")  # in a menu these move, close, show keys and find
 LONGEST_HELP = 125

@@ -248,8 +248,8 @@ async def test_who_acted_last_acts_again_where_a_lesson_goes_on(make_lesson_app:
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot, "r")  # on a lesson that is not begun it begins it at once
         assert lesson_on_screen(pilot).page == "start"
-        await press(pilot, "y", "1", "R")
-        await settled(pilot, "escape", "escape", "escape")
+        await press(pilot, "y", "1", "enter")
+        await settled(pilot, "escape", "escape", "escape", "escape")  # page, mode, and twice to leave
         assert isinstance(pilot.app.screen, LessonsScreen)
         await settled(pilot, "enter")
         assert snapshot(pilot).counters.step == 1
@@ -272,13 +272,13 @@ async def test_the_last_page_names_the_next_lesson_and_opens_it(
         for worker in [each for each in pilot.app.workers if each.name == "find the next lesson"]:
             await worker.wait()
         assert "next lesson: A second walk" in screen_text(pilot.app)
-        await press(pilot, ".")
-        said = "This is the last page. Press . again for the next lesson: A second walk."
+        await press(pilot, "enter")
+        said = "This is the last page. Press enter again for the next lesson: A second walk."
         assert notes(pilot.app)[-1] == said
         assert lesson_on_screen(pilot).lesson.id == "walk"
-        await settled(pilot, ".")
+        await settled(pilot, "enter")
         assert (lesson_on_screen(pilot).lesson.id, lesson_on_screen(pilot).page) == ("other", "start")
-        await settled(pilot, "s", ".")
+        await settled(pilot, "s", "pagedown")
         assert lesson_on_screen(pilot).page == "guess"
     async with make_lesson_app().run_test(size=size) as pilot:
         await settled(pilot)
@@ -356,7 +356,7 @@ async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot, "down", "enter")
         assert lesson_on_screen(pilot).lesson.id == "other"
-        await settled(pilot, "escape")
+        await settled(pilot, "escape", "escape")  # page, lesson
         assert isinstance(pilot.app.screen, LessonsScreen)
         assert pilot.app.screen.query_one(LessonList).highlighted == 1
         await settled(pilot, "escape")

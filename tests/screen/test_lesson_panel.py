@@ -64,26 +64,26 @@ def test_who_went_on_is_told_the_truth_though_the_run_was_set_up_again() -> None
 def test_a_page_of_text_has_its_title_and_its_place() -> None:
     panel = panel_of(at("start"))
     rows = panel.picture(at("start"), 42, 20)
-    assert panel.heading == "Q-learning by hand · 1/6"
-    assert panel.footing == ".: next page"
-    assert rows[0].text.strip() == "One cell a step"
+    assert panel.heading == "One cell a step"
+    assert panel.footing.startswith("page 1 of 6 ━")
+    assert [row.text.strip() for row in rows if row.text.strip()][-1] == "enter next page"
     assert "[bold]this[/bold] is no markup" in text(at("start"))
 
 
 def test_an_open_prediction_names_its_key_and_tells_nothing() -> None:
     said = text(at("predict"))
     assert stage(at("predict")) is PageStage.TO_PREDICT
-    assert "A say what you expect" in said
+    assert said.endswith("┃ enter your prediction")
     assert HALF_THE_WAY not in said
     assert "−1.5" not in said
 
 
 def test_a_locked_prediction_waits_for_its_steps() -> None:
-    for step, missing in ((3, "later."), (4, "later: 1 to go.")):
+    for step, to_go in ((3, ""), (4, ", 1 to go")):
         said = text(at("predict", SAID, step=step))
         assert stage(at("predict", SAID, step=step)) is PageStage.LOCKED
         assert "You said −2 at step 3; locked." in said
-        assert f"The truth comes 2 steps {missing}" in said
+        assert said.endswith(f"s to the truth: 2 steps{to_go}")
         assert "−1.5" not in said
         assert "forgotten" not in said
         assert "right" not in said
@@ -119,10 +119,10 @@ def test_an_unknown_wrong_answer_is_wrong_without_a_reply() -> None:
 
 
 def test_a_question_replies_to_a_choice_and_may_be_tried_again() -> None:
-    assert "A answer" in text(at("quiz"))
+    assert "enter your answer" in text(at("quiz"))
     wrong = text(at("quiz", Given("quiz", 0.0, is_right=False)))
     assert "That one is only looked up." in wrong
-    assert "A try again" in wrong
+    assert "enter try again" in wrong
     assert ONE_CELL not in wrong
     right = text(at("quiz", Given("quiz", 0.0, is_right=False), Given("quiz", 1.0, is_right=True)))
     assert f"✓ right – That of the state left Yes. {ONE_CELL}" in right
@@ -147,9 +147,9 @@ def test_hints_come_one_by_one_and_the_solution_last() -> None:
         (True, True, True),
         (True, True, True),
     ]
-    assert "h the solution" in shown[2]
+    assert "h solution" in shown[2]
     assert SET_INITIAL_Q not in shown[2]
-    assert " H " not in shown[3]
+    assert " h " not in shown[3]
 
 
 def test_a_passed_task_explains_itself() -> None:
@@ -180,35 +180,41 @@ def test_of_a_task_rightly_called_impossible_no_condition_is_said_to_hold() -> N
 @pytest.mark.parametrize("page", ["learn", "never"])
 def test_the_way_to_call_a_task_impossible_is_the_same_on_each_and_stands_last(page: str) -> None:
     rows = [row.strip() for row in drawn(at(page, task=TaskView(CONDITIONS))) if row.strip()]
-    assert rows[-1] == "A if you think that it cannot be done"
+    assert rows[-1].endswith("enter cannot be done?")
 
 
-def test_where_the_page_hides_the_world_the_footer_names_the_way_to_it() -> None:
-    for page, footing in (
-        ("start", ".: next page · R: to the world"),
-        ("learn", "R: to the world"),
-        ("quiz", "A: answer"),
+def offered(panel: LessonPanel, width: int = 60, height: int = 40) -> list[str]:
+    """What enter does, in each of its forms, as the key line names it."""
+    panel.picture(panel.snapshot, width, height)
+    return ["  ".join(f"{key}: {does}" for key, does in form) for form in panel.offers]
+
+
+def test_where_the_page_hides_the_world_it_names_the_way_to_it() -> None:
+    for page, keys in (
+        ("start", "enter: next page  esc: world"),
+        ("learn", "enter: do it  esc: world"),
+        ("quiz", "enter: your answer  esc: world"),
     ):
         panel = panel_of(at(page, task=TaskView(CONDITIONS)))
         panel.takes_turns = True
-        assert panel.keys(panel.snapshot)[0] == footing
+        assert offered(panel)[0] == keys
 
 
-def test_on_the_last_page_the_footer_names_the_next_lesson() -> None:
+def test_the_last_page_names_the_next_lesson() -> None:
     panel = panel_of(at("lake"))
-    assert panel.keys(panel.snapshot)[0] == "the last page · esc: leave"
+    assert offered(panel)[0] == "esc: the lessons"
     panel.following = "Explore or exploit"
-    assert panel.keys(panel.snapshot)[0] == "last page · . next lesson: Explore or exploit"
+    assert offered(panel) == ["enter: next lesson: Explore or exploit", "enter: next lesson"]
 
 
 @pytest.mark.parametrize(
     ("snapshot", "row"),
     [
-        (at("start"), " 1/6 One cell a step · R reads"),
-        (at("predict"), " 2/6 The second update  A: your prediction · R reads"),
-        (at("predict", SAID, step=3), " 2/6 The second update  you said −2; 2 steps · R reads"),
-        (at("predict", RIGHT, step=5), " 2/6 The second update  ✓ right · R reads"),
-        (at("learn", task=TaskView(CONDITIONS)), " 4/6 Learn to study  ✗✓ · R reads"),
+        (at("start"), " 1/6 One cell a step · enter reads"),
+        (at("predict"), " 2/6 The second update  your prediction · enter reads"),
+        (at("predict", SAID, step=3), " 2/6 The second update  you said −2; 2 steps · enter reads"),
+        (at("predict", RIGHT, step=5), " 2/6 The second update  ✓ right · enter reads"),
+        (at("learn", task=TaskView(CONDITIONS)), " 4/6 Make it learn to study.  ✗✓ · enter reads"),
     ],
 )
 def test_in_one_row_it_says_how_the_page_stands(snapshot: Snapshot, row: str) -> None:
@@ -236,7 +242,7 @@ def test_a_run_that_went_another_way_is_told_of(in_run: float | str, told: str) 
     said = text(beside_run(RIGHT, in_run))
     assert f"✓ right – it is −1.5 In your run: {told} {ANOTHER_WAY}" in said
     assert HALF_THE_WAY in said
-    assert drawn(beside_run(RIGHT, in_run), 76, 1)[0].startswith(
+    assert drawn(beside_run(RIGHT, in_run), 90, 1)[0].startswith(
         f" 2/6 The second update  ✓ right; in your run {told}"
     )
 
@@ -244,22 +250,22 @@ def test_a_run_that_went_another_way_is_told_of(in_run: float | str, told: str) 
 @pytest.mark.parametrize(
     ("steps", "step", "is_manual", "ways"),
     [
-        (2, 3, False, ("s: 2 steps to the truth", "s: 2 steps")),
-        (2, 3, True, ("act: 2 steps to the truth", "act: 2 steps")),
-        (2, 4, False, ("s: 2 steps to the truth (1 to go)", "s: 2 steps, 1 to go", "s: 1 to go")),
+        (2, 3, False, ("s: to the truth: 2 steps", "s: to the truth")),
+        (2, 3, True, ("act: to the truth: 2 steps", "act: to the truth")),
+        (2, 4, False, ("s: to the truth: 2 steps, 1 to go", "s: to the truth: 1 to go", "s: 1 to go")),
         (
             1866,
             669,
             True,
             (
-                "space or u: 1,866 steps to the truth (1,200 to go)",
-                "space or u: 1,866 steps, 1,200 to go",
+                "space or u: to the truth: 1,866 steps, 1,200 to go",
+                "space or u: to the truth: 1,200 to go",
                 "space or u: 1,200 to go",
             ),
         ),
     ],
 )
-def test_the_footer_names_the_way_to_the_truth(
+def test_a_locked_page_names_the_way_to_the_truth(
     steps: int, step: int, is_manual: bool, ways: tuple[str, ...]
 ) -> None:
     taught = lesson_of(TEXT.replace("steps = 2", f"steps = {steps}"), Path("sample.toml"))
@@ -268,41 +274,40 @@ def test_the_footer_names_the_way_to_the_truth(
     record = replace(snapshot.lesson.record, lesson=taught)
     panel = panel_of(replace(snapshot, lesson=LessonView(record)))
     panel.is_manual = is_manual
-    assert panel.keys(panel.snapshot) == ways
+    assert offered(panel) == [*ways]
 
 
-def test_of_a_planner_the_footer_names_the_key_of_a_sweep() -> None:
+def test_of_a_planner_it_names_the_key_of_a_sweep() -> None:
     start = at("predict", RIGHT, step=3)
     snapshot = replace(start, agent=replace(start.agent, algorithm="value-iteration"))
-    assert panel_of(snapshot).keys(snapshot)[0] == "e or s: 2 steps to the truth"
+    assert offered(panel_of(snapshot))[0] == "e or s: to the truth: 2 steps"
 
 
 @pytest.mark.parametrize(
-    ("is_manual", "way"), [(False, "y then 1: 2 steps to the truth"), (True, "1: 2 steps to the truth")]
+    ("is_manual", "way"), [(False, "y then 1: to the truth: 2 steps"), (True, "1: to the truth: 2 steps")]
 )
-def test_the_footer_names_the_keys_that_the_page_asks_for(is_manual: bool, way: str) -> None:
+def test_it_names_the_keys_that_the_page_asks_for(is_manual: bool, way: str) -> None:
     taught = lesson_of(TEXT.replace("steps = 2", 'steps = 2\nkeys = ["y", "1"]'), Path("sample.toml"))
     record = replace(begun(taught).open("predict"), given=(RIGHT,))
     panel = panel_of(replace(at("predict", RIGHT, step=3), lesson=LessonView(record)))
     panel.is_manual = is_manual
-    assert panel.keys(panel.snapshot)[0] == way
+    assert offered(panel)[0] == way
 
 
 @pytest.mark.parametrize("lesson", [path.stem for path in lesson_folder().glob("*.toml")])
-def test_no_footer_names_a_key_that_its_page_forbids_or_does_not_ask_for(lesson: str) -> None:
+def test_no_page_names_a_key_that_it_forbids_or_does_not_ask_for(lesson: str) -> None:
     taught, start = read_lesson(lesson_folder() / f"{lesson}.toml"), student(0)
     for page in taught.pages:
         forbidden = set(re.findall(r"[Nn]ot `([^`]+)`", page.text))
         asked = {key.strip("`") for key in re.findall(r"`[^`]+`|[↑→↓←]|arrows", page.text)} - forbidden
         opened = begun(taught).open(page.id)
         given = replace(opened, given=(Given(page.id, 0, is_right=False, step=0),))
-        for record, is_manual, has_focus in product((opened, given), (False, True), (False, True)):
+        for record, is_manual, takes_turns in product((opened, given), (False, True), (False, True)):
             view = LessonView(record)
             snapshot = replace(start, lesson=view)
             is_locked = stage_of(view, snapshot) is PageStage.LOCKED
-            for footer in next_keys(view, snapshot, has_focus=has_focus, is_manual=is_manual):
-                parts = (part.split(":")[0] for part in footer.split(" · "))
-                keys = {key for part in parts for key in re.split(" then | or ", part)}
+            for form in next_keys(view, snapshot, takes_turns=takes_turns, is_manual=is_manual):
+                keys = {key for part, _ in form for key in re.split(" then | or ", part)}
                 assert not keys & forbidden, page.id
                 assert not is_locked or keys - {"enter"} <= asked, page.id
 
@@ -314,17 +319,39 @@ def test_the_spotlight_names_the_key_of_a_panel_that_has_no_place() -> None:
         (Spotlight("Microscope", is_seen=False, key="d"), "▸ look at Microscope: d opens it"),
     ):
         panel.spotlight = spotlight
-        assert panel.picture(panel.snapshot, 42, 20)[1].text.strip() == said
+        rows = (row.text.strip(" ┃│█") for row in panel.picture(panel.snapshot, 42, 20))
+        assert next(filter(None, rows)) == said
+
+
+def long(page: str) -> Snapshot:
+    """The student with ``page`` open, whose text is far too long."""
+    taught = lesson_of(TEXT.replace("Study failed once.", "Word. " * 300), Path("sample.toml"))
+    return replace(at(page), lesson=LessonView(begun(taught).open(page)))
+
+
+def test_what_is_asked_is_in_view_below_a_text_of_any_length() -> None:
+    rows = drawn(long("predict"), 42, 16)
+    assert rows[0].startswith("  Word.")
+    asked = [row.removeprefix("┃ ") for row in rows if row.startswith("┃")]
+    assert asked[0] == "Predict"
+    assert "".join(asked[1:]).startswith("What will Q(Class, study) be after two")
+    assert asked[-1] == "enter your prediction"
+    assert rows[-1].startswith("┃"), "it stands last"
+    assert drawn(long("predict"), 42, 8)[-1] == "┃ Predict  enter your prediction"
+
+
+def test_no_line_of_text_is_wider_than_sixty_columns() -> None:
+    assert max(len(row.strip(" │█")) for row in drawn(long("predict"), 140, 16)) <= 60
 
 
 def test_what_is_below_is_announced_and_news_come_into_view() -> None:
     panel = panel_of(at("learn", task=TaskView(CONDITIONS)))
-    panel.picture(panel.snapshot, 30, 6)
-    assert "more · R: read here" in panel.footing
+    panel.picture(panel.snapshot, 30, 5)
+    assert "more · page 4 of 6" in panel.footing
     hinted = at("learn", task=TaskView(CONDITIONS), hints=(("learn", 1),))
     assert "Hint 1 of 2" in " ".join(row.text for row in panel.picture(hinted, 30, 6))
     turned = at("quiz")
-    assert panel.picture(turned, 30, 6)[0].text.strip(" │█") == "Which cell"
+    assert panel.picture(turned, 30, 6)[0].text.strip(" │█") == "Look at it."
 
 
 @pytest.mark.parametrize("ascii", [False, True])

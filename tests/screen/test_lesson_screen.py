@@ -45,7 +45,7 @@ from rl_tui.screen.frame.menu_strip import MenuStrip
 from rl_tui.screen.kit.row import LESSON as LESSON_PANEL
 from rl_tui.screen.kit.row import MICROSCOPE, TABLE, WORLD
 from rl_tui.screen.panels.lesson.lesson import LessonPanel
-from rl_tui.screen.playground.actions.kept_back import NO_LESSON, PREDICT_FIRST
+from rl_tui.screen.playground.actions.kept_back import PREDICT_FIRST
 from rl_tui.screen.playground.actions.lesson import CAN_BE_DONE, NOT_DONE, SEEN_BEFORE
 from rl_tui.screen.playground.actions.next_lesson import LAST_PAGE
 from rl_tui.screen.playground.playground import Playground
@@ -86,11 +86,11 @@ async def refusal(pilot: Pilot[UserError], *keys: str) -> str:
     menu = pilot.app.screen.menu
     assert "Not now: " in screen_text(pilot.app), keys
     await press(pilot, "escape")
-    return menu.rows[menu.at].refused
+    return menu.rows[menu.at].sentence.removeprefix("Not now: ").removesuffix(".")
 
 
 async def say(pilot: Pilot[UserError], number: str) -> None:
-    await press(pilot, "A")
+    await press(pilot, "enter")
     await tap(pilot, *number, "enter")
 
 
@@ -102,12 +102,12 @@ async def test_pages_turn_by_their_keys_alone_and_the_run_is_set_up_again_after_
         screen = playground(pilot)
         assert screen.status.render_line(0).text.strip().startswith("Q-learning by hand")
         assert record(pilot).page == "start"
-        await press(pilot, ",")
+        await press(pilot, "pageup")
         await train(pilot, 5)
         assert record(pilot).page == "start"
-        await press(pilot, ".")
+        await press(pilot, "pagedown")
         assert record(pilot).page == "predict"
-        await press(pilot, ",")
+        await press(pilot, "pageup")
         assert record(pilot).page == "start"
         screen.send(Apply(SetParameter("alpha", 0.25)))
         await press(pilot, "r", "p")
@@ -127,11 +127,7 @@ async def test_where_there_is_room_the_page_stands_beside_the_world() -> None:
         assert page_panel(pilot).region.x == 70
         assert page_panel(pilot).region.width == 48
         assert all(board.shows(panel) for panel in (WORLD, TABLE, LESSON_PANEL))
-        await press(pilot, "R")
-        assert page_panel(pilot).has_focus
-        await press(pilot, "R")
         assert not page_panel(pilot).has_focus
-        assert board.shows(LESSON_PANEL)
         await pilot.resize_terminal(*small)
         await settle(pilot)
         assert not board.shows(WORLD)
@@ -146,29 +142,29 @@ async def test_without_room_page_and_world_take_turns() -> None:
         board = playground(pilot).board
         assert page_panel(pilot).has_focus
         assert not board.shows(WORLD)
-        await press(pilot, "R")
+        await press(pilot, "escape")
         assert board.shows(WORLD)
         assert page_panel(pilot).region.height == 1
-        assert "1/6 One cell a step · R reads" in screen_text(pilot.app)
-        await press(pilot, "R")
+        assert "1/6 One cell a step · enter reads" in screen_text(pilot.app)
+        await press(pilot, "enter")
         assert not board.shows(WORLD)
         await press(pilot, "s")
         assert board.shows(WORLD)
         assert snapshot(pilot).counters.step == 1
-        await press(pilot, ".")
+        await press(pilot, "pagedown")
         assert not board.shows(WORLD)
 
 
 @both_sizes
 async def test_digits_act_from_the_page_as_it_says_until_escape(size: tuple[int, int]) -> None:
     async with lesson(size) as pilot:
-        await press(pilot, "y", "R", "1")
+        to_page = ("enter",) if size == small else ()
+        await press(pilot, "y", *to_page, "1")
         assert snapshot(pilot).counters.step == 1
         assert playground(pilot).board.shows(WORLD)
-        await press(pilot, "y")
-        if not page_panel(pilot).has_focus:
-            await press(pilot, "R")
-        await press(pilot, "1")
+        line = playground(pilot).query_one(KeyLine).render_line(0).text
+        assert line.startswith(" enter page  1 or 2 act" if size == small else " enter next page  1 or 2 act")
+        await press(pilot, "y", *to_page, "1")
         assert snapshot(pilot).counters.step == 1
         await press(pilot, "y", "1", "escape")
         assert snapshot(pilot).counters.step == 2
@@ -178,15 +174,70 @@ async def test_digits_act_from_the_page_as_it_says_until_escape(size: tuple[int,
 @both_sizes
 async def test_enter_on_the_page_does_what_it_asks_next(size: tuple[int, int]) -> None:
     async with lesson(size) as pilot:
-        if size == wide:
-            await press(pilot, "R")
         await press(pilot, "enter")
         assert record(pilot).page == "predict"
         await press(pilot, "enter")
         await tap(pilot, *"1/2", "enter")
         assert [(each.page, each.answer) for each in record(pilot).given] == [("predict", 0.5)]
+        await press(pilot, "enter")  # to the world
+        assert record(pilot).page == "predict"
+        assert playground(pilot).board.shows(WORLD)
+        assert notes(pilot.app) == ["s: to the truth: 2 steps."]
+        await press(pilot, "s", "s", *(("enter",) if size == small else ()), "enter")
+        assert record(pilot).page == "quiz"
+
+
+@both_sizes
+async def test_the_key_line_names_first_what_enter_does_and_nothing_else_while_an_answer_is_due(
+    size: tuple[int, int],
+) -> None:
+    async with lesson(size) as pilot:
+        line = playground(pilot).query_one(KeyLine)
+        world = ["esc world"] if size == small else []
+
+        def named() -> list[str]:
+            return line.render_line(0).text.replace("   ", "  ").strip().split("  ")
+
+        assert named()[: 1 + len(world)] == ["enter next page", *world]
+        assert "space run" in line.render_line(0).text
         await press(pilot, "enter")
-        assert not page_panel(pilot).has_focus
+        assert [each.strip() for each in named() if each] == ["enter your prediction", *world, "? keys"]
+        if size == small:
+            await press(pilot, "escape")
+            assert [each.strip() for each in named() if each] == ["enter page", "? keys"]
+            await press(pilot, "enter")
+            assert record(pilot).page == "predict"
+            assert not playground(pilot).board.shows(WORLD)
+
+
+async def test_a_long_page_scrolls_to_its_end_before_it_turns() -> None:
+    text = TEXT.replace("Study failed once.", "Word. " * 300)
+    async with on_screen(app_at(recipe_of(LESSON, "evening")), small, notifications=True) as pilot:
+        await order(pilot, KeepLesson(begun(lesson_of(text, Path("long.toml"))).open("predict")))
+        await press(pilot, "pagedown")
+        assert notes(pilot.app) == []
+        while " more" in page_panel(pilot).footing:
+            await press(pilot, "pagedown")
+        await press(pilot, "pageup")
+        assert " more" in page_panel(pilot).footing
+        await press(pilot, "pagedown", "pagedown")
+        assert notes(pilot.app) == [NOT_DONE]
+        assert record(pilot).page == "predict"
+        await press(pilot, "pagedown")
+        assert record(pilot).page == "quiz"
+
+
+async def test_old_keys_name_the_new_ones_once_and_do_their_deed() -> None:
+    async with lesson(wide) as pilot:
+        await press(pilot, "R")
+        assert record(pilot).page == "predict"
+        assert notes(pilot.app) == ["The key is now enter: go on."]
+        await press(pilot, ",")
+        assert record(pilot).page == "start"
+        assert notes(pilot.app) == ["The key is now pgup: page before."]
+        await press(pilot, "A")
+        assert record(pilot).page == "predict"
+        assert notes(pilot.app) == []
 
 
 @both_sizes
@@ -198,7 +249,7 @@ async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kep
     async with lesson(size) as pilot:
         for keys in tells:
             assert await refusal(pilot, *keys) == "kept back until page 2 is done", keys
-        await press(pilot, ".")
+        await press(pilot, "pagedown")
         for keys in tells:
             assert "kept back until your prediction is in" in await refusal(pilot, *keys), keys
             assert playground(pilot).board.opened is None, keys
@@ -206,21 +257,21 @@ async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kep
             assert await refusal(pilot, *keys) == PREDICT_FIRST, keys
         await train(pilot, 3)
         assert snapshot(pilot).counters.step == 0
-        await press(pilot, ".")  # skips the page, but by a second press only
+        await press(pilot, "pagedown")  # skips the page, but by a second press only
         assert notes(pilot.app) == [NOT_DONE]
         assert record(pilot).page == "predict"
-        await press(pilot, ".")
+        await press(pilot, "pagedown")
         assert (record(pilot).page, record(pilot).skipped) == ("quiz", ("predict",))
-        await press(pilot, ",", "s")
+        await press(pilot, "pageup", "s")
         assert snapshot(pilot).counters.step == 1
 
 
 async def test_a_run_stands_still_for_a_prediction_of_what_was_not_seen() -> None:
     async with lesson(wide) as pilot:
-        await press(pilot, "y", ".", "1")
+        await press(pilot, "y", "pagedown", "1")
         assert any(PREDICT_FIRST[1:] in note for note in notes(pilot.app))
         assert snapshot(pilot).counters.step == 0
-        await press(pilot, "escape", ",", "s", "s", "b", ".", "A")
+        await press(pilot, "escape", "pageup", "s", "s", "b", "pagedown", "enter")
         assert notes(pilot.app) == [SEEN_BEFORE]
         assert not record(pilot).given
 
@@ -228,19 +279,19 @@ async def test_a_run_stands_still_for_a_prediction_of_what_was_not_seen() -> Non
 @both_sizes
 async def test_a_prediction_is_locked_with_the_run_and_then_compared(size: tuple[int, int]) -> None:
     async with lesson(size) as pilot:
-        await press(pilot, "s", ".")
+        await press(pilot, "s", "pagedown")
         await say(pilot, "-2")
         run = snapshot(pilot)
         (given,) = record(pilot).given
         names = run.world.space.action_names
         assert (given.answer, given.is_right, given.step) == (-2.0, False, 1)
         assert given.digest == run_digest(run.recipe, (), 1, names)
-        await press(pilot, "A")
+        await press(pilot, "enter")
         assert record(pilot).given == (given,)
-        await press(pilot, "s", "s", "R" if size == small else "v")
+        await press(pilot, "s", "s", "enter" if size == small else "v")
         assert "not so – it is −1.5" in screen_text(pilot.app)
         assert record(pilot).page == "predict"
-        await press(pilot, "b", "b", "R" if size == small else "v")
+        await press(pilot, "b", "b", "enter" if size == small else "v")
         assert "not so – it is −1.5" in screen_text(pilot.app)
 
 
@@ -248,18 +299,20 @@ async def test_a_prediction_is_locked_with_the_run_and_then_compared(size: tuple
 async def test_a_question_is_answered_until_it_is_right(size: tuple[int, int]) -> None:
     async with lesson(size, "quiz") as pilot:
         if size == small:
-            await press(pilot, "R")
+            await press(pilot, "escape")
         shown = screen_text(pilot.app)
         assert all(chance in shown for chance in (".8", ".2"))
+        if size == small:
+            await press(pilot, "enter")
         for choice in ("0", "1"):
-            await press(pilot, "A")
+            await press(pilot, "enter")
             await choose(pilot, choice)
         assert [each.is_right for each in record(pilot).given] == [False, True]
         assert record(pilot).page == "quiz"
         assert record(pilot).is_done("quiz")
         await press(pilot, "t", "p")
         assert playground(pilot).board.opened is not None
-        await press(pilot, ",")  # to a page that keeps this panel back
+        await press(pilot, "pageup")  # to a page that keeps this panel back
         assert playground(pilot).board.opened is None
         assert snapshot(pilot).answers.studied is None
 
@@ -275,11 +328,9 @@ def held(run: Snapshot) -> Snapshot:
 @both_sizes
 async def test_a_task_has_hints_is_not_impossible_and_is_kept_once_it_holds(size: tuple[int, int]) -> None:
     async with lesson(size, "learn") as pilot:
-        await press(pilot, "A", "enter")
+        await press(pilot, "enter", "2")
         assert notes(pilot.app) == [CAN_BE_DONE]
         assert not record(pilot).passed
-        if size == small:
-            await press(pilot, "R")
         await press(pilot, "h", "h", "h", "h")
         assert record(pilot).hints_on("learn") == 3
         assert SET_INITIAL_Q in screen_text(pilot.app)
@@ -293,14 +344,15 @@ async def test_a_task_has_hints_is_not_impossible_and_is_kept_once_it_holds(size
 async def test_a_task_that_holds_as_its_page_is_turned_is_kept_and_a_claim_with_a_proof_too() -> None:
     async with lesson(wide, "learn") as pilot:
         run = snapshot(pilot)
-        await press(pilot, ".", ".")
+        await press(pilot, "pagedown", "pagedown")
         show(playground(pilot), held(run))
         await settle(pilot)
         assert record(pilot).has_passed("learn")
         assert record(pilot).page == "never"
-        await press(pilot, "A", "escape")
+        await press(pilot, "enter", "escape")
+        await press(pilot, "enter", "enter")
         assert not record(pilot).has_passed("never")
-        await press(pilot, "A", "enter")
+        await press(pilot, "enter", "2")
         assert [(each.page, each.claim) for each in record(pilot).passed[1:]] == [("never", True)]
         assert notes(pilot.app)[-1] == "Task passed."
         assert "PASSED" in screen_text(pilot.app)
@@ -310,8 +362,8 @@ async def test_a_task_that_holds_as_its_page_is_turned_is_kept_and_a_claim_with_
 @both_sizes
 async def test_the_help_keeps_the_notes_of_the_scenario_back(size: tuple[int, int]) -> None:
     async with lesson(size) as pilot:
-        for page, keys, tells in (("start", "", False), ("predict", ".", False), ("quiz", "..", True)):
-            await press(pilot, *keys)
+        for page, presses, tells in (("start", 0, False), ("predict", 1, False), ("quiz", 2, True)):
+            await press(pilot, *["pagedown"] * presses)
             assert record(pilot).page == page
             told = playground(pilot).help_screen()
             await pilot.app.push_screen(told)
@@ -329,11 +381,11 @@ async def test_another_setup_is_another_playground_and_after_the_last_page_one_e
 ) -> None:
     async with lesson(size, "never") as pilot:
         before = playground(pilot)
-        await press(pilot, ".", ".")
+        await press(pilot, "pagedown", "pagedown")
         assert playground(pilot) is not before
         assert (record(pilot).page, record(pilot).skipped) == ("lake", ("never",))
         assert snapshot(pilot).recipe.scenario.id == "frozenlake"
-        await press(pilot, ".")
+        await press(pilot, "pagedown")
         assert notes(pilot.app) == [LAST_PAGE]
         assert record(pilot).page == "lake"
         await press(pilot, "y", "2")
@@ -349,10 +401,10 @@ async def test_the_spotlight_marks_its_panel_while_the_page_is_open(size: tuple[
     async with lesson(size) as pilot:
         board = playground(pilot).board
         if size == small:
-            await press(pilot, "R")
+            await press(pilot, "escape")
         assert board.table.has_class("-spotlit")
         assert "▸ Q" in screen_text(pilot.app)
-        await press(pilot, ".")
+        await press(pilot, "pagedown")
         assert not board.table.has_class("-spotlit")
         assert board.panel(MICROSCOPE).has_class("-spotlit")
         assert "look at Microscope: d opens it" in screen_text(pilot.app)
@@ -364,12 +416,13 @@ async def test_keys_palette_and_help_offer_a_lesson_only_where_there_is_one() ->
         screen = playground(pilot)
         line = screen.query_one(KeyLine)
         assert not any(each.of_lesson for each in screen.actions)
-        assert "R read" not in line.render_line(0).text
-        assert await refusal(pilot, "A") == NO_LESSON
+        assert "page" not in line.render_line(0).text
+        await press(pilot, "enter", "h", "A")
+        assert notes(pilot.app) == []
         await order(pilot, KeepLesson(begun(LESSON)))
-        assert {"lesson.read", "lesson.hint"} <= {each.id for each in screen.actions}
+        assert {"lesson.go_on", "lesson.hint"} <= {each.id for each in screen.actions}
         assert found_by("hint", entries_on(screen))[0].name == "Hint"
-        assert "R read" in line.render_line(0).text
+        assert line.render_line(0).text.startswith(" enter next page")
         assert await refusal(pilot, "w", "]") == "esc leaves the lesson; its progress is kept"
 
 
@@ -386,7 +439,7 @@ async def test_every_panel_in_the_spotlight_is_marked_without_colours(
             text = TEXT.replace('spotlight = "table"', f'spotlight = "{panel}"')
             await order(pilot, KeepLesson(begun(lesson_of(text, Path("spot.toml")))))
             if page_panel(pilot).has_focus:
-                await press(pilot, "R")
+                await press(pilot, "escape")
             lit = playground(pilot).board.panel(panel)
             edge = screen_text(app).splitlines()[lit.region.y][lit.region.x]
             marks = ("▸", "┃") if not plain else (">", "|")  # before a heading, else beside the panel

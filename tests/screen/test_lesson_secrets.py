@@ -184,7 +184,7 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
         screen.send(HideAnswer(is_hidden=False))
         await train(pilot, 1_000)  # that spends the budget of the bandit
         if size == (80, 24):
-            await press(pilot, "R")
+            await press(pilot, "escape")
         turn = ["w", "a"] if isinstance(snapshot(pilot).world.drawing, Grid) else []
         policies = ["t", "p"]
         for keys in (["v"], ["v"], ["d"], ["d", *policies], [*policies, "f"], ["f", *turn], [*turn, "u"]):

@@ -51,19 +51,19 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize("size", [(120, 40), (80, 24)])
 async def test_from_the_skeleton_to_the_pass(size: tuple[int, int], here: Path) -> None:
     async with page(size) as pilot:
-        await press(pilot, "A", "enter")
+        await press(pilot, "enter", "enter")
         file = here / "my_agent.py"
         assert file.read_text(encoding="utf-8") == SKELETON
         assert "my_agent.py is written" in " ".join(notes(pilot.app))
-        await press(pilot, "A", "enter")
+        await press(pilot, "enter", "enter")
         assert not record(pilot).has_passed("write")
         assert "No number of the" in screen_text(pilot.app)
         file.write_text(updating("reward + gamma * max(Q[next_state])"), encoding="utf-8")
-        await press(pilot, "A", "enter")
+        await press(pilot, "enter", "enter")
         assert "✗ nothing is wrong with it (1)" in screen_text(pilot.app)
         assert "line 24" in screen_text(pilot.app)
         file.write_text(updating(), encoding="utf-8")
-        await press(pilot, "A", "enter")
+        await press(pilot, "enter", "enter")
         assert record(pilot).has_passed("write")
         assert record(pilot).passed[0].program == updating()
         assert "PASSED" in screen_text(pilot.app)
@@ -72,30 +72,30 @@ async def test_from_the_skeleton_to_the_pass(size: tuple[int, int], here: Path) 
 
 async def test_a_file_that_is_there_is_never_written_over_nor_one_elsewhere(here: Path) -> None:
     async with page() as pilot:
-        await press(pilot, "A", *"../x.py")
+        await press(pilot, "enter", *"../x.py")
         assert "in this folder" in screen_text(pilot.app)
         await press(pilot, "enter", "escape")
         assert list(here.iterdir()) == []
         (here / "my_agent.py").write_text("mine", encoding="utf-8")
-        await press(pilot, "A", "enter")
+        await press(pilot, "enter", "enter")
         assert (here / "my_agent.py").read_text(encoding="utf-8") == "mine"
         assert "stays as it is" in " ".join(notes(pilot.app))
-        await press(pilot, "A", "end", "enter", "enter")
+        await press(pilot, "enter", "end", "enter")
         assert "this can be done" in " ".join(notes(pilot.app))  # so it is not impossible
-        await press(pilot, "A", "down", "enter")
+        await press(pilot, "enter", "down", "enter")
         await press(pilot, *"b.py", "enter")
         assert (here / "b.py").read_text(encoding="utf-8") == SKELETON
 
 
 async def test_where_others_sit_nothing_is_written(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     async with page(kiosk=True) as pilot:
-        await press(pilot, "A")
+        await press(pilot, "enter")
         assert NOT_HERE in " ".join(notes(pilot.app))
         assert list(here.iterdir()) == []
-        await press(pilot, ".", ".")
+        await press(pilot, "pagedown", "pagedown")
         assert record(pilot).page == "after"
     async with page((80, 24)) as pilot:
         monkeypatch.setenv("TEXTUAL_DRIVER", IN_BROWSER)
-        await press(pilot, "A")
+        await press(pilot, "enter")
         assert NOT_HERE in " ".join(notes(pilot.app))
         assert list(here.iterdir()) == []

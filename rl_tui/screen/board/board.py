@@ -61,8 +61,6 @@ from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.panels.world_views import make_world_view
 from rl_tui.screen.theme.look import Look
 
-# The place of the lesson
-
 
 class LessonPlace:
     """The ``panel`` of the lesson on the ``board``: beside the world, or in turn with it.
@@ -84,6 +82,11 @@ class LessonPlace:
         return not layout.is_big and docks_lesson(size, layout.in_view(size))
 
     @property
+    def is_in_view(self) -> bool:
+        """Whether the page is to be read, all of it and not its row."""
+        return self._arrangement.has_page(self._board.size)
+
+    @property
     def reads(self) -> bool:
         """Whether the page has the place of the world, or would have it where there is no room for both."""
         return self._arrangement.shape.reads and not self._arrangement.is_big
@@ -96,16 +99,13 @@ class LessonPlace:
             self._board.zoom(None)
         self._board.reshape(reads=reads)
         self._board.post_message(self._board.Toggled())
-        if reads and not self.is_docked:
-            self.focus()
-        elif not reads and not self.is_docked:
-            self.leave()
+        if not self.is_docked:
+            (self.focus if reads else self.leave)()
 
     def focus(self) -> None:
         """Give the page the focus."""
-        focused = self._board.screen.focused
-        if focused is not self.panel:
-            self._focused_before = focused
+        if self._board.screen.focused is not self.panel:
+            self._focused_before = self._board.screen.focused
             self.panel.focus()
 
     def leave(self) -> None:

@@ -50,6 +50,10 @@ class BoardLayout(Layout):
         is_page = shape.reads or docks_lesson(size, self.in_view(size)) or self.zoomed == LESSON
         return shape.has_lesson and (self.is_big or not is_page)
 
+    def has_page(self, size: Size) -> bool:
+        """Return whether the page of a lesson is in view, and not its row."""
+        return not self.has_lesson_in_a_row(size) and LESSON in self.regions(size, self.zoomed)
+
     def has_place(self, panel: str, size: Size) -> bool:
         """Return whether ``panel`` has a place, with the page of a lesson beside it or in turn with it."""
         return panel in self._place(size, replace(self.shape, reads=False), self.zoomed).regions

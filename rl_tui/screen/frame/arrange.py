@@ -57,6 +57,7 @@ _AROUND_A_TABLE: Final = 8  # rows: heads, legend, layers
 _SHARE: Final = 0.235  # of the screen; a map that has less takes rows of the lower band
 _PANEL_COLUMNS: Final = (44, 60)
 _PANEL_SHARE: Final = 0.4
+_PAGE_COLUMNS: Final = 40  # of a lesson, where there is little room for the world
 _BESIDE_A_GRAPH: Final = 36  # columns; with more the boxes of a graph become a list
 _TALLER: Final = 1.5  # times: a wide map lies above all else if its cells get that much higher
 _LARGER: Final = 1.3  # times: two maps lie one above the other if cells get that much larger
@@ -129,6 +130,8 @@ class _Bands:
         width = self.sheet.size.width
         if self.aside is not None:
             least, most = _PANEL_COLUMNS
+            if self.aside == LESSON and self.room is MEDIUM:
+                least = _PAGE_COLUMNS
             if isinstance(self.drawing, Graph) and self.room is MEDIUM:
                 least = _BESIDE_A_GRAPH
             columns = max(least, min(most, round(width * _PANEL_SHARE)))

@@ -106,8 +106,8 @@ class KeyLine(Widget):
     def _fitting_first(self) -> Hints:
         """Return the longest way to write what stands first that leaves room for the help, else the last."""
         last = min((a for a in self._actions if a.rank is not None), key=lambda action: action.rank or 0)
-        room = self.size.width - _columns(last, self.look.glyphs) - _GAPS[1]
-        fitting = (each for each in self.first if _line_columns(each, _GAPS[1], self.look.glyphs) <= room)
+        room = self.size.width - _columns(last, self.look.glyphs) - _GAPS[0]
+        fitting = (each for each in self.first if _line_columns(each, _GAPS[0], self.look.glyphs) <= room)
         return next(fitting, self.first[-1] if self.first else ())
 
     def _fitting_hints(self) -> list[tuple[str, str]]:

@@ -114,7 +114,7 @@ class Action:
     def keys(self) -> list[str]:
         """Textual's names of the single keys that do it, the old one included."""
         single = "" if self.menu else self.key
-        return [key for key in (*single.split(","), self.old) if key]
+        return [key for key in (*single.split(","), *self.old.split(",")) if key]
 
     @property
     def shown(self) -> str:

@@ -138,6 +138,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         Group.PROGRAM,
         symbol="esc",
         command="leaving.back",
+        keeps_page=True,
         rank=18,
         aliases="menu list",
         leaves=True,

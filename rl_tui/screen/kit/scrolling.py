@@ -87,6 +87,7 @@ class ScrolledPanel(Panel, can_focus=True):
         self.heading = self.title
         self._first = 0
         self._rows_in_all = 0
+        self._rows_in_view = 0
         self._has_bar = False
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -118,7 +119,7 @@ class ScrolledPanel(Panel, can_focus=True):
         """Return the rows in view."""
         self.heading = self.fitting((*self.captioned(self.title), self.title), width)
         rows, is_scrolled = self._fitted(snapshot, width, height)
-        self._rows_in_all = len(rows)
+        self._rows_in_all, self._rows_in_view = len(rows), height
         self._first = max(0, min(self._first, len(rows) - height))
         shown = rows[self._first : self._first + height]
         self.footing = self.fitting(self.hints(snapshot, is_scrolled=is_scrolled), width)
@@ -142,7 +143,7 @@ class ScrolledPanel(Panel, can_focus=True):
 
     def action_scroll_pages(self, pages: int) -> None:
         """Scroll by so many pages, a row less each, so that nothing is skipped."""
-        self._scroll(pages * max(1, self.size.height - 1))
+        self._scroll(pages * max(1, self._rows_in_view - 1))
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
         """Scroll by so many rows."""
@@ -150,5 +151,5 @@ class ScrolledPanel(Panel, can_focus=True):
         self._scroll(rows)
 
     def _scroll(self, rows: int) -> None:
-        self._first = max(0, min(self._first + rows, self._rows_in_all - self.size.height))
+        self._first = max(0, min(self._first + rows, self._rows_in_all - self._rows_in_view))
         self.redraw()

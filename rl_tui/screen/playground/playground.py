@@ -40,6 +40,7 @@ from rl_tui.screen.kit.row import CAPTION, MICROSCOPE, WORLD, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider, key_hints
 from rl_tui.screen.panels.discount import DiscountPanel
+from rl_tui.screen.panels.lesson.lesson import LessonPanel
 from rl_tui.screen.panels.policies.policies import PolicyChosen
 from rl_tui.screen.panels.program.findings import FindingsPanel
 from rl_tui.screen.panels.q_table.q_table import QTable
@@ -234,6 +235,8 @@ class Playground(ActionScreen):
         """Leave arrows, digits and the like to the panels unless a mode takes them."""
         if action == "do_unfocused":
             return self.focused is None
+        if action == "do" and str(parameters[0]).startswith("lesson.") and self.wanted.lesson is None:
+            return False
         if action == "mode_key":
             return self.modes.takes(str(parameters[0])) and not (LEAVE in parameters and self.lesson.is_over)
         return super().check_action(action, parameters)
@@ -302,13 +305,16 @@ class Playground(ActionScreen):
     @on(DescendantFocus)
     @on(DescendantBlur)
     @on(Board.Toggled)
+    @on(LessonPanel.Offered)
     def show_key_hints(self) -> None:
         """Show on the key line what keys do now: those of a mode, else first those of the slider in focus."""
         snapshot = self.snapshot
         if snapshot is not None:
             self.modes.show(snapshot)
         keys = self.query_one(KeyLine)
-        keys.first = key_hints(self.focused) or self.editing.offered or self.view.way_back
+        keys.first = (
+            key_hints(self.focused) or self.lesson.offers or self.editing.offered or self.view.way_back
+        )
         keys.is_running = self.run.is_under_way
         keys.names_all = self.legends.names_all_keys
         ranked = (each for each in self.known_actions if each.rank is not None and not each.stays)

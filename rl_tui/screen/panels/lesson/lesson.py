@@ -1,37 +1,45 @@
-"""The open page of a lesson, all of it beside the world, or one row where the world has the place."""
+"""The open page of a lesson: its text, and apart from that what is to do now.
+
+It stands beside the world, or in its place; in one row where the world has the place.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, NamedTuple
 
+from rich.style import Style
 from textual import events
 from textual.binding import BindingType
+from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.common.words import counted
 from rl_tui.lessons.file.schema import Ask, Page, Task
-from rl_tui.lessons.file.view import NO_STEP, ConditionView, Given, LessonView
+from rl_tui.lessons.file.view import NO_STEP, ConditionView, Given, LessonRecord, LessonView
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.canvas import Line, Piece, strips_of
+from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, shortened, strips_of
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Flow, Labelled, Row, Text
-from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.scrolling import ScrolledPanel
 from rl_tui.screen.panels.lesson.prose import prose_lines
 from rl_tui.screen.panels.lesson.words import (
     DONE,
     NOT_COUNTED,
+    Offer,
     PageStage,
     answer_text,
     condition_sign,
     in_run_text,
+    name_of_deed,
+    named_hints,
+    next_hint,
     next_keys,
     open_page,
-    page_place,
+    progress,
     reply_to,
     stage_of,
-    steps_to_truth,
     summary_line,
     truth_text,
     verdict_piece,
@@ -39,7 +47,14 @@ from rl_tui.screen.panels.lesson.words import (
 )
 from rl_tui.screen.theme.look import Look
 
+_BOLD: Final = Style(bold=True)
+_BAR: Final = "┃"  # beside what is to do
 _SIGN: Final = 3  # cells of a sign before a text
+_WIDEST: Final = 60  # cells of a line of text
+_MARGIN: Final = 2  # cells before it
+_AROUND_A_TITLE: Final = 4  # cells
+_TRACKS: Final = (24, 12, 0)  # cells of the line of progress
+_LEAST_TEXT: Final = 6  # rows that are left for the text above what is to do
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,24 +70,39 @@ class Spotlight:
 
 
 class PageLines(NamedTuple):
-    """The lines of a page; ``news`` is the place of what came last: answer, hint or explanation."""
+    """The lines of a page, and those of what it asks ``now``.
 
-    lines: list[Line]
+    ``news`` is the place of what came last: answer, hint or explanation.
+    """
+
+    text: list[Line]
+    now: list[Line]
     news: int
 
 
 def page_lines(
     view: LessonView, snapshot: Snapshot, look: Look, width: int, spotlight: Spotlight | None = None
 ) -> PageLines:
-    """Return the open page in ``width`` cells, all of it."""
+    """Return the open page in ``width`` cells, all of it but for the keys."""
+    page = _Page(view, snapshot, look)
+    text, news = _lines(page.text(spotlight), " ", look.palette.text, width, look)
+    now, _ = _lines(page.now(), _BAR, look.palette.you, width, look)
+    return PageLines(text, now, news)
+
+
+def _lines(
+    blocks: Iterable[Block], margin: str, style: Style, width: int, look: Look
+) -> tuple[list[Line], int]:
+    """Return ``blocks`` behind ``margin`` in each line, and the place of the news."""
     lines: list[Line] = []
     news = 0
-    for block in _Page(view, snapshot, look).blocks(spotlight):
+    for block in blocks:
         if block is _NEWS:
             news = len(lines)
-        elif block is not BLANK or (lines and lines[-1]):
-            lines += block.lines(max(1, width - 1), look)
-    return PageLines(lines, news)
+        elif block is not BLANK or (lines and len(lines[-1]) > 1):
+            made = block.lines(max(1, min(width - _MARGIN, _WIDEST + 1)), look)
+            lines += [[Piece(margin, style), *line] for line in made]
+    return lines, news
 
 
 _NEWS: Final = Flow(())
@@ -81,14 +111,15 @@ _NEWS: Final = Flow(())
 
 @dataclass(frozen=True, slots=True)
 class _Prose:
-    """A text with paragraphs, lists and equations."""
+    """A text with paragraphs, lists and equations, words without a mark in ``style``; None: the usual one."""
 
     text: str
+    style: Style | None = None
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
         """Return its lines behind a margin."""
         margin = Piece(" ", look.palette.text)
-        lines = prose_lines(self.text, max(1, width - 1), look)
+        lines = prose_lines(self.text, max(1, width - 1), look, self.style)
         return [[margin, *line] if line else [] for line in lines]
 
 
@@ -104,40 +135,61 @@ class _Page:
         self._look = look
         self._palette = look.palette
 
-    def blocks(self, spotlight: Spotlight | None) -> Iterator[Block]:
-        page = self._page
-        yield Text(page.title, self._palette.strong)
+    def text(self, spotlight: Spotlight | None) -> Iterator[Block]:
+        """Yield what is to read."""
+        page, is_done = self._page, self._stage in DONE
         if spotlight is not None:
             yield self._look_at(spotlight)
         if page.text:
             yield from (BLANK, _Prose(page.text))
-        if page.prediction is not None:
-            yield from self._prediction(page.prediction)
+        if page.prediction is not None and is_done:
+            yield from self._told(page.prediction)
         if page.question is not None:
-            yield from self._question(page.question)
+            yield from self._question(page.question) if is_done else self._last_answer(page.question)
         if page.task is not None:
-            yield from self._task(page.task)
-        if page.explanation and self._stage in DONE:
+            yield from self._done(page.task) if is_done else self._found(page.task)
+        if page.explanation and is_done:
             yield from (BLANK, _Prose(page.explanation))
 
-    def _prediction(self, ask: Ask) -> Iterator[Block]:
-        palette, given = self._palette, self._record.given_on(self._page.id)
-        yield from self._head("Guess" if self._page.guess else "Predict")
-        yield _Prose(ask.ask)
-        if given is None:
-            yield from self._choices(ask)
-            yield from (BLANK, self._key("A", "say what you expect; no step is taken before"))
+    def now(self) -> Iterator[Block]:
+        """Yield what the page asks for, nothing once it is done."""
+        if self._stage in DONE:
             return
-        yield from (BLANK, _NEWS, self._locked(ask, given))
-        missing = steps_to_truth(ask, given, self._snapshot)
-        if missing:
-            to_go = f": {missing:,} to go" if missing < ask.steps else ""
-            yield Text(f"The truth comes {counted(ask.steps, 'step')} later{to_go}.", palette.dim)
+        ask, task = self._page.asked, self._page.task
+        given = self._record.given_on(self._page.id)
+        if ask is not None:
+            yield from self._asked(ask)
+            if self._stage is not PageStage.LOCKED:
+                yield from (_Prose(f"- {choice.text}") for choice in ask.choices)
+            elif given is not None:
+                yield self._locked(ask, given)
+        if task is not None:
+            yield from self._to_do(task)
+            yield from (Text(self._view.task.waits, self._palette.dim),) if self._view.task else ()
+            if task.program is not None:
+                watch = f"rl-tui watch {task.program.file} in another terminal shows it at work."
+                yield Text(watch, self._palette.dim)
+
+    def _head(self) -> Block:
+        """Return the word above what the page asks; it stands out until that is done."""
+        palette = self._palette
+        style = palette.strong if self._stage in DONE else palette.you + _BOLD
+        return self._row(Piece(name_of_deed(self._page), style))
+
+    def _asked(self, ask: Ask) -> Iterator[Block]:
+        is_open = self._stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER)
+        yield from (self._head(), _Prose(ask.ask, self._palette.strong if is_open else None))
+
+    def _told(self, ask: Ask) -> Iterator[Block]:
+        palette, given = self._palette, self._record.given_on(self._page.id)
+        yield from (BLANK, *self._asked(ask))
+        if given is None:
             return
         truth = truth_text(ask, given, self._look.glyphs)
+        yield from (BLANK, _NEWS, self._locked(ask, given))
         yield self._row(verdict_piece(given.is_right, self._look), Piece(truth, palette.text))
         yield from self._in_run(ask)
-        yield _Prose(reply_to(ask, given.answer, is_right=given.is_right))
+        yield from (BLANK, _Prose(reply_to(ask, given.answer, is_right=given.is_right)))
         right, made = self._record.predictions
         told = f"{right} of {counted(made, 'prediction')} right so far."
         yield Text(NOT_COUNTED if self._page.guess else told, palette.dim)
@@ -157,41 +209,34 @@ class _Page:
         return Text(text, self._palette.strong)
 
     def _question(self, ask: Ask) -> Iterator[Block]:
-        yield from self._head("Question")
-        yield _Prose(ask.ask)
+        yield from (BLANK, *self._asked(ask), *self._last_answer(ask))
+
+    def _last_answer(self, ask: Ask) -> Iterator[Block]:
         given = self._record.last_given_on(self._page.id)
         if given is not None:
             said = answer_text(ask, given.answer, self._look.glyphs)
             verdict = verdict_piece(given.is_right, self._look)
             yield from (BLANK, _NEWS, self._row(verdict, Piece(f" – {said}", self._palette.text)))
             yield _Prose(reply_to(ask, given.answer, is_right=given.is_right))
-            if given.is_right:
-                return
-            yield BLANK
-        yield from self._choices(ask)
-        yield from (BLANK, self._key("A", "answer" if given is None else "try again"))
 
-    def _choices(self, ask: Ask) -> Iterator[Block]:
-        return (_Prose(f"- {choice.text}") for choice in ask.choices)
-
-    def _task(self, task: Task) -> Iterator[Block]:
-        yield from self._head("Do")
-        yield from (_Prose(task.do), BLANK)
-        view = self._view.task
-        is_passed = self._stage is PageStage.PASSED
+    def _to_do(self, task: Task) -> Iterator[Block]:
+        is_open = self._stage is PageStage.TO_DO
+        yield from (self._head(), _Prose(task.do, self._palette.strong if is_open else None))
         for condition in self._conditions(task):
             found = f" ({condition.found})" if condition.found else ""
             yield self._beside(condition_sign(condition.holds, self._look), f"{condition.text}{found}")
-        if view is not None:
-            yield Text("" if is_passed else view.waits, self._palette.dim)
-            yield from (BLANK, _NEWS) if view.remarks else ()
-            for remark in view.remarks:  # what was found of a program
-                yield self._beside(Piece(self._look.glyphs.cursor, self._palette.strong), remark)
-        if not is_passed:
-            yield from self._hints(task)
-            yield from (BLANK, *self._what_to_press(task))
-            return
-        yield from (BLANK, _NEWS, self._row(Piece(f"{self._look.glyphs.holds} PASSED", self._palette.good)))
+
+    def _found(self, task: Task) -> Iterator[Block]:
+        """Yield what was found of a program, and the hints."""
+        view = self._view.task
+        yield from (BLANK, _NEWS) if view is not None and view.remarks else ()
+        for remark in () if view is None else view.remarks:
+            yield self._beside(Piece(self._look.glyphs.cursor, self._palette.strong), remark)
+        yield from self._hints(task)
+
+    def _done(self, task: Task) -> Iterator[Block]:
+        passed = Piece(f"{self._look.glyphs.holds} PASSED", self._palette.good)
+        yield from (BLANK, *self._to_do(task), BLANK, _NEWS, self._row(passed))
         yield from self._hints(task)
 
     def _conditions(self, task: Task) -> Sequence[ConditionView]:
@@ -204,17 +249,8 @@ class _Page:
             return [ConditionView(each.text, True) for each in task.conditions]
         return () if self._view.task is None else self._view.task.conditions
 
-    def _what_to_press(self, task: Task) -> Iterator[Block]:
-        dim = self._palette.dim
-        if task.program is None:
-            yield Labelled("A", dim, _SIGN, Text("if you think that it cannot be done", dim, "", ""))
-            return
-        yield self._key("A", f"writes {task.program.file}, and once it is there checks it")
-        yield Text(f"rl-tui watch {task.program.file} in another terminal shows it at work.", dim)
-
     def _hints(self, task: Task) -> Iterator[Block]:
-        hints = {f"hint {number} of {len(task.hints)}": each for number, each in enumerate(task.hints, 1)}
-        hints |= {"solution": task.solution} if task.solution else {}
+        hints = named_hints(task)
         asked, is_passed = self._record.hints_on(self._page.id), self._stage is PageStage.PASSED
         for number, (name, hint) in enumerate(hints.items(), start=1):
             if number <= asked:
@@ -222,21 +258,12 @@ class _Page:
                 if number == min(asked, len(hints)) and not is_passed:
                     yield _NEWS
                 yield from (Text(name.capitalize(), self._palette.strong), _Prose(hint))
-        if not is_passed and asked < len(hints):
-            following = list(hints)[asked]
-            yield from (BLANK, self._key("h", "the solution" if following == "solution" else following))
 
     def _look_at(self, spotlight: Spotlight) -> Block:
         mark = self._look.glyphs.cursor
         opens = f": {spotlight.key} opens it" if spotlight.key else ": not in view here, f zooms a panel"
         where = "" if spotlight.is_seen else opens
-        return self._row(Piece(f"{mark} look at {spotlight.title}{where}", self._palette.strong))
-
-    def _head(self, text: str) -> Sequence[Block]:
-        return BLANK, self._row(Piece(text, self._palette.strong))
-
-    def _key(self, key: str, does: str) -> Block:
-        return self._beside(Piece(key, self._palette.press), does)
+        return self._row(Piece(f"{mark} look at {spotlight.title}{where}", self._palette.you))
 
     def _beside(self, sign: Piece, text: str) -> Block:
         return Labelled(sign.text, sign.style, _SIGN, Text(text, self._palette.text, "", ""))
@@ -248,8 +275,6 @@ class _Page:
         return Row(whole, instead=[Text(text, pieces[0].style, rest="   ")])
 
 
-TO_WORLD: Final = "R: to the world"
-
 _Shown = tuple[str, PageStage | None, int, tuple[str, ...]]
 """The open page, where it stands, how many hints and answers there were, and the remarks on a program."""
 
@@ -257,89 +282,138 @@ _Shown = tuple[str, PageStage | None, int, tuple[str, ...]]
 class LessonPanel(ScrolledPanel):
     """Draws the open page of the lesson in the newest snapshot; a new page begins at its top.
 
-    What is new on it, such as an answer or a hint, comes into view. In one row it says how the page stands.
+    What is to do now is always in view, at the end; the text above it scrolls. What is new there, such as an
+    answer or a hint, comes into view. In one row it says how the page stands.
+
     ``spotlight`` is the panel that the page says to look at; ``is_manual`` says that a person acts in place
     of the agent, ``takes_turns`` that the page hides the world. ``following`` is the title of the next
-    lesson, empty where there is none or that is not known.
+    lesson, empty where there is none or that is not known. ``offers`` are the keys of what is to do now.
     """
 
+    class Offered(Message):
+        """Something else is to do now."""
+
     BINDINGS: ClassVar[list[BindingType]] = [
-        *scroll_bindings("lesson"),
-        binding("enter", "screen.do('lesson.go_on')", "lesson.go_on", "Do what the page asks next"),
+        binding("up", "scroll_rows(-1)", "lesson.up", "Scroll up"),
+        binding("down", "scroll_rows(1)", "lesson.down", "Scroll down"),
+        binding("home", "scroll_rows(-999)", "lesson.first", "To the top"),
+        binding("end", "scroll_rows(999)", "lesson.last", "To the end"),
     ]
     title = "Lesson"
     spotlight: Spotlight | None = None
     is_manual = False
     takes_turns = False
     following = ""
+    offers: tuple[Offer, ...] = ()
     _shown: _Shown = ("", None, 0, ())
+    _lines: Sequence[Line] = ()
+    _news = 0
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the page, or its row."""
-        view = None if snapshot is None else snapshot.lesson
-        if snapshot is None or view is None or height > 1:
-            strips = super().picture(snapshot, width, height)
-            self.footing = self.fitting(self._footings(self.keys(snapshot), height), width)
-            return strips
-        self.heading = self.footing = ""
-        return strips_of([summary_line(view, snapshot, self.look, width)], width, height, self.look)
+        if snapshot is None or snapshot.lesson is None or height == 1:
+            self.heading = self.footing = ""
+        if snapshot is None or snapshot.lesson is None:
+            return strips_of([], width, height, self.look)
+        if height == 1:
+            self._offer(((("enter", "page"),),))
+            line = summary_line(snapshot.lesson, snapshot, self.look, width)
+            return strips_of([line], width, height, self.look)
+        return self._page(snapshot.lesson, snapshot, width, height)
+
+    def _page(self, view: LessonView, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the text, what is to do, and its keys: of what is too long the text alone scrolls."""
+        text, now, self._news = page_lines(view, snapshot, self.look, width - 1, self.spotlight)
+        gap: list[Line] = [[]] if text else []
+        if len(text) + len(now) + 4 <= height:
+            text, now = [[], *text], [*now, [self._margin(view, snapshot)]] if now else []
+        is_pinned = height - len(now) - 2 >= min(_LEAST_TEXT, len(text))
+        self._lines = text if is_pinned else [*text, *gap, *now]
+        foot = [*gap, *(now if is_pinned else ())]
+        area = max(0, min(len(self._lines), height - len(foot) - 1))
+        strips = super().picture(snapshot, width, area)
+        below = len(self._lines) - self._first - area
+        self._offer(
+            next_keys(
+                view,
+                snapshot,
+                is_more=below > 0,
+                takes_turns=self.takes_turns,
+                is_manual=self.is_manual,
+                following=self.following,
+            )
+        )
+        self._label(view.record, below, width)
+        keys = self._key_row(view, snapshot, width, is_alone=not is_pinned and below > 0)
+        foot = [*foot, keys][-height:]
+        return [*strips, *strips_of(foot, width, height - len(strips), self.look)]
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return all rows of the page."""
-        view = None if snapshot is None else snapshot.lesson
-        if snapshot is None or view is None:
-            return []
-        record = view.record
-        written = page_lines(view, snapshot, self.look, width, self.spotlight)
-        lines = written.lines
-        remarks = () if view.task is None else view.task.remarks
-        told = record.hints_on(record.page) + len(record.given)
-        shown = record.page, stage_of(view, snapshot), told, remarks
-        self._follow(shown, written.news, len(lines), height)
-        title = f"{record.lesson.title} · {page_place(record)}"
-        self.heading = self.fitting((title, f"Lesson · {page_place(record)}", page_place(record)), width)
-        return strips_of(lines, width, len(lines), self.look)
+        """Return the rows of the page that scroll."""
+        if snapshot is not None and snapshot.lesson is not None:
+            view, record = snapshot.lesson, snapshot.lesson.record
+            told = record.hints_on(record.page) + len(record.given)
+            remarks = () if view.task is None else view.task.remarks
+            self._follow((record.page, stage_of(view, snapshot), told, remarks), height)
+        return strips_of(self._lines, width, len(self._lines), self.look)
 
-    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the key of what is to do next."""
-        if snapshot is None or snapshot.lesson is None:
-            return (TO_WORLD,)
-        keys = next_keys(
-            snapshot.lesson,
-            snapshot,
-            has_focus=self.has_focus,
-            is_manual=self.is_manual,
-            following=self.following,
-        )
-        page = open_page(snapshot.lesson.record)
-        if not self.takes_turns or (page.spotlight is None and page.task is None):
-            return keys
-        own = [each for each in keys if "to the world" not in each and not each.startswith("R:")]
-        return *(f"{each} · {TO_WORLD}" for each in own), TO_WORLD
+    def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
+        """Return nothing: the lower border has the progress."""
+        return ()
 
-    def _footings(self, keys: Sequence[str], height: int) -> Sequence[str]:
-        below = self._rows_in_all - self._first - height
-        if below > 0:
-            return *(f"↓ {below:,} more · {each}" for each in keys), f"↓ {below:,} more"
-        return (*(f"↑ · {each}" for each in keys), *keys) if self._first else keys
+    def scroll_page(self, pages: int) -> bool:
+        """Scroll by so many pages; return whether there was more."""
+        before = self._first
+        self.action_scroll_pages(pages)
+        return self._first != before
 
-    def _follow(self, shown: _Shown, news: int, rows: int, height: int) -> None:
+    def _offer(self, offers: tuple[Offer, ...]) -> None:
+        """Let the key line name what is to do now."""
+        if offers != self.offers:
+            self.offers = offers
+            self.post_message(self.Offered())
+
+    def _key_row(self, view: LessonView, snapshot: Snapshot, width: int, *, is_alone: bool) -> Line:
+        """Return the keys of what is to do now, in a row; a word for it first where that ``is_alone``."""
+        palette, hint = self.look.palette, next_hint(view.record)
+        start = [self._margin(view, snapshot)]
+        word = [Piece(f" {name_of_deed(open_page(view.record))} ", palette.you + _BOLD)] if is_alone else []
+        hints: Offer = (("h", hint),) if hint else ()
+        forms = [
+            [*start, *word, *(piece for each in (*before, *form) for piece in _hint(*each, self.look))]
+            for before in (hints, ())
+            for form in self.offers
+        ]
+        return first_that_fits(forms, width, self.look)
+
+    def _margin(self, view: LessonView, snapshot: Snapshot) -> Piece:
+        """Return what stands before the keys: a line where the page asks for something."""
+        is_done = stage_of(view, snapshot) in DONE
+        return Piece(" " if is_done else _BAR, self.look.palette.you)
+
+    def _label(self, record: LessonRecord, below: int, width: int) -> None:
+        """Write the title of the page above it, and below it how far the lesson has come."""
+        title = open_page(record).title
+        self.heading = self.fitting((title, shortened(title, width - _AROUND_A_TITLE, "…")), width)
+        tracks = [progress(record, cells, self.look.glyphs) for cells in _TRACKS]
+        more = [f"↓ {below:,} more · {each}" for each in tracks] if below > 0 else []
+        self.footing = self.fitting((*more, *tracks), width)
+
+    def _follow(self, shown: _Shown, height: int) -> None:
+        """Begin a new page at its top, and bring into view what is new on it."""
         before, self._shown = self._shown, shown
+        news, rows = self._news, len(self._lines)
         if before[0] != shown[0]:
             self._first = 0
         elif before != shown and not self._first <= news < rows <= self._first + height:
             self._first = max(0, min(news - 1, rows - height))
 
-    def on_focus(self) -> None:
-        """Name the keys that count now."""
-        self.redraw()
-
-    def on_blur(self) -> None:
-        """Name them again."""
-        self.redraw()
-
     def on_click(self, event: events.Click) -> None:
         """Read the page where its row was clicked."""
         if self.size.height == 1:
             event.stop()
-            self.app.simulate_key("R")
+            self.app.simulate_key("enter")
+
+
+def _hint(key: str, does: str, look: Look) -> tuple[Piece, Piece]:
+    return Piece(f" {key}", look.palette.press), Piece(f" {does} ", look.palette.text)

@@ -7,7 +7,7 @@ from enum import Enum, auto
 from typing import Final
 
 from rl_tui.common.words import counted
-from rl_tui.lessons.file.schema import Ask, Page
+from rl_tui.lessons.file.schema import Ask, Page, Task
 from rl_tui.lessons.file.view import NO_STEP, Given, LessonRecord, LessonView
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw import numbers
@@ -16,6 +16,9 @@ from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.panels.lesson.prose import plain
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
+
+Offer = tuple[tuple[str, str], ...]
+"""What is to do now: keys, and what they do, in one way to write it."""
 
 
 class PageStage(Enum):
@@ -86,15 +89,35 @@ def keeping_page(record: LessonRecord, what: str) -> Page | None:
     return None
 
 
+def name_of_deed(page: Page) -> str:
+    """Return in a word what ``page`` asks for."""
+    if page.prediction is not None:
+        return "Guess" if page.guess else "Predict"
+    return "Do" if page.task is not None else "Question"
+
+
 def asks_for_program(record: LessonRecord) -> bool:
     """Return whether the task of the open page asks for a program."""
     task = open_page(record).task
     return task is not None and task.program is not None
 
 
+def turns_to_truth(record: LessonRecord) -> bool:
+    """Return whether the steps to the truth of the open prediction are to be taken on the next page."""
+    ask = open_page(record).prediction
+    return ask is not None and ask.keys[:1] == ("enter",)
+
+
 def page_place(record: LessonRecord) -> str:
     """Return the place of the open page among all, such as 3/9."""
     return f"{record.lesson.number_of(record.page) + 1}/{len(record.lesson.pages)}"
+
+
+def progress(record: LessonRecord, cells: int, glyphs: Glyphs) -> str:
+    """Return the place of the open page, and a line of ``cells`` that shows how far that is."""
+    done = round(cells * (record.lesson.number_of(record.page) + 1) / len(record.lesson.pages))
+    place = f"page {page_place(record).replace('/', ' of ')}"
+    return f"{place} {glyphs.track_done * done}{glyphs.track_rest * (cells - done)}".rstrip()
 
 
 def is_last_page(record: LessonRecord) -> bool:
@@ -161,47 +184,71 @@ def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
     return nearest.reply if nearest is not None and distance <= max(ask.tolerance, 1e-9) else ""
 
 
+def named_hints(task: Task) -> dict[str, str]:
+    """Return the hints of ``task`` by what they are called; the last one is the solution."""
+    hints = {f"hint {number} of {len(task.hints)}": each for number, each in enumerate(task.hints, 1)}
+    return hints | ({"solution": task.solution} if task.solution else {})
+
+
+def next_hint(record: LessonRecord) -> str:
+    """Return what the next hint of the open page is called; empty where there is none."""
+    page = open_page(record)
+    names = [] if page.task is None or record.has_passed(page.id) else [*named_hints(page.task)]
+    return next(iter(names[record.hints_on(page.id) :]), "")
+
+
 def next_keys(
-    view: LessonView, snapshot: Snapshot, *, has_focus: bool, is_manual: bool = False, following: str = ""
-) -> tuple[str, ...]:
-    """Return what to do next and its key, the longest form first.
+    view: LessonView,
+    snapshot: Snapshot,
+    *,
+    is_more: bool = False,
+    takes_turns: bool = False,
+    is_manual: bool = False,
+    following: str = "",
+) -> tuple[Offer, ...]:
+    """Return keys and what they do now, that of enter first, the longest form before the others.
 
-    Where the page ``has_focus``, enter does each; elsewhere each has a key of its own. ``is_manual`` says
-    that a person acts in place of the agent. ``following`` is the title of the next lesson.
+    ``is_more`` says that there is text below; where the page ``takes_turns`` with the world, a key leads
+    there. ``is_manual`` says that a person acts in place of the agent. ``following`` is the title of the next
+    lesson.
     """
-    stage, record = stage_of(view, snapshot), view.record
-    answer, turn = ("enter", "enter") if has_focus else ("A", ".")
-    leads = ("enter: to the world",) if has_focus else ()
-    match stage:
+    world: Offer = (("esc", "world"),) if takes_turns else ()
+    does: tuple[str, ...]
+    match stage_of(view, snapshot):
         case PageStage.TO_PREDICT:
-            return f"{answer}: say what you expect", f"{answer}: predict"
+            does = ("your guess",) if open_page(view.record).guess else ("your prediction",)
         case PageStage.TO_ANSWER:
-            return (f"{answer}: answer",)
-        case PageStage.TO_DO if asks_for_program(record):
-            return (f"{answer}: your program",)
+            again = view.record.last_given_on(view.record.page) is not None
+            does = ("try again",) if again else ("your answer",)
+        case PageStage.TO_DO if asks_for_program(view.record):
+            does = ("your program",)
         case PageStage.TO_DO:
-            return (*leads, "enter: do it") if has_focus else ("R: read here",)
+            does = ("do it",) if takes_turns else ("cannot be done?",)
         case PageStage.LOCKED:
-            ask, given = open_page(record).prediction, record.given_on(record.page)
-            if ask is None or given is None:
-                return leads
-            ways = _ways_to_truth(ask, steps_to_truth(ask, given, snapshot), snapshot, is_manual=is_manual)
-            return *(f"{each} · {ways[0]}" for each in leads), *ways
-        case _ if is_last_page(record) and following:
-            next_one = f"{turn} next lesson"
-            named = f"{next_one}: {following}"
-            return f"last page · {named}", named, f"last page · {next_one}", next_one
-        case _ if is_last_page(record):
-            return "the last page · esc: leave", "last page"
+            ways = _ways_to_truth(view, snapshot, is_manual=is_manual)
+            world = (("enter", "world"),) if takes_turns and not turns_to_truth(view.record) else ()
+            return tuple((*world, way) for way in ways)
+        case _ if is_more:
+            does = ("read on",)
+        case _ if is_last_page(view.record) and not following:
+            return ((("esc", "the lessons"),),)
+        case _ if is_last_page(view.record):
+            world = (("esc", "the lessons"),) if takes_turns else ()
+            does = (f"next lesson: {following}", "next lesson")
         case _:
-            return f"{turn}: next page", f"{turn}: next"
+            does = ("next page",)
+    return tuple((("enter", each), *world) for each in does)
 
 
-def _ways_to_truth(ask: Ask, missing: int, snapshot: Snapshot, *, is_manual: bool) -> tuple[str, ...]:
-    """Return the keys that take the ``missing`` steps to the truth, and how many, the longest form first.
+def _ways_to_truth(view: LessonView, snapshot: Snapshot, *, is_manual: bool) -> tuple[tuple[str, str], ...]:
+    """Return the keys that take the steps to the truth, and how many, the longest form first.
 
     These are the keys that the page asks for, where it names any. Who acts already need not begin to.
     """
+    ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
+    assert ask is not None
+    assert given is not None
+    missing = steps_to_truth(ask, given, snapshot)
     if ask.keys:
         key = " then ".join(each for each in ask.keys if not (is_manual and each == "y")) or "act"
     elif missing > _MOST_ONE_BY_ONE:
@@ -213,8 +260,8 @@ def _ways_to_truth(ask: Ask, missing: int, snapshot: Snapshot, *, is_manual: boo
     steps = counted(ask.steps, "step")
     if missing < ask.steps:
         to_go = f"{missing:,} to go"
-        return f"{key}: {steps} to the truth ({to_go})", f"{key}: {steps}, {to_go}", f"{key}: {to_go}"
-    return f"{key}: {steps} to the truth", f"{key}: {steps}"
+        return (key, f"to the truth: {steps}, {to_go}"), (key, f"to the truth: {to_go}"), (key, to_go)
+    return (key, f"to the truth: {steps}"), (key, "to the truth")
 
 
 def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:
@@ -223,14 +270,15 @@ def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -
     page, marks = open_page(record), list(_marks(view, snapshot, look))
     tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []
     place = page_place(record)
-    key = Piece(separated(" · R reads", look.glyphs), palette.dim)
-    line = spelled([Piece(f" {place} {page.title}", palette.strong), *tail, key], look)
+    title = page.title if page.task is None or stage_of(view, snapshot) in DONE else plain(page.task.do)
+    key = Piece(separated(" · enter reads", look.glyphs), palette.dim)
+    line = spelled([Piece(f" {place} {title}", palette.strong), *tail, key], look)
     if length(line) <= width:
         return line
     room = width - length(spelled([*tail, key], look))
     if room < _LEAST_TITLE:
         return spelled([Piece(f" {place}", palette.strong), *tail], look)
-    head = shortened(separated(f" {place} {page.title}", look.glyphs), room, look.glyphs.ellipsis)
+    head = shortened(separated(f" {place} {title}", look.glyphs), room, look.glyphs.ellipsis)
     return [Piece(head, palette.strong), *spelled([*tail, key], look)]
 
 
@@ -245,9 +293,9 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
         case PageStage.PASSED:
             yield Piece(f"{look.glyphs.holds} PASSED", palette.good)
         case PageStage.TO_PREDICT:
-            yield Piece("A: your prediction", palette.you)
+            yield Piece("your prediction", palette.you)
         case PageStage.TO_ANSWER:
-            yield Piece("A: your answer", palette.you)
+            yield Piece("your answer", palette.you)
         case PageStage.LOCKED:
             ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
             if ask is not None and given is not None:

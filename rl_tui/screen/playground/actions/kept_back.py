@@ -12,8 +12,7 @@ from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.panels.lesson.words import keeping_page
 
-NO_LESSON: Final = "there is no lesson here: rl-tui learn lists them"
-PREDICT_FIRST: Final = "first your prediction: A says what you expect, . skips this page"
+PREDICT_FIRST: Final = "first your prediction: enter"
 
 
 class KeptBack(Subject):
@@ -28,7 +27,7 @@ class KeptBack(Subject):
         """Return why ``action`` has to wait, as a clause; empty where no page of a lesson hides it."""
         record = self.record
         if record is None:
-            return NO_LESSON if action.of_lesson else ""
+            return ""
         if action.not_in_lesson:
             return action.not_in_lesson
         phase = None if self.snapshot is None else self.snapshot.playback.phase
@@ -73,5 +72,5 @@ def _kept_until(record: LessonRecord, page: Page) -> str:
     if page.id != record.page:
         return f"kept back until page {record.lesson.number_of(page.id) + 1} is done"
     if page.prediction is not None:
-        return "kept back until your prediction is in: A says what you expect, . skips this page"
-    return "kept back until this page is done; . skips it"
+        return "kept back until your prediction is in: enter"
+    return "kept back until this page is done; pgdn pgdn skips it"

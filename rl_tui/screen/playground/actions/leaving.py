@@ -36,9 +36,12 @@ class Leaving(Subject):
             self.screen.app.exit()
 
     def _closes(self) -> bool:
-        """Close the zoom, a panel or a mode, if one is open; return whether one was."""
+        """Close the zoom, a page before the world, a panel or a mode; return whether one was open."""
+        page = self.board.lesson
         if self.board.zoomed:
             self.board.zoom(None)
+        elif page.panel.takes_turns and page.is_in_view and not self.is_over():
+            page.reads = False
         elif self.board.opened is not None:
             self.board.close()
         elif self.modes.current is not None and not self.is_over():

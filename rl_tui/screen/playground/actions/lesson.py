@@ -20,16 +20,19 @@ from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.keys.playground_keys import LESSON_ACTIONS
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.lesson.prose import plain
 from rl_tui.screen.panels.lesson.words import (
     DONE,
+    Offer,
     PageStage,
-    answer_text,
-    asks_for_program,
     is_last_page,
+    named_hints,
+    next_hint,
     open_page,
     stage_of,
+    turns_to_truth,
 )
 from rl_tui.screen.playground.actions.kept_back import KeptBack
 from rl_tui.screen.playground.actions.next_lesson import NextLesson
@@ -38,9 +41,12 @@ from rl_tui.screen.terminal.driver_choice import in_browser
 # Tasks that ask for a program
 
 
-NOT_HERE: Final = "your own code runs neither in a kiosk nor where the program is served: . skips this page"
+NOT_HERE: Final = "your own code runs neither in a kiosk nor where the program is served: pgdn skips it"
 _CHECK, _NAME, _CLAIM = "check", "name", "claim"
 _LONG: Final = 15.0  # seconds that a message stays that tells what to do
+CANNOT_BE_DONE: Final = Candidate(
+    _CLAIM, "It cannot be done", ("Say so only if you are sure: no setting and no luck passes this task.",)
+)
 
 
 @dataclass(eq=False)
@@ -64,7 +70,7 @@ class OwnProgram(Subject):
         candidates = (
             Candidate(_CHECK, f"Check {path.name}", ("It is run to its end, in a process of its own.",)),
             Candidate(_NAME, "Another file", ("Write the beginning again, or take a file that is there.",)),
-            Candidate(_CLAIM, "It cannot be done", ("No program passes this task.",)),
+            CANNOT_BE_DONE,
         )
         does: dict[str, Callable[[], None]] = {
             _CHECK: lambda: self._watch(path),
@@ -89,7 +95,7 @@ class OwnProgram(Subject):
             return
         self.files[page.id] = path
         what = f"{path.name} is written" if written else f"{path.name} is there already, and stays as it is"
-        how = "Edit it in another terminal, or press ctrl+z and come back with fg. Then A checks it."
+        how = "Edit it in another terminal, or press ctrl+z and come back with fg. Then enter checks it."
         self.screen.notify(to_ascii(f"{what}. {how}", self.glyphs), timeout=_LONG, markup=False)
 
     def _watch(self, path: Path) -> None:
@@ -139,7 +145,7 @@ def read_answer(text: str) -> float:
 # The lesson
 
 
-NOT_DONE: Final = "This page is not done. Press . again to skip it."
+NOT_DONE: Final = "This page is not done. Press pgdn again to skip it."
 FIRST_PAGE: Final = "This is the first page."
 SEEN_BEFORE: Final = "You are in the past. end: to the end of the run, r p: restart."
 CAN_BE_DONE: Final = "Not right: this can be done."
@@ -183,17 +189,29 @@ class LessonActions(Subject):
         return self.record is not None and is_last_page(self.record) and self.stage in DONE
 
     @property
+    def offers(self) -> tuple[Offer, ...]:
+        """What enter does now, for the key line: its forms, the longest first; none without a lesson."""
+        place = self.board.lesson
+        if self.record is None:
+            return ()
+        return place.panel.offers if place.is_in_view else ((("enter", "page"),),)
+
+    @property
+    def is_asking(self) -> bool:
+        """Whether an answer is due."""
+        return self.record is not None and self.stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER)
+
+    @property
     def idle_keys(self) -> frozenset[str]:
-        """The ids of the actions that have nothing to do: the key line leaves them out."""
-        record = self.record
-        if record is None:
-            return frozenset()
-        page, idle = open_page(record), set[str]()
-        if page.task is None or record.has_passed(page.id) or not _hints_of(page):
-            idle.add("lesson.hint")
-        if self.stage in (*DONE, PageStage.LOCKED):
-            idle.add("lesson.answer")
-        return frozenset(idle)
+        """The ids of the actions that have nothing to do: the key line leaves them out.
+
+        While an answer is due it names nothing else.
+        """
+        if self.is_asking:
+            return frozenset(each.id for each in self.screen.known_actions if each.id != "help")
+        if self.record is None:
+            return frozenset(each.id for each in LESSON_ACTIONS)
+        return frozenset() if next_hint(self.record) else frozenset({"lesson.hint"})
 
     def rows(self, rows: tuple[PanelRow, ...]) -> tuple[PanelRow, ...]:
         """Return those of ``rows`` that may be there: without a lesson not its panel."""
@@ -201,31 +219,36 @@ class LessonActions(Subject):
 
     # Reading
 
-    def read(self) -> None:
-        """Read the page, or go back to the world."""
-        place = self.board.lesson
-        if not place.is_docked:
-            place.reads = not place.reads
-        elif place.panel.has_focus:
-            place.leave()
-        else:
-            place.focus()
-
     def go_on(self) -> None:
-        """Do what the page asks next."""
-        record, stage = self.record, self.stage
-        wants_program = stage is PageStage.TO_DO and record is not None and asks_for_program(record)
-        if wants_program or stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER):
-            self.answer()
-        elif stage in (PageStage.TO_DO, PageStage.LOCKED):
-            self.read()
+        """Do what the page asks next, or show the page."""
+        stage, place = self.stage, self.board.lesson
+        if not place.is_in_view:
+            self.board.zoom(None)
+            place.reads = True
+        elif self.is_asking:
+            self._answer()
+        elif stage is PageStage.TO_DO:
+            self._choose_deed()
+        elif stage is PageStage.LOCKED and self.record is not None and not turns_to_truth(self.record):
+            self._show_way()
         else:
             self.next_page()
 
+    def _show_way(self) -> None:
+        """Show the world, where steps to the truth are to be taken, and say with which keys."""
+        key, does = self.offers[0][-1]
+        self._show_world()
+        self.screen.tell(f"{key}: {does}.")
+
+    def _show_world(self) -> None:
+        """Let the world have the place of the page, and the keys."""
+        self.board.lesson.reads = False
+        self.board.lesson.leave()
+
     def next_page(self) -> None:
-        """Turn to the next page; where this one is not done, say so first."""
-        record = self.record
-        if record is None:
+        """Scroll the page to its end, then turn to the next; where this one is not done, say so first."""
+        record, place = self.record, self.board.lesson
+        if record is None or (place.is_in_view and place.panel.scroll_page(1)):
             return
         page = record.page
         is_undone = not record.is_done(page) and page not in record.skipped
@@ -244,9 +267,9 @@ class LessonActions(Subject):
         self._open(record, pages[record.lesson.number_of(page) + 1])
 
     def previous_page(self) -> None:
-        """Turn to the page before."""
-        record = self.record
-        if record is None:
+        """Scroll the page to its top, then turn to the one before."""
+        record, place = self.record, self.board.lesson
+        if record is None or (place.is_in_view and place.panel.scroll_page(-1)):
             return
         number = record.lesson.number_of(record.page)
         if not number:
@@ -273,29 +296,30 @@ class LessonActions(Subject):
 
     # Answering
 
-    def answer(self) -> None:
-        """Answer what the page asks, or say that its task cannot be done."""
-        record = self.record
-        if record is None:
+    def _answer(self) -> None:
+        record, snapshot = self.record, self.snapshot
+        ask = None if record is None else open_page(record).asked
+        if record is None or ask is None or snapshot is None:
             return
-        page = open_page(record)
-        given = record.last_given_on(page.id)
-        if page.task is not None and page.task.program is not None and not record.has_passed(page.id):
-            self._own_program.answer(page, page.task.program, lambda: self._ask_claim(record, page))
-        elif page.task is not None:
-            self._ask_claim(record, page)
-        elif page.asked is None:
-            self.screen.tell("This page asks nothing. Press . for the next page.")
-        elif given is not None and record.is_done(page.id):
-            said = answer_text(page.asked, given.answer, self.glyphs)
-            kept = "locked" if page.prediction is not None else "right"
-            self.screen.tell(f"{kept}: you said {said}")
-        elif page.prediction is not None and self.snapshot is not None and self.snapshot.timeline.in_past:
+        is_prediction = open_page(record).prediction is not None
+        if is_prediction and snapshot.timeline.in_past:
             self.screen.tell(SEEN_BEFORE)
-        elif page.asked.choices:
-            self._ask_choice(page.asked)
+        elif ask.choices:
+            self._ask_choice(ask)
         else:
-            self._ask_number(page.asked, is_prediction=page.prediction is not None)
+            self._ask_number(ask, is_prediction=is_prediction)
+
+    def _choose_deed(self) -> None:
+        """Ask what to do about the task of the page: do it, or say that it cannot be done."""
+        page = None if self.record is None else open_page(self.record)
+        if page is None or page.task is None:
+            return
+        if page.task.program is not None:
+            self._own_program.answer(page, page.task.program, lambda: self._claim(page))
+            return
+        do = Candidate("do", "Do it", ("The world is where you do it.",))
+        choice = Choice("Your task", (do, CANNOT_BE_DONE), "", self.glyphs, plain(page.task.do))
+        self.ask(choice, lambda chosen: self._claim(page) if chosen == _CLAIM else self._show_world())
 
     def _ask_number(self, ask: Ask, *, is_prediction: bool) -> None:
         title = "Your prediction" if is_prediction else "Your answer"
@@ -321,16 +345,6 @@ class LessonActions(Subject):
         )
         self._keep(record.give(given))
 
-    def _ask_claim(self, record: LessonRecord, page: Page) -> None:
-        if record.has_passed(page.id):
-            self.screen.tell("This task is passed. Press . for the next page.")
-            return
-        question = "Say so only where you are sure: no setting and no luck passes this task."
-        self.ask(
-            Confirm("It cannot be done?", question, "it cannot be done", self.glyphs),
-            lambda _: self._claim(page),
-        )
-
     def _claim(self, page: Page) -> None:
         record, snapshot = self.record, self.snapshot
         if record is None or snapshot is None or page.task is None:
@@ -346,15 +360,15 @@ class LessonActions(Subject):
         record = self.record
         if record is None:
             return
-        hints = _hints_of(open_page(record))
-        if not hints:
+        task = open_page(record).task
+        if task is None or not (hints := named_hints(task)):
             self.screen.tell("There is no hint on this page.")
-        elif record.hints_on(record.page) >= len(hints):
+            return
+        if record.hints_on(record.page) >= len(hints):
             self.screen.tell("That was the last hint. The solution is on the page.")
-            self.board.lesson.reads = True
         else:
             self._keep(record.ask_hint(record.page))
-            self.board.lesson.reads = True
+        self.board.lesson.reads = True
 
     def set_up(self) -> None:
         """Begin the run of the page again; ask where something was done."""
@@ -399,9 +413,4 @@ class LessonActions(Subject):
 
     def _tell_passed(self) -> None:
         place = self.board.lesson
-        self.screen.tell("Task passed." if place.is_docked or place.reads else "Task passed. R: read why.")
-
-
-def _hints_of(page: Page) -> tuple[str, ...]:
-    task = page.task
-    return () if task is None else (*task.hints, *((task.solution,) if task.solution else ()))
+        self.screen.tell("Task passed." if place.is_in_view else "Task passed. enter: read why.")

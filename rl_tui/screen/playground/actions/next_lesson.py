@@ -48,7 +48,7 @@ class NextLesson(Subject):
         else:
             self._has_said_so = True
             self.screen.tell(
-                f"This is the last page. Press . again for the next lesson: {self._following.title}."
+                f"This is the last page. Press enter again for the next lesson: {self._following.title}."
             )
 
     async def _find(self, lesson: Lesson) -> None:

@@ -8,6 +8,7 @@ from typing import ClassVar, Final
 from rl_tui.live.commands import Command, Pause, Play, Restart, RunEpisode, RunUntil, Take, WatchLearning
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.draw.names import state_name
+from rl_tui.screen.frame.key_line import Hints
 from rl_tui.screen.kit.row import WORLD
 from rl_tui.screen.kit.snapshot_facts import why_over
 from rl_tui.screen.panels.status_line import StatusLine
@@ -123,7 +124,10 @@ class ManualControl(KeyMode):
             self.screen.refuse(refused)
             return
         glyphs = self.glyphs
-        self._write(title(snapshot, glyphs), prompts(snapshot, glyphs), ((_keys(snapshot), "act"), *_HINTS))
+        hints: Hints = ((_keys(snapshot), "act"), *_HINTS)
+        if snapshot.lesson is not None and (offers := self.board.lesson.panel.offers):
+            hints = (*offers[-1][:1], *hints)  # first what the page asks for, in few words
+        self._write(title(snapshot, glyphs), prompts(snapshot, glyphs), hints)
 
     def _take(self, snapshot: Snapshot, action: int | None, key: str) -> None:
         if action is not None:
