@@ -77,11 +77,11 @@ def test_reports_leave_out_what_nobody_knows():
     assert one.exit_code == 0
     assert "this environment has no transition table" in one.stdout
     drawing = one.stdout.split("\n\n")[1].splitlines()
-    top, bottom, left, right = map(int, re.findall(r"[0-9]+(?= to| and|,)", drawing[-1]))
-    assert 4 <= top < bottom <= 21, "a sum below 4 or above 21 is never seen"
-    assert 1 <= left < right
-    assert len(drawing) == bottom - top + 2
-    assert "nothing is known of those left out" in drawing[-1]
+    shown = re.fullmatch(r"\(rows (\d+) to (\d+) and columns A to T; nothing is .*\)", drawing[-1])
+    assert shown, "by the labels of the screen: the player's sum, the dealer's card"
+    top, bottom = map(int, shown.groups())
+    assert 21 >= top > bottom >= 4, "a sum below 4 or above 21 is never seen"
+    assert len(drawing) == top - bottom + 2
     several = run("train", "blackjack", "--episodes", "60", "--runs", "2")
     assert several.exit_code == 0
     assert TITLES["value_at_start"] not in several.stdout.lower()
@@ -93,7 +93,7 @@ def test_a_policy_of_which_nothing_is_known_is_a_sentence():
     nothing = [list(world.space.action_names)] * world.space.states
     assert policy_map(world, nothing) == "In no state does one action look better than the others."
     nothing[16 * 22 + 10 * 2] = ["hit"]
-    line = "(rows 16 to 16 and columns 10 to 10, counted from 0; nothing is known of those left out)"
+    line = "(rows 16 to 16 and columns T to T; nothing is known of those left out)"
     assert policy_map(world, nothing) == f"h\n{line}"
 
 

@@ -194,10 +194,10 @@ def test_the_cursor_scrolls_the_arms() -> None:
     view.action_page(1, 0)
     assert view.cursor == 10
     view.picture(snapshot, 40, 10)
-    assert view.footing == "↑↓ 2–11 of 50"
+    assert view.footing == "↑↓ 2–11 of 50  −1…+1"
     view.action_page(-9, 0)
     view.picture(snapshot, 40, 10)
-    assert (view.cursor, view.footing) == (0, "↑↓ 1–10 of 50")
+    assert (view.cursor, view.footing) == (0, "↑↓ 1–10 of 50  −1…+1")
 
 
 def table_strips(snapshot: Snapshot, width: int, height: int, of: Look = LOOK) -> list[Strip]:

@@ -190,7 +190,7 @@ async def test_what_cannot_be_drawn_is_dim_with_the_reason(
 ) -> None:
     async with on_screen(make_app(scenario), (240, 40)) as pilot:
         sentence = found(pilot, EDITING.label)[EDITING.shown]
-        assert sentence.startswith("Not here: ")
+        assert sentence.startswith("Not now: ")
         assert reason in sentence
         assert EDITING.shown not in pilot.app.screen.query_one(KeyLine).render_line(0).text
         await press(pilot, "w", "d")

@@ -16,7 +16,7 @@ from rl_tui.screen.keys.playground_keys import DRAW_PATH
 from rl_tui.screen.keys.registry import ACTIONS, actions_of
 from rl_tui.screen.kit.bindings import RowList
 from rl_tui.screen.playground.actions.leaving import LEAVING_KEYS
-from rl_tui.screen.playground.modes.mode import EDITING_KEYS
+from rl_tui.screen.playground.modes.editing import WorldEditing
 
 PLACES = [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND]
 MOVING = {*("left", "right", "up", "down", "j", "k", "home", "end", "escape")}
@@ -85,9 +85,9 @@ def test_a_capital_letter_means_what_its_small_letter_means() -> None:
     assert {(key.lower(), key) for key in keys if len(key) == 1 and key.isupper()} == PAIRS
 
 
-def test_drawing_takes_few_small_letters_that_mean_something_else() -> None:
-    taken = {key for key in EDITING_KEYS if key.islower() and len(key) == 1}
-    assert taken & single(usual(Place.PLAYGROUND)).keys() <= {"m", "u", "w", "y"}
+def test_drawing_takes_no_small_letter_that_means_something_else_but_its_menu() -> None:
+    taken = {key for key in WorldEditing.keys if key.islower() and len(key) == 1}
+    assert taken & single(usual(Place.PLAYGROUND)).keys() <= {"w"}
 
 
 @pytest.mark.parametrize("place", PLACES)

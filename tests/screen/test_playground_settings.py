@@ -86,7 +86,7 @@ async def test_a_value_or_a_slider_that_is_none_is_told_and_so_is_the_tie_rule(m
         assert notes(pilot.app) == []
         await press(pilot, "3", "4")
         assert pilot.app.focused is slider(pilot.app, "epsilon")
-        assert notes(pilot.app) == ["there is no fourth slider here"]
+        assert notes(pilot.app) == ["There is no fourth slider here."]
         await press(pilot, "escape")
         for ties in ("first", "random"):
             assert (await press(pilot, "a", "t")).agent.hyperparameters.ties == ties

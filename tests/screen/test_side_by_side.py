@@ -9,7 +9,7 @@ import pytest
 from conftest import MakeApp
 from lane_samples import side_by_side
 from samples import lake, look
-from seams import notes, on_screen, playground, press, screen_text, snapshot, train
+from seams import on_screen, playground, press, screen_text, snapshot, train
 from snapshots import changed
 from test_lanes import open_lane
 from textual.geometry import Size
@@ -235,7 +235,7 @@ async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> Non
         assert board.is_paired
         await pilot.resize_terminal(60, 18)
         await press(pilot, "c", "o")
-        assert "No room" in notes(pilot.app)[-1]
+        assert "there is no room" in screen_text(pilot.app)
 
 
 async def test_who_acts_by_hand_acts_in_the_lane_led_and_of_three_the_one_marked_stands_beside(

@@ -16,7 +16,7 @@ from rl_tui.live.pace.until import Event, Until
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.dialogs.until_options import UntilChoice
-from rl_tui.screen.playground.actions.until import NO_BREAKPOINTS
+from rl_tui.screen.playground.actions.until import NO_BREAKPOINTS, ON_ARMS
 from rl_tui.screen.playground.playground import Playground
 
 ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
@@ -100,7 +100,7 @@ async def test_a_wall_is_no_place_to_stop_at(make_app: MakeApp, monkeypatch: pyt
         world.put_cursor(5)  # the line of wall between the first two towns
         await press(pilot, "t", "b")
         assert not asked
-        assert notes(pilot.app) == ["No state to stop at here."]
+        assert "there is no state here to stop at" in screen_text(pilot.app)
 
 
 async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> None:
@@ -160,9 +160,8 @@ async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_a
 async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit"), notifications=True) as pilot:
         await press(pilot, "t", "b")
-        (said,) = notes(pilot.app)
-        assert said == "Breakpoints of a bandit are on arms. tab: the arms, arrows: choose one."
-        await press(pilot, "t", "n")
+        assert ON_ARMS in screen_text(pilot.app)
+        await press(pilot, "escape", "t", "n")
         assert NO_BREAKPOINTS in screen_text(pilot.app)
         await press(pilot, "escape", "tab", *["down"] * 7)
         world = playground(pilot).board.world

@@ -70,8 +70,16 @@ def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:
     drawing = columns([row[left : right + 1] for row in rows[top : bottom + 1]])
     if (top, bottom, left, right) == (0, grid.rows - 1, 0, grid.columns - 1):
         return drawing
-    shown = f"rows {top} to {bottom} and columns {left} to {right}, counted from 0"
-    return f"{drawing}\n({shown}; nothing is known of those left out)"
+    return f"{drawing}\n({_part(grid, top, bottom, left, right)}; nothing is known of those left out)"
+
+
+def _part(grid: Grid, top: int, bottom: int, left: int, right: int) -> str:
+    """Return which rows and columns are shown, by their labels where they have some."""
+    axes = grid.axes
+    labels = axes and (axes.rows[top], axes.rows[bottom], axes.columns[left], axes.columns[right])
+    first, last, *across = labels if labels and all(labels) else (top, bottom, left, right)
+    counted = "" if labels and all(labels) else ", counted from 0"
+    return f"rows {first} to {last} and columns {across[0]} to {across[1]}{counted}"
 
 
 def _cell(kind: CellKind, glyphs: Glyphs) -> str:
