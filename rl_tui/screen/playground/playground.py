@@ -69,7 +69,6 @@ from rl_tui.screen.terminal.key_queue import EarlyKeys
 from rl_tui.screen.theme.look import Look
 
 _CHECKS_ENVIRONMENT: Final = 0.5  # seconds
-_MODE_BINDINGS: Final = mode_bindings(ManualControl, PolicyDrawing, WorldEditing)
 
 
 class Playground(ActionScreen):
@@ -83,7 +82,10 @@ class Playground(ActionScreen):
     """
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *_MODE_BINDINGS]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        *bindings_of(actions_of(Place.PLAYGROUND)),
+        *mode_bindings(ManualControl, PolicyDrawing, WorldEditing),
+    ]
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -164,16 +166,20 @@ class Playground(ActionScreen):
         self.menus = MenuActions(*of)
         self.panels = Disclosure(*of, so_far, is_gradual)
         self.kept_back = KeptBack(*of)
-        self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
+        self.lesson = LessonActions(
+            *of,
+            self.kept_back,
+            lambda record: self.post_message(self.SetupWanted(record)),
+            self.manual.resume,
+        )
         self._by_command = {each.command or each.id: each for each in self.known_actions}
         self._told_keys = set[str]()  # ids of actions whose old key was pressed
         self._moment: object = None
         self.leaving = Leaving(*of, self.session, self.modes, lambda: self.lesson.is_over, self._leave)
         self._watches, self._is_big = watches, is_big
         self.frames = Frames(self, fps)
-        self._settling = Settling(
-            self.link, self.board, self.view.look_at, self.session.named, self.frames.painted
-        )
+        named, painted = self.session.named, self.frames.painted
+        self._settling = Settling(self.link, self.board, self.view.look_at, named, painted)
         needing_world = (action for action in self.known_actions if action.needs_world)
         self.early_keys = EarlyKeys(key for action in needing_world for key in action.keys)
 
@@ -361,9 +367,6 @@ class Playground(ActionScreen):
 
     def _go_by(self, offset: int) -> None:
         self.post_message(self.NeighbourWanted(self.recipe, offset))
-
-    def _set_out(self, record: LessonRecord) -> None:
-        self.post_message(self.SetupWanted(record))
 
     def _leave(self) -> None:
         self.post_message(self.Left(self.recipe))

@@ -161,7 +161,7 @@ class LessonActions(Subject):
     """
 
     kept_back: KeptBack
-    set_out: Callable[[LessonRecord], None]
+    set_out: Callable[[LessonRecord], object]
     resume_acting: Callable[[Snapshot], None]
     _to_be_skipped: str = ""
     """The page that one more press skips."""
