@@ -260,9 +260,7 @@ class Playground(ActionScreen):
                 self.panels.note(command)
             super().action_do(command)
 
-    def action_do_unfocused(self, command: str) -> None:
-        """Do what a moving key says: no panel has the focus."""
-        self.action_do(command)
+    action_do_unfocused = action_do  # of a moving key, while no panel has the focus
 
     async def action_old_key(self, id_: str) -> None:
         """Name the key that the action ``id_`` has now, once, and do it; or only name it."""

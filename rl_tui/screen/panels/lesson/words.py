@@ -223,7 +223,7 @@ def next_keys(
         case PageStage.TO_DO if asks_for_program(view.record):
             does = ("your program",)
         case PageStage.TO_DO:
-            does = ("do it",) if takes_turns else ("cannot be done?",)
+            does = ("do it",) if takes_turns else ("your task",)
         case PageStage.LOCKED:
             ways = _ways_to_truth(view, snapshot, is_manual=is_manual)
             world = (("enter", "world"),) if takes_turns and not turns_to_truth(view.record) else ()
