@@ -64,7 +64,7 @@ class Details(VerticalScroll):
         heading, facts = Static(id="heading"), Static(id="facts", markup=False)
         super().__init__(heading, facts, stage, id="details")
         self._look = look
-        self.shown: Entry | None = None  # the entry of which it tells
+        self.shown: Entry | None = None  # the entry it shows
         self._newest: StoredSession | None = None  # of the scenario that is shown
         self._view: WorldView | None = None
         self._moments: dict[str, Sequence[Snapshot]] = {}

@@ -56,7 +56,7 @@ class Door:
     text: str
     state: str
     short: str = ""  # the state without the text above it; empty: the state itself
-    brief: str = ""  # the title where there is one row only; empty: the title itself
+    brief: str = ""  # the title for a single row; empty: the title itself
 
 
 class Doors(Widget, can_focus=True):

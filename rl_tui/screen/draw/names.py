@@ -14,7 +14,7 @@ from rl_tui.worlds.drawing import Arms, CellKind, Grid
 from rl_tui.worlds.world import World
 
 LONGEST_NAME: Final = 14
-DEPENDS: Final = "?"  # in place of a probability, and behind rewards, that depend on how one came to a state
+DEPENDS: Final = "?"  # a probability or reward that depends on the steps before
 DEPENDS_IN_FULL: Final = "depends on how you came here"
 _LARGEST_DENOMINATOR: Final = 12
 COUNTED: Final = ", counted from 0"

@@ -43,7 +43,7 @@ class FigureLimit(StrEnum):
     """Within what a figure counts."""
 
     EPISODE = "episode"  # an episode, up to the time limit
-    NONE = "none"  # all that is to come, whatever the time limit
+    NONE = "none"  # no limit
     STEP = "step"  # one step
     RUN = "run"  # all of the run so far
     MOMENT = "moment"  # the last moments on the clock

@@ -22,7 +22,7 @@ from rl_tui.screen.terminal.screen_buffer import Cutter, Line
 
 _ERASE_REST: Final = "\x1b[K"
 _WORTH_ERASING: Final = 4  # so many blanks are longer than the sequence
-_JUMP: Final = 8  # characters that take the cursor elsewhere
+_JUMP: Final = 8  # characters of a cursor movement
 _COLOURS: Final = 4  # characters around the colours of a pen
 
 
@@ -83,7 +83,7 @@ class Encoder:
         plain, change, narrow = self._pens.plain, self._pens.change, self._cutter.narrow
         written: list[str] = []
         write = written.append
-        pen, row, at = plain, -1, -1  # what is set, and where the cursor stands: −1 if that is not sure
+        pen, row, at = plain, -1, -1  # the current pen and cursor position; −1: unknown
         for wanted in sorted(runs, key=lambda each: (each is plain, *each.order)):
             for y, line, columns, erases in runs[wanted]:
                 characters, last = line.cells, len(line.cells) - 1
@@ -97,7 +97,7 @@ class Encoder:
                         pen = wanted
                     cell = _ERASE_REST if erases else characters[x]
                     write(cell)
-                    # terminals disagree about the width of rare characters, and stay in the last column
+                    # terminals disagree about the width of rare characters and about the last column
                     row, at = y, x + 1 if cell in narrow and x < last else -1
         if pen is not plain:
             write(RESET)

@@ -48,13 +48,13 @@ from rl_tui.screen.panels.lesson.words import (
 from rl_tui.screen.theme.look import Look
 
 _BOLD: Final = Style(bold=True)
-_BAR: Final = "┃"  # beside what is to do
+_BAR: Final = "┃"  # beside the task
 _SIGN: Final = 3  # cells of a sign before a text
 _WIDEST: Final = 60  # cells of a line of text
 _MARGIN: Final = 2  # cells before it
 _AROUND_A_TITLE: Final = 4  # cells
 _TRACKS: Final = (24, 12, 0)  # cells of the line of progress
-_LEAST_TEXT: Final = 6  # rows that are left for the text above what is to do
+_LEAST_TEXT: Final = 6  # rows kept for the text above the task
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 # A drawn policy
 
 
-AT_RANDOM: Final = "?"  # in place of an arrow: no action was drawn, so it acts at random
+AT_RANDOM: Final = "?"  # no action was drawn here: random
 
 
 def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:

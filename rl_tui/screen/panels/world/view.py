@@ -76,21 +76,21 @@ class WorldView(DrawnPicture, can_focus=True):
     note: tuple[str, ...] = ()
     replaces_header = False  # whether the line below ends with what the run does and how far it has come
     is_manual = False  # whether a person takes the actions
-    wanted_layer = Layer.Q  # what is drawn, if this world has that; the same as in the table beside it
+    wanted_layer = Layer.Q  # the layer to draw, if this world has it; the table shows the same
     drawn_layer = Layer.Q  # the layer that was drawn last
-    veils = False  # whether there are dots in place of its numbers, which are hidden
+    veils = False  # whether dots hide its numbers
     range_of_v = ValueScale()  # the scale of V, by which actions lead, whatever is tinted
     is_numbered = False  # whether the cells of a map have the numbers of their states
     shows_actions = False
     """Whether the cells of a map show Q of every action, where they have room, in place of V."""
     _is_named_beside = False
     _stands_at: tuple[Piece, ...] = ()
-    _taken = 0  # cells of the line that these have
+    _taken = 0  # cells that these take
     _said = "", ""  # a mode or a lane, and what is said with it, in one line
 
     def __init__(self, world: World, look: Look, **options: Any) -> None:
         super().__init__(look, **options)
-        self.steady_scale = SteadyScale()  # the scale of all tints, which that of the lane beside shares
+        self.steady_scale = SteadyScale()  # the scale of all tints, shared with the run beside it
         self.enter(world)
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:

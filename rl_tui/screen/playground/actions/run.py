@@ -125,7 +125,7 @@ class RunActions(Subject):
     """The run goes on, stands still, or starts again."""
 
     scenario: ScenarioActions
-    _told: ClassVar = set[str]()  # what this process has said of machine code: once is enough
+    _told: ClassVar = set[str]()  # messages about machine code, each said once
 
     def announce(self, now: Snapshot) -> None:
         """Say, the first time, why runs stay interpreted."""

@@ -13,7 +13,7 @@ from rl_tui.worlds.drawing import Arms
 class TimeActions(Subject):
     """The run goes back and forth, and from branch to branch."""
 
-    _sought_episode: int | None = None  # the episode that the run is on its way to, if it is one
+    _sought_episode: int | None = None  # the episode that the run seeks
     _sought_branch: int | None = None
     """The branch that the run is on its way to, if it goes to another one as such."""
 
