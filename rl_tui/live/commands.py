@@ -151,11 +151,11 @@ class Take(Command):
 class AddLane(Command):
     """Begin another run beside the one shown, the same but for ``changes``, and let it catch up.
 
-    ``seed`` is its own; None: that of the run shown.
+    With ``next_seed`` it has a seed that no run beside it has, else that of the run shown.
     """
 
     changes: tuple[Setting, ...] = ()
-    seed: int | None = None
+    next_seed: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -213,7 +213,7 @@ def _seek_to(
 
 
 def _add_lane(playback: Playback, command: commands.AddLane) -> None:
-    playback.group.add(command.changes, command.seed)
+    playback.group.add(command.changes, next_seed=command.next_seed)
     playback.take_in_change()
     playback.seek()
 

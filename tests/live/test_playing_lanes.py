@@ -112,7 +112,7 @@ def test_there_are_four_lanes_at_most_and_they_must_be_able_to_work() -> None:
     playback = begin(recipe("frozenlake"))
     for alpha in (0.2, 0.3, 0.4):
         do(playback, AddLane((SetParameter("alpha", alpha),)))
-    assert "4 lanes" in do(playback, AddLane((SetParameter("alpha", 0.5),))).playback.paused_by
+    assert "4 runs" in do(playback, AddLane((SetParameter("alpha", 0.5),))).playback.paused_by
     playback = begin(recipe("frozenlake"))
     shown = do(playback, AddLane((SetParameter("policy", "thompson"),)))
     assert shown.playback.paused_by
@@ -122,7 +122,7 @@ def test_there_are_four_lanes_at_most_and_they_must_be_able_to_work() -> None:
 def test_a_run_with_another_seed_is_the_run_of_that_seed_and_comes_back_from_its_file(tmp_path: Path) -> None:
     made_from = recipe("frozenlake-slippery")
     playback = begin(made_from)
-    do(playback, Train(400), Apply(SetParameter("alpha", 0.3)), Take(1), AddLane(seed=1))
+    do(playback, Train(400), Apply(SetParameter("alpha", 0.3)), Take(1), AddLane(next_seed=True))
     shown = do(playback, Train(600), ChooseLane(1))
     assert [lane.name for lane in shown.run_group.lanes] == ["seed 0", "seed 1"]
     assert shown.recipe == replace(made_from, seed=1)
@@ -140,13 +140,20 @@ def test_a_run_with_another_seed_is_the_run_of_that_seed_and_comes_back_from_its
 @pytest.mark.parametrize(("seed", "seeds"), [(0, [0, 1, 0]), (1, [1, 0, 1]), (5, [5, 1, 5])])
 def test_seeds_that_differ_go_on_to_differ_when_all_start_again(seed: int, seeds: list[int]) -> None:
     playback = begin(recipe("frozenlake"))
-    shown = do(playback, AddLane(seed=1), AddLane((SetParameter("alpha", 0.5),)))
+    shown = do(playback, AddLane(next_seed=True), AddLane((SetParameter("alpha", 0.5),)))
+    assert [each.recipe.seed for each in playback.record.lanes] == [0, 1, 0]
     do(playback, Restart(replace(shown.recipe, seed=seed)))
     assert [each.recipe.seed for each in playback.record.lanes] == seeds
 
 
+def test_runs_with_another_seed_that_are_asked_for_at_once_have_seeds_of_their_own() -> None:
+    playback = begin(recipe("frozenlake"))
+    do(playback, AddLane(next_seed=True), AddLane(next_seed=True), AddLane(next_seed=True))
+    assert [each.recipe.seed for each in playback.record.lanes] == [0, 1, 2, 3]
+
+
 def test_a_world_that_its_seed_draws_has_no_run_with_another_seed() -> None:
-    shown = do(begin(recipe("bandit")), AddLane(seed=1))
+    shown = do(begin(recipe("bandit")), AddLane(next_seed=True))
     assert shown.playback.paused_by == SEED_DRAWS_WORLD
     assert shown.run_group.lanes == ()
 

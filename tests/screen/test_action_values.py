@@ -351,7 +351,7 @@ async def test_where_cells_are_too_small_it_says_so_and_the_zoom_helps(make_app:
 async def test_other_worlds_say_where_q_stands(scenario: str, where: str, make_app: MakeApp) -> None:
     async with on_screen(make_app(scenario)) as pilot:
         await press(pilot, "w", "a")
-        assert f"Not now: {where} " in screen_text(pilot.app)
+        assert f"Not here: {where} " in screen_text(pilot.app)
         assert not playground(pilot).board.legends.shows_actions
 
 

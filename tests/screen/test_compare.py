@@ -176,7 +176,7 @@ async def test_one_run_is_compared_with_what_is_chosen(
         sent = await beside(pilot, 1, monkeypatch)
         for key in "lc":
             await pilot.press("c", key)
-            assert f"Not now: {ONE_RUN}." in screen_text(pilot.app)
+            assert f"Not here: {ONE_RUN}." in screen_text(pilot.app)
             await pilot.press("escape")
         await pilot.press("c", "s")
         await choose(pilot, "alpha")

@@ -190,11 +190,11 @@ async def test_what_cannot_be_drawn_is_dim_with_the_reason(
 ) -> None:
     async with on_screen(make_app(scenario), (240, 40)) as pilot:
         sentence = found(pilot, EDITING.label)[EDITING.shown]
-        assert sentence.startswith("Not now: ")
+        assert sentence.startswith("Not here: ")
         assert reason in sentence
         assert EDITING.shown not in pilot.app.screen.query_one(KeyLine).render_line(0).text
         await press(pilot, "w", "d")
-        assert f"Not now: {playground(pilot).editing.refused}." in screen_text(pilot.app)
+        assert f"Not here: {playground(pilot).editing.refused}." in screen_text(pilot.app)
 
 
 async def test_a_rectangle_is_marked_copied_and_moved_by_the_mouse(make_app: MakeApp) -> None:
@@ -304,7 +304,7 @@ async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.Monkey
         assert map_drawn(pilot).lines[0] == "SH.."
         screens = len(pilot.app.screen_stack)
         await press(pilot, "w", "s")
-        assert "Not now: saving is off here: this is a kiosk." in screen_text(pilot.app)
+        assert "Not here: saving is off here: this is a kiosk." in screen_text(pilot.app)
         await press(pilot, "escape")
         assert len(pilot.app.screen_stack) == screens
         for letter in "ibhe":
@@ -379,3 +379,13 @@ def test_of_many_outcomes_the_chosen_one_is_shown_and_how_many_are_not(on: int) 
     *seen, hint = room.sheet.lines
     assert [each.number for each in seen if each.is_on] == [on]
     assert f"{9 - len(seen)} more" in hint.text
+
+
+@pytest.mark.parametrize("hiding", [("d",), ("f",), ("t", "m")])
+async def test_where_the_panel_is_not_in_view_digits_go_to_the_agent(
+    make_app: MakeApp, hiding: tuple[str, ...]
+) -> None:
+    async with on_screen(make_app("frozenlake"), (80, 24)) as pilot:
+        await press(pilot, "w", "d", *hiding, "1")
+        assert playground(pilot).editing.is_on
+        assert playground(pilot).focused is slider(pilot.app, "alpha")

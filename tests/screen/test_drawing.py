@@ -127,7 +127,7 @@ async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None
 async def test_digits_draw_and_the_cursor_stays_and_all_is_cleared_after_asking(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "w", "p", "C")
-        assert notes(pilot.app)[-1] == "nothing is drawn yet"
+        assert notes(pilot.app)[-1] == "Nothing is drawn yet."
         await press(pilot, "right", "1", "2", "down")
         assert drawn(pilot) == ((1, RIGHT),)
         await press(pilot, "3")
@@ -224,7 +224,7 @@ async def test_a_world_without_a_table_refuses_with_the_reason(make_app: MakeApp
     async with on_screen(make_app("blackjack"), notifications=True) as pilot:
         await press(pilot, "w", "p")
         assert not playground(pilot).drawing.is_on
-        assert f"Not now: {playground(pilot).drawing.why_not('toggle')}." in screen_text(pilot.app)
+        assert f"Not here: {playground(pilot).drawing.why_not('toggle')}." in screen_text(pilot.app)
 
 
 async def test_a_large_map_says_at_least_what_is_open() -> None:

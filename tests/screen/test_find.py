@@ -120,4 +120,4 @@ async def test_what_cannot_be_done_says_why_and_stays(make_app: MakeApp) -> None
     async with on_screen(make_app("student")) as pilot:
         await press(pilot, "slash", *"next run", "enter")
         assert isinstance(pilot.app.screen, FindScreen)
-        assert "Not now" in str(pilot.app.screen.query_one("FindScreen Static", Static).render())
+        assert "Not here" in str(pilot.app.screen.query_one("FindScreen Static", Static).render())

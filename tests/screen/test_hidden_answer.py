@@ -145,4 +145,4 @@ async def test_a_spent_budget_has_nothing_to_hide(make_app: MakeApp) -> None:
         spent = await train(pilot, 5_000)
         assert spent.playback.phase is Phase.SPENT
         assert not is_secret(await press(pilot, "w", "h"))
-        assert f"Not now: {playground(pilot).view.why_not('hide_answer')}." in screen_text(pilot.app)
+        assert f"Not here: {playground(pilot).view.why_not('hide_answer')}." in screen_text(pilot.app)

@@ -84,9 +84,9 @@ async def refusal(pilot: Pilot[UserError], *keys: str) -> str:
         assert note.endswith("."), keys
         return f"{note[0].lower()}{note[1:-1]}"
     menu = pilot.app.screen.menu
-    assert "Not now: " in screen_text(pilot.app), keys
+    assert "Not here: " in screen_text(pilot.app), keys
     await press(pilot, "escape")
-    return menu.rows[menu.at].sentence.removeprefix("Not now: ").removesuffix(".")
+    return menu.rows[menu.at].sentence.removeprefix("Not here: ").removesuffix(".")
 
 
 async def say(pilot: Pilot[UserError], number: str) -> None:

@@ -67,7 +67,7 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         assert pilot.app.screen.query_one(ModelPanel).pair in range(5)
         await press(pilot, "escape")
         await press(pilot, "a", "p")
-        assert "Not now: Value iteration tries every action and follows no policy." in screen_text(pilot.app)
+        assert "Not here: Value iteration tries every action and follows no policy." in screen_text(pilot.app)
         await press(pilot, "escape")
         done = await train(pilot, 100_000)
         assert done.playback.phase is Phase.DONE

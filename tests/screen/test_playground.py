@@ -130,7 +130,7 @@ async def test_h_reveals_a_bandit_until_it_starts_again(make_app: MakeApp) -> No
 async def test_h_explains_itself_where_nothing_is_hidden(make_app: MakeApp) -> None:
     async with on_screen(make_app("cartpole"), notifications=True) as pilot:
         await press(pilot, "w", "h")
-        assert "Not now: this world has no exact values to hide." in screen_text(pilot.app)
+        assert "Not here: this world has no exact values to hide." in screen_text(pilot.app)
 
 
 async def test_scenarios_may_be_changed_faster_than_they_load(make_app: MakeApp) -> None:

@@ -122,7 +122,7 @@ async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(
         for keys, instead in REFUSED.items():
             await press(pilot, *keys.split())
             if " " in keys:
-                said = [line for line in screen_text(pilot.app).splitlines() if "Not now: " in line]
+                said = [line for line in screen_text(pilot.app).splitlines() if "Not here: " in line]
                 await press(pilot, "escape")
             else:
                 said = notes(pilot.app)
@@ -228,7 +228,7 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         assert playground(pilot).board.is_paired
         assert DIFFERS not in screen_text(pilot.app)  # it is not compared with ours
         await press(pilot, "c", "e")
-        assert "Not now: your program is in control" in screen_text(pilot.app)
+        assert "Not here: your program is in control" in screen_text(pilot.app)
         await press(pilot, "escape")
 
 

@@ -285,7 +285,7 @@ async def test_where_no_session_is_kept_the_menu_says_so(app_with_sessions: Make
     app = app_at(student())
     async with on_screen(app) as pilot:
         await tap(pilot, "m", "s")
-        assert "Not now: no session is kept here." in screen_text(app)
+        assert "Not here: no session is kept here." in screen_text(app)
 
 
 async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:

@@ -285,7 +285,7 @@ def test_a_planner_alone_has_no_luck() -> None:
 
 
 def test_runs_that_differ_in_their_seed_have_no_other_seeds_to_differ_in() -> None:
-    assert "c e" in refusal_of(begin(recipe("student")), AddLane(seed=1))
+    assert "c e" in refusal_of(begin(recipe("student")), AddLane(next_seed=True))
 
 
 def test_a_planner_beside_an_agent_is_worked_out_with_it() -> None:

@@ -231,9 +231,10 @@ class RunGroup:
         self.current.stop_seek()
         self.step = self.current.run.step
 
-    def add(self, changes: Sequence[Setting], seed: int | None = None) -> None:
-        """Add a run that differs from the one shown by ``changes``, and by its ``seed``, from the start.
+    def add(self, changes: Sequence[Setting], *, next_seed: bool = False) -> None:
+        """Add a run that differs from the one shown by ``changes`` from the start.
 
+        With ``next_seed`` its seed is one more than the largest of all runs, else that of the one shown.
         It keeps what was changed on the way, the world too, but for what differs, and but for steps taken by
         a person; with another algorithm also but for sweeps that were ordered. Raises UserError where there
         is no room for another, or it cannot work.
@@ -241,8 +242,8 @@ class RunGroup:
         self._check_room()
         model, step = self.current, self.step
         recipe = changed_recipe(model.recipe, *changes)
-        if seed is not None:
-            recipe = replace(recipe, seed=seed)
+        if next_seed:
+            recipe = replace(recipe, seed=1 + max(each.recipe.seed for each in self._runs))
             if recipe.scenario.section.drawn_from_seed:
                 raise UserError(SEED_DRAWS_WORLD)
         left_out = {"", *(_subject(change) for change in changes)}
@@ -274,7 +275,7 @@ class RunGroup:
 
     def _check_room(self) -> None:
         if len(self._runs) == MOST:
-            raise UserError(f"there are {MOST} lanes already; end one first")
+            raise UserError(f"there are {MOST} runs already; end one first")
 
     def _let_catch_up(self, added: BranchingRun) -> None:
         self._runs.append(added)

@@ -103,7 +103,9 @@ class Why(Dialog[Remedy]):
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Answer the remedy under the cursor."""
-        self.dismiss(self._remedies[str(event.option_id)])
+        remedy = self._remedies.get(str(event.option_id))
+        if remedy is not None:  # else an update came meanwhile: there is nothing to mend
+            self.dismiss(remedy)
 
     def _row(self, cells: Iterable[str]) -> str:
         first, *figures = (to_ascii(cell, self._look.glyphs) for cell in cells)

@@ -265,7 +265,7 @@ class HelpPages:
 
     def _show_keys(self) -> None:
         screen, focused = self._screen, self._screen.focused
-        titles = {row.id: row.title for row in screen.panel_rows}
+        titles = {name: row.title for row in screen.panel_rows for name in (row.id, beside(row.id))}
         nodes = () if focused is None else focused.ancestors_with_self
         name = next((titles[node.id] for node in nodes if node.id in titles), "")
         screen.app.push_screen(KeySheet(screen.look, screen.actions, focused, name), self._turn)

@@ -5,7 +5,7 @@ It is the first of the three pages that ``?`` turns through: keys, words, pages.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import ClassVar, Final, NamedTuple
 
 from rich.cells import cell_len
@@ -20,7 +20,7 @@ from textual.widget import Widget
 
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.keys.action import MENUS, Action, Group
+from rl_tui.screen.keys.action import MENUS, Action, Group, menu_title
 from rl_tui.screen.theme.look import Look
 
 KEYS: Final = "keys"
@@ -135,7 +135,8 @@ class KeySheet(Dialog[str]):
         yield from self._wide_menus(width) if is_roomy else self._narrow_menus(width)
 
     def _sections(self) -> Iterator[tuple[str, list[_Entry]]]:
-        yield f"{self._name}, in focus", _panel_entries(self._panel)
+        taken = {key for each in self._actions if each.group is Group.DRAWING for key in each.keys}
+        yield f"{self._name}, in focus", _panel_entries(self._panel, taken)
         for group in (Group.DRAWING, Group.LISTS, Group.LESSON):
             entries = [_entry(each) for each in self._actions if not each.menu and each.group == group]
             yield group, entries
@@ -159,20 +160,20 @@ class KeySheet(Dialog[str]):
         menus = self._menus()
         for three in (menus[:3], menus[3:]):
             yield self._joined(
-                Text(f"{key}  {MENUS[key]}".ljust(column), self._look.palette.strong) for key, _ in three
+                Text(f"{key}  {title}".ljust(column), self._look.palette.strong) for key, title, _ in three
             )
-            for line in range(max((len(entries) for _, entries in three), default=0)):
+            for line in range(max((len(entries) for *_, entries in three), default=0)):
                 yield self._joined(
                     self._item(entries[line], column, 5) if line < len(entries) else Text(" " * column)
-                    for _, entries in three
+                    for *_, entries in three
                 )
             yield Text("")
 
     def _narrow_menus(self, width: int) -> Iterator[Text]:
         """Yield each menu in as few lines as it takes."""
         palette = self._look.palette
-        for key, entries in self._menus():
-            line = Text(f"{key} ", palette.press).append(f"{MENUS[key]:<8}", palette.strong)
+        for key, title, entries in self._menus():
+            line = Text(f"{key} ", palette.press).append(f"{title:<8}", palette.strong)
             for each in entries:
                 item = self._item(each._replace(key=each.key[-1]), 0, 1)
                 if cell_len(line.plain) + cell_len(item.plain) + 2 > width:
@@ -181,9 +182,10 @@ class KeySheet(Dialog[str]):
                 line.append_text(item).append("  ")
             yield line
 
-    def _menus(self) -> list[tuple[str, list[_Entry]]]:
-        listed = [(key, [_entry(each) for each in self._actions if each.menu == key]) for key in MENUS]
-        return [(key, entries) for key, entries in listed if entries]
+    def _menus(self) -> list[tuple[str, str, list[_Entry]]]:
+        """Return the key, the title and the entries of each menu that has some."""
+        menus = [(key, [each for each in self._actions if each.menu == key]) for key in MENUS]
+        return [(key, menu_title(key, listed), list(map(_entry, listed))) for key, listed in menus if listed]
 
     def _item(self, entry: _Entry, width: int, keys: int) -> Text:
         """Return ``entry`` in ``width`` columns, its key at the right of the first ``keys``."""
@@ -206,12 +208,12 @@ def _entry(action: Action) -> _Entry:
     return _Entry(key, label, bool(action.refused))
 
 
-def _panel_entries(panel: Widget | None) -> list[_Entry]:
-    """Return the keys that the class of ``panel`` binds, those of one meaning together."""
+def _panel_entries(panel: Widget | None, taken: Collection[str]) -> list[_Entry]:
+    """Return the keys that the class of ``panel`` binds, but for those ``taken``; of one meaning together."""
     meanings = dict[str, list[str]]()
     for base in type(panel).__mro__ if panel is not None else ():
         for each in Binding.make_bindings(base.__dict__.get("BINDINGS", ())):
             word = each.description.lower()
-            if each.tooltip and not each.key.startswith("shift+") and each.key not in "jk":
+            if each.tooltip and not each.key.startswith("shift+") and each.key not in (*taken, "j", "k"):
                 meanings.setdefault(_MOVING.get(word, word), []).append(_SIGNS.get(each.key, each.key))
     return [_Entry(" ".join(dict.fromkeys(keys)), meaning) for meaning, keys in meanings.items()]

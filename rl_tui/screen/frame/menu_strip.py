@@ -69,6 +69,7 @@ class MenuRows(Widget):
     def show(self, rows: Sequence[MenuRow]) -> None:
         """Draw ``rows`` in place of those before."""
         self.rows = rows
+        self.at = min(self.at, len(rows) - 1)
         self._fit()
         self.refresh()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Flag, StrEnum, auto
 from typing import Final
@@ -28,6 +29,11 @@ class Group(StrEnum):
     DRAWING = "Drawing"
     RUN = "Run"
     PROGRAM = "Program"
+
+
+def menu_title(key: str, listed: Iterable[Action]) -> str:
+    """Return the title of the menu of ``key``, which lists these actions: tools while a person draws."""
+    return "Draw" if any(each.group is Group.DRAWING for each in listed) else MENUS[key]
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +130,7 @@ class Action:
     @property
     def sentence(self) -> str:
         """What it does, or why it can do nothing now."""
-        return f"Not now: {self.refused}." if self.refused else self.help
+        return f"Not here: {self.refused}." if self.refused else self.help
 
     @property
     def textual_action(self) -> str:

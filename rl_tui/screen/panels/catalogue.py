@@ -268,8 +268,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.POLICIES,
         "rl_tui.screen.panels.policies.policies:Policies",
         "Policies",
-        "The exact returns of policies, a row each: random, greedy at this moment, the agent as it acts "
-        "now, exploring included, optimal for the current γ, and your own (w p draws it). The first number "
+        "The exact returns of policies, a row each: random, greedy at this moment, the agent with its "
+        "exploration, optimal for the current γ, and your own (w p draws it). The first number "
         "is the mean return of an episode, undiscounted and within the time limit; at start is V there. "
         "The cost of exploring is what the greedy policy earns more than the agent. The world shows V and "
         "the likeliest actions of the policy under the cursor, and the curve its return as a dashed line. "

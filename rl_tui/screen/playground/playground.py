@@ -37,6 +37,7 @@ from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.pointing import Pointed, Touched
 from rl_tui.screen.kit.row import CAPTION, MICROSCOPE, WORLD, PanelRow
+from rl_tui.screen.kit.snapshot_facts import why_over
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider, key_hints
 from rl_tui.screen.panels.discount import DiscountPanel
@@ -216,10 +217,9 @@ class Playground(ActionScreen):
         """Return why ``action`` can do nothing now, as a clause; empty where it can."""
         target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self, target, None)
-        may_wait = action.of_lesson or self.wanted.lesson is not None
         return (
             self.program.why_not_to_it(action)
-            or (self.kept_back.why_not_yet(action) if may_wait else "")
+            or self.kept_back.why_not_yet(action)
             or (subject.why_not(deed) if isinstance(subject, Subject | Board) else "")
         )
 
@@ -445,7 +445,7 @@ class Playground(ActionScreen):
             return
         if self.board.opened == MICROSCOPE:
             self.microscope.follow_update()
-        if snapshot.counters.episodes and snapshot.playback.phase is Phase.PAUSED:
+        if why_over(snapshot) or (snapshot.counters.episodes and snapshot.playback.phase is Phase.PAUSED):
             self.legends.names_all_keys = True
         with self.app.batch_update():
             self.session.show_name()

@@ -64,9 +64,10 @@ class LaneActions(Subject):
 
     def value(self, deed: str) -> str:
         """Return how many runs there are, and the seed that another one would have."""
-        if deed == "another_seed" and not self.why_not(deed):
-            return str(self._new_seed)
         lanes = () if self.snapshot is None else self.snapshot.run_group.lanes
+        if deed == "another_seed" and not self.why_not(deed):
+            seeds = (lane.past.begun.seed for lane in lanes if lane.past is not None)
+            return str(1 + max(seeds, default=self.link.wanted.recipe.seed))
         return f"{len(lanes)} open" if deed == "show_runs" and lanes else ""
 
     def another_algorithm(self) -> None:
@@ -80,13 +81,7 @@ class LaneActions(Subject):
 
     def another_seed(self) -> None:
         """Run the same with the next seed that no run has, beside this one."""
-        self.link.send(AddLane(seed=self._new_seed))
-
-    @property
-    def _new_seed(self) -> int:
-        pasts = [] if self.snapshot is None else [lane.past for lane in self.snapshot.run_group.lanes]
-        seeds = [past.begun.seed for past in pasts if past is not None]
-        return 1 + max([self.link.wanted.recipe.seed, *seeds])
+        self.link.send(AddLane(next_seed=True))
 
     def another_branch(self) -> None:
         """Choose which branch of this run is to be beside this one."""

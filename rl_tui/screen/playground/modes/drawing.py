@@ -350,14 +350,14 @@ class PolicyDrawing(KeyMode):
     def ask_to_clear(self) -> None:
         """Take away all that was drawn, after asking."""
         if not self._drawn:
-            self.screen.tell(_NOTHING_DRAWN)
+            self.screen.refuse(_NOTHING_DRAWN)
             return
         question = f"You have drawn an action in {counted(self._drawn, 'state')}; this cannot be undone."
         self.ask(Confirm("Draw afresh?", question, "clear all", self.glyphs), self._clear)
 
     def _clear(self, _: bool) -> None:
         self.link.send(ClearDrawing())
-        self.screen.tell("all that was drawn is gone")
+        self.screen.tell("Your policy is cleared.")
 
 
 def likely_cell(world: World, state: int, action: int) -> int:

@@ -91,6 +91,7 @@ TOOLBOXES: Final[Mapping[type, type[Toolbox]]] = {
 
 _KIOSK: Final = "saving is off here: this is a kiosk"
 _NOTHING_TO_UNDO: Final = "nothing that was drawn is left to undo"
+_NO_SLIDERS: Final = "the panel Draw is not in view"
 _NOTHING_TO_REDO: Final = "nothing was undone: there is nothing to redo"
 
 ALWAYS: Final = (
@@ -138,8 +139,9 @@ ALWAYS: Final = (
         DIGITS[0],
         "sliders",
         "Go to a number of the world.",
-        lambda editing, _: editing.press(DIGITS[0]),
+        lambda editing, _: editing.go_to_slider(DIGITS[0]),
         "1 2 3",
+        why_not=lambda editing, _: "" if editing.board.shows(DRAW) else _NO_SLIDERS,
         is_told=True,
     ),
 )
@@ -225,8 +227,9 @@ class WorldEditing(KeyMode):
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` draws, undoes, saves, leaves or goes to a slider."""
-        is_slider = key in DIGITS and self._slider(key) is not None
-        return self.toolbox is not None and (is_slider or key in _ALONG or self._tool(key) is not None)
+        if key in DIGITS:
+            return self._slider(key) is not None
+        return self.toolbox is not None and (key in _ALONG or self._tool(key) is not None)
 
     def has_on_a_page(self, key: str) -> bool:
         """Return whether ``key`` goes from one slider of the panel to another."""
@@ -269,10 +272,16 @@ class WorldEditing(KeyMode):
             if desk is not None and self.toolbox is not None:
                 self.toolbox.go_along(desk, _ALONG[key])
                 self._show_picked()
-        elif (slider := self._slider(key) if key in DIGITS else None) is not None:
-            slider.focus()
+        elif key in DIGITS:
+            self.go_to_slider(key)
         else:
             self.use(key)
+
+    def go_to_slider(self, key: str) -> None:
+        """Give the focus to the slider of the world with this digit."""
+        slider = self._slider(key)
+        if slider is not None:
+            slider.focus()
 
     def use(self, name: str, *, is_clicked: bool = False) -> None:
         """Use the tool with the id ``name``, or say why it can do nothing now."""
@@ -282,7 +291,7 @@ class WorldEditing(KeyMode):
         owner = self._owner(tool)
         refused = tool.why_not(owner, desk)
         if refused:
-            self.screen.tell(refused)
+            self.screen.refuse(refused)
             return
         use = tool.click if is_clicked and tool.click is not None else tool.use
         use(owner, desk)
@@ -351,7 +360,7 @@ class WorldEditing(KeyMode):
 
         refused = self.refused or refusal(snapshot.recipe.scenario, snapshot.recipe.seed)
         if refused:
-            self.screen.tell(refused)
+            self.screen.refuse(refused)
             return
         if isinstance(snapshot.world.drawing, Arms) and is_secret(snapshot):
             self.link.send(HideAnswer(is_hidden=False))
@@ -441,7 +450,7 @@ class WorldEditing(KeyMode):
         draft = None if snapshot is None else self._pending.draft(snapshot)
         if view is None or snapshot is None or draft is None:
             return None
-        return Desk(view, snapshot, draft, self.glyphs, self._draw, self.screen.tell, self.ask)
+        return Desk(view, snapshot, draft, self.glyphs, self._draw, self.screen.refuse, self.ask)
 
     def _draw(self, edits: Sequence[Edit]) -> None:
         """Make ``edits`` as one stroke, or say why they cannot be made."""
@@ -451,7 +460,7 @@ class WorldEditing(KeyMode):
         try:
             is_new = edited_draft(draft, edits).table != draft.table
         except UserError as fault:
-            self.screen.tell(str(fault))
+            self.screen.refuse(str(fault))
             return
         if not is_new:  # painted twice: undoing it once takes it back
             return
