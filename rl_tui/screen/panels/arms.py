@@ -41,7 +41,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
-HEADING: Final = "Arms · estimate ± standard error"
+HEADING: Final = "Arms · Q ± standard error"
 
 
 class ArmsView(WorldView):
