@@ -140,7 +140,7 @@ def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
         example = snapshot.counters.episodes + 100
     bandit = snapshot.results.bandit
     most = bandit.budget if kind is Kind.BANDIT and bandit is not None else _LARGEST
-    expected = f"type a whole number, {least:,} or more"
+    expected = f"type a whole number, {least:,} or more; m g goes back"
     if most < _LARGEST:
         expected = f"type a whole number from {least:,} to {most:,}"
 

@@ -110,7 +110,7 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
     if not any(lane.is_by_luck for lane in lanes):
         raise UserError("a planner knows the world: every seed comes to the same, so there is nothing to see")
     if len({lane.recipe.seed for lane in lanes}) > 1:
-        raise UserError("these runs differ in their seed already; c e ends the one you control")
+        raise UserError("the runs have different seeds; c e ends the one you control")
     run = group.current.run
     if run.world.space.pairs > MOST_PAIRS:
         raise UserError(f"many seeds are not worked out above {MOST_PAIRS:,} pairs of state and action")

@@ -159,7 +159,7 @@ def draw_chart(
     for label, row in _rows_of(names[: plot.rows], plot):
         canvas.put(width - columns.labels + label.gap, row, label.text, label.style)
     if (data.barren or data.unlearned) and not data.lanes:
-        _put_message(canvas, plot, barren_words(data), look)
+        _put_message(canvas, plot, barren_words(data), look, at_top=True)
     return canvas.strips()
 
 
@@ -278,11 +278,13 @@ def _put_cells(
         canvas.put_cells(plot.left, row, line, cells)
 
 
-def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look) -> None:
+def _put_message(
+    canvas: Canvas, plot: Plot, words: Sequence[str], look: Look, *, at_top: bool = False
+) -> None:
     whole = " ".join(words)
     parts = (whole,) if len(whole) <= plot.columns else words
     lines = [line for part in parts for line in wrapped(part, plot.columns, look.palette.text, look)]
-    first = max(0, (plot.rows - len(lines)) // 2)
+    first = 0 if at_top else max(0, (plot.rows - len(lines)) // 2)
     for row, line in enumerate(lines[: plot.rows], first):
         for piece in line:
             text = f" {piece.text} " if cell_len(piece.text) + 2 <= plot.columns else piece.text

@@ -238,7 +238,7 @@ class _Cell:
         kind, form = self.face.kind, self.form
         rows = sign_size(form.width, form.height)[1] if self.has_blocks else 0
         if kind is CellKind.HOLE and rows:
-            self._put_block("ring" if rows > 2 else "disc", rows, self.ink)
+            self._put_block("ring", rows, self.ink)
         elif kind is CellKind.GOAL and rows and form.height >= _LEAST_STAR:
             self._put_block("star", min(rows + 1, form.height - 1), self.ink)
         elif kind is not CellKind.CLIFF:

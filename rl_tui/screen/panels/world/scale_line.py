@@ -14,7 +14,7 @@ from rl_tui.screen.kit.value_scale import ValueScale, scale_pieces
 from rl_tui.screen.theme.look import Look
 
 VALUE: Final = "value"
-NOTHING_KNOWN: Final = "nothing known yet"
+NOTHING_KNOWN: Final = "nothing learned yet"
 ALL_ZERO: Final = "0 so far"
 VEILED: Final = "hidden, w h shows it"
 _GAP: Final = "  "

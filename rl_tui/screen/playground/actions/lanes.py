@@ -63,11 +63,14 @@ class LaneActions(Subject):
         return ""
 
     def value(self, deed: str) -> str:
-        """Return how many runs there are, and the seed that another one would have."""
-        lanes = () if self.snapshot is None else self.snapshot.run_group.lanes
+        """Return how many runs there are, which one would end, and the seed that another would have."""
+        group = None if self.snapshot is None else self.snapshot.run_group
+        lanes = () if group is None else group.lanes
         if deed == "another_seed" and not self.why_not(deed):
             seeds = (lane.past.begun.seed for lane in lanes if lane.past is not None)
             return str(1 + max(seeds, default=self.link.wanted.recipe.seed))
+        if deed == "end" and group is not None and lanes:
+            return lanes[group.shown].name
         return f"{len(lanes)} open" if deed == "show_runs" and lanes else ""
 
     def another_algorithm(self) -> None:
