@@ -84,7 +84,7 @@ class LessonPlace:
     @property
     def is_in_view(self) -> bool:
         """Whether the page is to be read, all of it and not its row."""
-        return self._arrangement.has_page(self._board.size)
+        return self._arrangement.has_page(self._board.screen.size)
 
     @property
     def reads(self) -> bool:
