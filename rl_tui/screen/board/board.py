@@ -264,9 +264,7 @@ class Board(Container):
         self.table = self._made(self._pair.led(TABLE), QTable)
         self.world = self._made(self._pair.led(WORLD), WorldView)
         if world is not None and self.world is not None and world is not self.world:
-            self.world.is_manual, world.is_manual = world.is_manual, False
-            self.world.show_mode(world.title, world.prompt, has_keys=world.has_class("-manual"))
-            world.show_mode((), (), has_keys=False)
+            self.world.take_over(world)
         zoomed = None if self.zoomed is None else self._pair.row_of(self.zoomed)
         if zoomed is not None:
             self.zoom(self._pair.led(zoomed))
