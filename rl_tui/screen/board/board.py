@@ -390,7 +390,7 @@ class Board(Container):
     def zoom(self, panel: str | None) -> None:
         """Let ``panel`` cover all others, a world the header too; None shows all."""
         self._arrangement.zoomed = panel
-        self.caption.replaces_header = self._arrangement.is_big
+        self.caption.replaces_header = self.lesson.panel.replaces_header = self._arrangement.is_big
         self.screen.query_one(StatusLine).styles.height = 0 if self._arrangement.is_big else 1
         self._arrange_again()
         self._keep_focus_in_view()

@@ -382,7 +382,7 @@ class Playground(ActionScreen):
             self.board.zoom(WORLD)
 
     def _show_unanswered(self) -> None:
-        for line in (self.status, self.board.caption):
+        for line in (self.status, self.board.caption, self.board.lesson.panel):
             line.show_unanswered(self.player.unanswered)
 
     def on_unmount(self) -> None:
