@@ -316,9 +316,8 @@ class Playground(ActionScreen):
         if snapshot is not None:
             self.modes.show(snapshot)
         keys = self.query_one(KeyLine)
-        keys.first = (
-            key_hints(self.focused) or self.lesson.offers or self.editing.offered or self.view.way_back
-        )
+        offered = self.lesson.offers or self.editing.offered
+        keys.first = key_hints(self.focused) or self.view.with_way_back(offered)
         keys.is_running = self.run.is_under_way
         keys.names_all = self.legends.names_all_keys
         ranked = (each for each in self.known_actions if each.rank is not None and not each.stays)
