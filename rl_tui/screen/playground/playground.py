@@ -216,7 +216,8 @@ class Playground(ActionScreen):
         """Return why ``action`` can do nothing now, as a clause; empty where it can."""
         target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self, target, None)
-        may_wait = action.of_lesson or self.wanted.lesson is not None
+        ends_mode = deed == "toggle" and subject is self.modes.current
+        may_wait = not ends_mode and (action.of_lesson or self.wanted.lesson is not None)
         return (
             self.program.why_not_to_it(action)
             or (self.kept_back.why_not_yet(action) if may_wait else "")
