@@ -290,7 +290,7 @@ class Board(Container):
 
     def on_resize(self) -> None:
         """Show one lane or two, and a lesson beside the run or in turn with it, as there is room."""
-        self._dress()
+        self._arrange_again()  # the screen may have had another size when this one was last arranged
         snapshot = self._snapshot
         if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
             self.show(snapshot)
