@@ -15,7 +15,7 @@ from snapshots import changed
 
 from rl_tui.lessons.file.view import ConditionView, Given, LessonRecord, LessonView, Passed, TaskView, begun
 from rl_tui.lessons.lesson import lesson_folder, lesson_of, read_lesson
-from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.panels.lesson.lesson import LessonPanel, Spotlight
 from rl_tui.screen.panels.lesson.words import NOT_COUNTED, PageStage, keeping_page, next_keys, stage_of
 
@@ -181,6 +181,22 @@ def test_of_a_task_rightly_called_impossible_no_condition_is_said_to_hold() -> N
 def test_the_way_to_call_a_task_impossible_is_the_same_on_each_and_stands_last(page: str) -> None:
     rows = [row.strip() for row in drawn(at(page, task=TaskView(CONDITIONS))) if row.strip()]
     assert rows[-1].endswith("enter your task")
+
+
+def test_where_its_row_replaces_the_header_it_says_first_why_nothing_goes_on() -> None:
+    now = at("start")
+    stopped = replace(now, playback=replace(now.playback, phase=Phase.STOPPED, message="it failed"))
+    panel = panel_of(stopped)
+
+    def row(snapshot: Snapshot) -> str:
+        return panel.picture(snapshot, 80, 1)[0].text
+
+    assert "One cell a step" in row(stopped), "the header says it"
+    panel.replaces_header = True
+    assert "stopped: it failed" in row(stopped)
+    assert "One cell a step" in row(now)
+    panel.show_unanswered(12)
+    assert "the environment has not answered for 12 s" in row(now)
 
 
 def offered(panel: LessonPanel, width: int = 60, height: int = 40) -> list[str]:

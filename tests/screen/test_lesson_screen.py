@@ -34,16 +34,20 @@ from rl_tui.lessons.judging.journal_reader import run_digest
 from rl_tui.lessons.lesson import lesson_of
 from rl_tui.live.commands import Apply, KeepLesson
 from rl_tui.live.player import Player
-from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import SetParameter
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.find import entries_on, found_by
 from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.dialogs.form import Choice
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.menu_strip import MenuStrip
+from rl_tui.screen.keys.playground_keys import LESSON_ACTIONS
+from rl_tui.screen.kit.bindings import key_of_hint
 from rl_tui.screen.kit.row import LESSON as LESSON_PANEL
-from rl_tui.screen.kit.row import MICROSCOPE, TABLE, WORLD
+from rl_tui.screen.kit.row import MANY_SEEDS, MICROSCOPE, POLICIES, TABLE, WORLD
+from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.lesson.lesson import LessonPanel
 from rl_tui.screen.playground.actions.kept_back import PREDICT_FIRST
 from rl_tui.screen.playground.actions.lesson import CAN_BE_DONE, NOT_DONE, SEEN_BEFORE
@@ -394,6 +398,72 @@ async def test_another_setup_is_another_playground_and_after_the_last_page_one_e
         await pilot.press("escape")
         await pilot.pause()
         assert not isinstance(pilot.app.screen, Playground)
+
+
+def key_line(pilot: Pilot[UserError]) -> str:
+    return playground(pilot).query_one(KeyLine).render_line(0).text
+
+
+@pytest.mark.parametrize("rows", [36, 37])
+async def test_where_the_page_barely_has_room_beside_the_world_its_keys_are_named_and_do_it(
+    rows: int,
+) -> None:
+    async with lesson((120, rows), "learn") as pilot:
+        await press(pilot, "d", "escape")
+        place = playground(pilot).board.lesson
+        assert (place.is_docked, place.reads) == (True, False)
+        assert key_line(pilot).split()[:3] == ["enter", "your", "task"]
+        await press(pilot, "enter")
+        assert isinstance(pilot.app.screen, Choice)
+
+
+async def test_the_world_alone_says_why_nothing_goes_on_and_how_all_panels_come_back() -> None:
+    async with lesson(wide) as pilot:
+        now = await press(pilot, "f")
+        assert key_line(pilot).split()[:5] == ["enter", "page", "f", "all", "panels"]
+        stopped = replace(now.playback, phase=Phase.STOPPED, message="the world fell apart")
+        show(playground(pilot), replace(now, playback=stopped))
+        assert "stopped: the world fell apart" in page_panel(pilot).render_line(0).text
+        await press(pilot, "f")
+        assert "all panels" not in key_line(pilot)
+
+
+async def test_the_key_line_names_no_key_that_the_panel_in_focus_has_for_itself() -> None:
+    async with lesson(wide, "never") as pilot:
+        screen, kept = playground(pilot), dict[str, set[str]]()
+        line = screen.query_one(KeyLine)
+        for row in PANELS:
+            if row.opened_by is None or screen.board.why_not(row.id):
+                continue
+            screen.board.toggle(row.id)
+            await settle(pilot)
+            assert screen.board.panel_of(screen.focused) == row.id
+            named = {key_of_hint(key) for form in line.first for key, _ in form}
+            named |= {key for each in LESSON_ACTIONS if each.id not in line.idle for key in each.keys}
+            kept[row.id] = named & {"enter", "pagedown"}
+            for key in kept[row.id]:
+                assert screen.active_bindings[key].node is screen, (row.id, key)
+        assert kept[POLICIES] == {"pagedown"}
+        assert kept[MICROSCOPE] == {"enter"}
+        assert kept[MANY_SEEDS] == set()
+
+
+async def test_who_acts_can_hand_back_on_a_page_that_waits_for_a_prediction() -> None:
+    async with lesson(wide) as pilot:
+        await press(pilot, "y", "pagedown")
+        assert playground(pilot).manual.is_on
+        assert key_line(pilot).split() == ["enter", "your", "prediction", "y", "hand", "back", "?", "keys"]
+        assert f"{PREDICT_FIRST} · y: hand back" in screen_text(pilot.app)
+        await press(pilot, "y")
+        assert not playground(pilot).manual.is_on
+
+
+async def test_who_draws_a_policy_can_end_it_on_a_page_that_keeps_policies_back() -> None:
+    async with lesson(wide) as pilot:
+        playground(pilot).drawing.toggle()
+        await press(pilot, "w", "p")
+        assert not playground(pilot).drawing.is_on
+        assert "kept back until page 2 is done" in await refusal(pilot, "w", "p")
 
 
 @both_sizes

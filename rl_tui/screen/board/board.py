@@ -84,7 +84,7 @@ class LessonPlace:
     @property
     def is_in_view(self) -> bool:
         """Whether the page is to be read, all of it and not its row."""
-        return self._arrangement.has_page(self._board.size)
+        return self._arrangement.has_page(self._board.screen.size)
 
     @property
     def reads(self) -> bool:
@@ -264,9 +264,7 @@ class Board(Container):
         self.table = self._made(self._pair.led(TABLE), QTable)
         self.world = self._made(self._pair.led(WORLD), WorldView)
         if world is not None and self.world is not None and world is not self.world:
-            self.world.is_manual, world.is_manual = world.is_manual, False
-            self.world.show_mode(world.title, world.prompt, has_keys=world.has_class("-manual"))
-            world.show_mode((), (), has_keys=False)
+            self.world.take_over(world)
         zoomed = None if self.zoomed is None else self._pair.row_of(self.zoomed)
         if zoomed is not None:
             self.zoom(self._pair.led(zoomed))
@@ -292,7 +290,7 @@ class Board(Container):
 
     def on_resize(self) -> None:
         """Show one lane or two, and a lesson beside the run or in turn with it, as there is room."""
-        self._dress()
+        self._arrange_again()  # the screen may have had another size when this one was last arranged
         snapshot = self._snapshot
         if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
             self.show(snapshot)
@@ -392,7 +390,7 @@ class Board(Container):
     def zoom(self, panel: str | None) -> None:
         """Let ``panel`` cover all others, a world the header too; None shows all."""
         self._arrangement.zoomed = panel
-        self.caption.replaces_header = self._arrangement.is_big
+        self.caption.replaces_header = self.lesson.panel.replaces_header = self._arrangement.is_big
         self.screen.query_one(StatusLine).styles.height = 0 if self._arrangement.is_big else 1
         self._arrange_again()
         self._keep_focus_in_view()

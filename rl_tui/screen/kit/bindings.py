@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import ClassVar, Final
 
-from textual.binding import Binding, BindingType
+from textual.binding import Binding, BindingsMap, BindingType
+from textual.widget import Widget
 from textual.widgets import Input, OptionList
 
 _NAMES: Final = {
@@ -58,6 +60,17 @@ class ListInput(Input):
 def key_of_hint(written: str) -> str | None:
     """Return the key that a hint writes as ``esc`` or ``v``; None where that is no one key."""
     return _NAMES.get(written, written if len(written) == 1 else None)
+
+
+def keys_of(focused: Widget | None) -> frozenset[str]:
+    """Return the keys that the widget in focus takes for itself; none without one."""
+    return frozenset() if focused is None else _keys_of_class(type(focused))
+
+
+@cache
+def _keys_of_class(kind: type[Widget]) -> frozenset[str]:
+    declared = (vars(each).get("BINDINGS", ()) for each in kind.__mro__)
+    return frozenset(key for bindings in declared for key in BindingsMap(bindings).key_to_bindings)
 
 
 def as_sentence(text: str) -> str:

@@ -50,7 +50,21 @@ class _Field:
     after: int = 0
 
 
-class StatusLine(Panel):
+class WaitingRow(Panel):
+    """A panel with a row that says what is waited for, see :func:`waiting_line`."""
+
+    unanswered = 0
+    """For how many seconds the environment has not answered, where that is long."""
+
+    def show_unanswered(self, seconds: float) -> None:
+        """Say for how many seconds the environment has not answered, if that is long."""
+        shown = int(seconds) if seconds >= _WORTH_SHOWING else 0
+        if shown != self.unanswered:
+            self.unanswered = shown
+            self.redraw()
+
+
+class StatusLine(WaitingRow):
     """Draws phase, speed, episode under way and steps of the newest snapshot; a message takes the whole row.
 
     ``is_manual`` says that a person takes the steps, ``is_captioned`` that a caption says what is waited for.
@@ -59,16 +73,7 @@ class StatusLine(Panel):
     is_manual = is_captioned = False
     title = ""
     """That of the scenario, until the first snapshot says it."""
-    unanswered = 0
-    """For how many seconds the environment has not answered, where that is long."""
     _session = ""
-
-    def show_unanswered(self, seconds: float) -> None:
-        """Say for how many seconds the environment has not answered, if that is long."""
-        shown = int(seconds) if seconds >= _WORTH_SHOWING else 0
-        if shown != self.unanswered:
-            self.unanswered = shown
-            self.redraw()
 
     def name_session(self, name: str) -> None:
         """Say what a person called the session; ``name`` is empty without one."""

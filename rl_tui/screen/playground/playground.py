@@ -217,9 +217,10 @@ class Playground(ActionScreen):
         """Return why ``action`` can do nothing now, as a clause; empty where it can."""
         target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self, target, None)
+        ends_mode = deed == "toggle" and subject is self.modes.current
         return (
             self.program.why_not_to_it(action)
-            or self.kept_back.why_not_yet(action)
+            or ("" if ends_mode else self.kept_back.why_not_yet(action))
             or (subject.why_not(deed) if isinstance(subject, Subject | Board) else "")
         )
 
@@ -316,9 +317,8 @@ class Playground(ActionScreen):
         if snapshot is not None:
             self.modes.show(snapshot)
         keys = self.query_one(KeyLine)
-        keys.first = (
-            key_hints(self.focused) or self.lesson.offers or self.editing.offered or self.view.way_back
-        )
+        offered = self.lesson.offers or self.editing.offered
+        keys.first = key_hints(self.focused) or self.view.with_way_back(offered)
         keys.is_running = self.run.is_under_way
         keys.names_all = self.legends.names_all_keys
         ranked = (each for each in self.known_actions if each.rank is not None and not each.stays)
@@ -382,7 +382,7 @@ class Playground(ActionScreen):
             self.board.zoom(WORLD)
 
     def _show_unanswered(self) -> None:
-        for line in (self.status, self.board.caption):
+        for line in (self.status, self.board.caption, self.board.lesson.panel):
             line.show_unanswered(self.player.unanswered)
 
     def on_unmount(self) -> None:

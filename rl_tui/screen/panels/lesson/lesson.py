@@ -45,6 +45,7 @@ from rl_tui.screen.panels.lesson.words import (
     verdict_piece,
     went_another_way,
 )
+from rl_tui.screen.panels.status_line import WaitingRow, waiting_line
 from rl_tui.screen.theme.look import Look
 
 _BOLD: Final = Style(bold=True)
@@ -279,11 +280,12 @@ _Shown = tuple[str, PageStage | None, int, tuple[str, ...]]
 """The open page, where it stands, how many hints and answers there were, and the remarks on a program."""
 
 
-class LessonPanel(ScrolledPanel):
+class LessonPanel(ScrolledPanel, WaitingRow):
     """Draws the open page of the lesson in the newest snapshot; a new page begins at its top.
 
     What is to do now is always in view, at the end; the text above it scrolls. What is new there, such as an
-    answer or a hint, comes into view. In one row it says how the page stands.
+    answer or a hint, comes into view. In one row it says how the page stands; where that ``replaces_header``,
+    first why nothing goes on.
 
     ``spotlight`` is the panel that the page says to look at; ``is_manual`` says that a person acts in place
     of the agent, ``takes_turns`` that the page hides the world. ``following`` is the title of the next
@@ -302,7 +304,7 @@ class LessonPanel(ScrolledPanel):
     title = "Lesson"
     spotlight: Spotlight | None = None
     is_manual = False
-    takes_turns = False
+    takes_turns = replaces_header = False
     following = ""
     offers: tuple[Offer, ...] = ()
     _shown: _Shown = ("", None, 0, ())
@@ -317,7 +319,10 @@ class LessonPanel(ScrolledPanel):
             return strips_of([], width, height, self.look)
         if height == 1:
             self._offer(((("enter", "page"),),))
-            line = summary_line(snapshot.lesson, snapshot, self.look, width)
+            line = None
+            if self.replaces_header:
+                line = waiting_line(snapshot, self.look, width, unanswered=self.unanswered)
+            line = line or summary_line(snapshot.lesson, snapshot, self.look, width)
             return strips_of([line], width, height, self.look)
         return self._page(snapshot.lesson, snapshot, width, height)
 

@@ -116,6 +116,16 @@ class WorldView(DrawnPicture, can_focus=True):
             self.title, self.prompt = title, prompt
             self.redraw()
 
+    def take_over(self, other: WorldView) -> None:
+        """Take from the view ``other`` what a mode has made of it, and the focus: this one is led now."""
+        self.is_manual, other.is_manual = other.is_manual, False
+        self.is_drawn_on, other.is_drawn_on = other.is_drawn_on, False
+        self.picked, other.picked = other.picked, frozenset()
+        self.show_mode(other.title, other.prompt, has_keys=other.has_class("-manual"))
+        other.show_mode((), (), has_keys=False)
+        if other.has_focus:
+            self.focus()
+
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; another seed may have made another world of the same kind, or an edit."""
         if is_new_run(self.snapshot, snapshot):

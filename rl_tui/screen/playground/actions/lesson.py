@@ -21,6 +21,7 @@ from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.keys.playground_keys import LESSON_ACTIONS
+from rl_tui.screen.kit.bindings import key_of_hint, keys_of
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.lesson.prose import plain
 from rl_tui.screen.panels.lesson.words import (
@@ -190,11 +191,16 @@ class LessonActions(Subject):
 
     @property
     def offers(self) -> tuple[Offer, ...]:
-        """What enter does now, for the key line: its forms, the longest first; none without a lesson."""
-        place = self.board.lesson
+        """What enter does now, for the key line: its forms, the longest first; none without a lesson.
+
+        A key that the panel in focus takes is left out.
+        """
         if self.record is None:
             return ()
-        return place.panel.offers if place.is_in_view else ((("enter", "page"),),)
+        place, taken = self.board.lesson, keys_of(self.screen.focused)
+        offers = place.panel.offers if place.is_in_view else ((("enter", "page"),),)
+        forms = (tuple(each for each in form if key_of_hint(each[0]) not in taken) for form in offers)
+        return tuple(form for form in forms if form)
 
     @property
     def is_asking(self) -> bool:
@@ -205,13 +211,15 @@ class LessonActions(Subject):
     def idle_keys(self) -> frozenset[str]:
         """The ids of the actions that have nothing to do: the key line leaves them out.
 
-        While an answer is due it names nothing else.
+        While an answer is due it names nothing else. It never names a key that the panel in focus takes.
         """
         if self.is_asking:
             return frozenset(each.id for each in self.screen.known_actions if each.id != "help")
         if self.record is None:
             return frozenset(each.id for each in LESSON_ACTIONS)
-        return frozenset() if next_hint(self.record) else frozenset({"lesson.hint"})
+        taken = keys_of(self.screen.focused)
+        idle = frozenset(each.id for each in LESSON_ACTIONS if not taken.isdisjoint(each.keys))
+        return idle if next_hint(self.record) else idle | {"lesson.hint"}
 
     def rows(self, rows: tuple[PanelRow, ...]) -> tuple[PanelRow, ...]:
         """Return those of ``rows`` that may be there: without a lesson not its panel."""
@@ -236,7 +244,7 @@ class LessonActions(Subject):
 
     def _show_way(self) -> None:
         """Show the world, where steps to the truth are to be taken, and say with which keys."""
-        key, does = self.offers[0][-1]
+        key, does = self.board.lesson.panel.offers[0][-1]
         self._show_world()
         self.screen.tell(f"{key}: {does}.")
 

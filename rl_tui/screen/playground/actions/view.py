@@ -128,10 +128,12 @@ class ViewActions(Subject):
             self.board.bring_into_view(WORLD)
             self.board.world.focus()
 
-    @property
-    def way_back(self) -> tuple[Hints, ...]:
-        """The key that shows all panels again, where one is alone."""
-        return ((("f", "all panels"),),) if self.board.zoomed else ()
+    def with_way_back(self, offered: tuple[Hints, ...]) -> tuple[Hints, ...]:
+        """Return the forms of ``offered``, first with the key that shows all panels where one is alone."""
+        if not self.board.zoomed:
+            return offered
+        way_back: Hints = (("f", "all panels"),)
+        return (*((*form, *way_back) for form in offered), *(offered or (way_back,)))
 
     def zoom(self) -> None:
         """Show one panel alone, or all again."""

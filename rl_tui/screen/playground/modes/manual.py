@@ -12,6 +12,7 @@ from rl_tui.screen.frame.key_line import Hints
 from rl_tui.screen.kit.row import WORLD
 from rl_tui.screen.kit.snapshot_facts import why_over
 from rl_tui.screen.panels.status_line import StatusLine
+from rl_tui.screen.playground.actions.kept_back import PREDICT_FIRST
 from rl_tui.screen.playground.modes.action_keys import (
     DIGITS,
     acting_keys,
@@ -123,11 +124,14 @@ class ManualControl(KeyMode):
             self.leave()
             self.screen.refuse(refused)
             return
-        glyphs = self.glyphs
+        glyphs, record = self.glyphs, self.link.wanted.lesson
         hints: Hints = ((_keys(snapshot), "act"), *_HINTS)
-        if snapshot.lesson is not None and (offers := self.board.lesson.panel.offers):
+        border = prompts(snapshot, glyphs)
+        if record is not None and "run" in record.hidden:
+            hints, border = (_HINTS[0], _HINTS[-1]), (f"{PREDICT_FIRST}{_HAND_BACK}", PREDICT_FIRST)
+        if record is not None and (offers := self.board.lesson.panel.offers):
             hints = (*offers[-1][:1], *hints)  # first what the page asks for, in few words
-        self._write(title(snapshot, glyphs), prompts(snapshot, glyphs), hints)
+        self._write(title(snapshot, glyphs), border, hints)
 
     def _take(self, snapshot: Snapshot, action: int | None, key: str) -> None:
         if action is not None:
