@@ -104,7 +104,7 @@ class Why(Dialog[Remedy]):
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Answer the remedy under the cursor."""
         remedy = self._remedies.get(str(event.option_id))
-        if remedy is not None:  # else an update came meanwhile: there is nothing to mend
+        if remedy is not None:  # None: an update came in between
             self.dismiss(remedy)
 
     def _row(self, cells: Iterable[str]) -> str:

@@ -206,7 +206,7 @@ _LIMITS: Final = {
 class FigureSetting(NamedTuple):
     """What is in force where a figure is asked about."""
 
-    gamma: str  # γ as it is written on screen
+    gamma: str  # γ as the screen writes it
     time_limit: int  # steps after which an episode is cut off; 0: none
     steps: int  # steps taken so far
     episodes: int  # episodes that have ended

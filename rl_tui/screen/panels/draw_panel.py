@@ -100,7 +100,7 @@ class LinePressed(Touched):
 
 _SIGN: Final = 3  # columns
 _MOST_SPARE: Final = 4  # columns between two columns of tools, more than needed
-_TWO_SLIDERS: Final = 44  # columns in which two stand side by side
+_TWO_SLIDERS: Final = 44  # columns for two sliders in a row
 
 
 class ToolList(Widget):
@@ -264,7 +264,7 @@ def _in_view(lines: tuple[SheetLine, ...], most: int, glyphs: Glyphs) -> tuple[S
 
 def _columns(cells: Sequence[ToolCell], width: int, glyphs: Glyphs) -> list[tuple[int, int]]:
     """Return where the columns of ``cells`` begin, and how wide they are: two where they fit, else one."""
-    # A blank stands before sign, key and word; a narrow sign has none before it
+    # One blank before sign, key and word; none before a narrow sign
     sign = 0 if not _has_signs(cells) else 1 if _sign_columns(width) == 1 else _SIGN + 1
     half = -(-len(cells) // 2)
     first, second = (

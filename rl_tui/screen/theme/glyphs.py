@@ -32,7 +32,7 @@ class Glyphs:
     wall: str = _in("█", "#")
     mark_left: str = _in("▌", "[")  # frames the greedy cell of a table
     mark_right: str = _in("▐", "]")
-    mark_after: str = _in("▌", "]")  # follows the greedy number where there is no room for a frame
+    mark_after: str = _in("▌", "]")  # follows the greedy number in place of a frame
     lit: str = _in("▐", "{")  # before the cell of a table that was just updated
     moved: str = _in("▾▴", "-+")  # behind its number: it fell, it rose
     cursor: str = _in("▸", ">")
@@ -49,7 +49,7 @@ class Glyphs:
     differs: str = _in("◤", "x")  # greedy actions that are others in the lane beside
     turned: str = _in("↻", "T")  # the last edit turned the best actions of a state
     endless: str = _in("∞", "&")  # no way leads from a state to an end
-    drafted: str = _in("╱", "/")  # fills a cell that is drawn and not in force
+    drafted: str = _in("╱", "/")  # fills a cell that is edited but not active
     track_done: str = _in("━", "=")  # slider
     track_rest: str = _in("─", "-")
     thumb: str = _in("●", "o")
@@ -73,7 +73,7 @@ class Glyphs:
     axis_tick: str = _in("┤", "+")
     off_axis: str = _in("▾▴", "v^")  # what is below an axis, above it
     level: str = _in("┈", ".")  # the horizontal line of an optimum
-    dashes: str = _in("╌", "-")  # that of a policy
+    dashes: str = _in("╌", "-")  # of a policy
     whisker: str = _in("━", "-")  # error bars
     bar_end: str = _in("┃", "|")  # where a bar ends, on its error bar
     estimate: str = _in("●", "o")

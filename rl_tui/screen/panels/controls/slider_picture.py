@@ -71,7 +71,7 @@ class SliderScale:
 
     def moved(self, value: float, by: float) -> float:
         """Return ``value`` moved within the ends; one typed beyond an end is not brought back to it."""
-        if self.logarithmic:  # rounded as fine as it is moved
+        if self.logarithmic:  # rounded to the step of the keys
             target = _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
         else:
             target = round(value + by, _NOISE)

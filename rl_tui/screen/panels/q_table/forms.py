@@ -192,7 +192,7 @@ class ListForm:
 
     scene: Scene
     columns: tuple[Column, ...]
-    blocks: ClassVar[int] = 1  # how many blocks stand side by side
+    blocks: ClassVar[int] = 1  # blocks in a row
 
     @property
     def block_width(self) -> int:

@@ -83,7 +83,7 @@ class PolicyPicture(Panel):
     """Whether it names the key that opens the panel of policies: not while that is open."""
     differing: frozenset[int] = frozenset()
     """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
-    tints = ValueScale()  # the scale of the tints as it was drawn last
+    tints = ValueScale()  # the scale of the tints drawn last
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot`` with values and actions of the policy that is studied, else of the agent."""

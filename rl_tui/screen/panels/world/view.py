@@ -90,7 +90,7 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def __init__(self, world: World, look: Look, **options: Any) -> None:
         super().__init__(look, **options)
-        self.steady_scale = SteadyScale()  # the scale of all tints, shared with the run beside it
+        self.steady_scale = SteadyScale()  # the scale of all tints, shared by both runs
         self.enter(world)
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
