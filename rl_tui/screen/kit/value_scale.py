@@ -86,8 +86,8 @@ class ValueScale:
 def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | None:
     """Return the scale of finite ``values``, robust to outliers; None where there are none.
 
-    It ends at the middle 7/8 where the rest is more than four times as far apart, and begins at 0 where the
-    least value is below half of the greatest. Visits are not cut.
+    It ends at the middle 7/8 where the rest is more than four times as far apart, unless that ends at 0. It
+    begins at 0 where the least value is below half of the greatest. Visits are not cut.
     """
     if not len(values):
         return None
@@ -99,7 +99,7 @@ def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | No
         parts = np.partition(values, (tail, len(values) - 1 - tail))
         below, above = float(parts[tail]), float(parts[len(values) - 1 - tail])
         if high - low > _FAR * (above - below) > 0.0:
-            low, high = below, above
+            low, high = below or low, above or high  # where most are 0, other numbers of a sign are few
     if low == high:
         return ValueScale(min(low, 0.0), max(high, 0.0), ramp)
     return ValueScale(0.0 if 0.0 <= low < _NEAR_ZERO * high else low, high, ramp)

@@ -282,7 +282,7 @@ class _Cell:
             canvas.put(*middle, self.glyphs.untried, paled(self.ink, 0.3))
             return
         columns, rows = sign_size(form.width, form.height) if self.has_blocks else (0, 0)
-        free = self._plate_end
+        free = self._plate_end + (self._plate_end > 0 and form.has_plate)  # a gap: both may be black
         if form.inner - free < columns:  # one size smaller beside the agent
             columns, rows = columns - 2, rows - 1
         are_blocks = are_blocks and rows >= 2 and (len(directions) == 1 or rows >= 3)
@@ -316,14 +316,14 @@ class _Cell:
         rows = 2 if self.form.height < 8 else 3
         columns = sign_size(self.form.width, self.form.height)[0]
         margins = self.form.inner - 2 * rows - columns
-        more = 2 if margins >= 4 else 1 if margins >= -1 else 0  # a smaller arrow leaves room for one
-        return (1 if self.form.width >= 11 else 0), 2 * rows + more, rows
+        more = 2 if margins >= 4 else 1 if margins >= 2 else 0  # a smaller arrow leaves room for one
+        return (1 if self.form.width >= 13 else 0), 2 * rows + more, rows
 
     def _draw_letters(self, row: int) -> None:
         form = self.form
         text = self._letters(form.most_signs, form.width - 2)
         left = (form.inner - len(text)) // 2
-        if self.face.agent and left < 3:
+        if self.face.agent and left < max(3, self._plate_end):
             left = form.inner - len(text)
         self.canvas.put(max(0, left), max(0, row), text, self._sign_ink)
 

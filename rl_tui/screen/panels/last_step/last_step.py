@@ -136,10 +136,11 @@ class StepWriter:
         chance = self._dim(words.chance and f"{_GAP}chance {words.chance}")
         told = [*done, landmark, self._dim(f"{_GAP}reward "), self._strong(words.reward)]
         forms = ([*told, chance], told, [*done, landmark, *short[-2:]], short)
+        acted = [done[0], self._dim(" did "), self._strong(words.action), *short[-2:]]
         return self._fitting(
             chain(
                 ([self._dim(" in "), *each] for each in forms),
-                ([self._dim(" "), *each] for each in (short, done)),
+                ([self._dim(" "), *each] for each in (short, done, acted)),
             )
         )
 

@@ -191,8 +191,9 @@ class Figures:
         return tuple(pairs.start + place for place in np.flatnonzero(marked).tolist())
 
     def framed(self, pairs: range) -> tuple[int, ...]:
-        """Return the greedy ones of ``pairs`` where there is a choice: a single action is not the best."""
-        return self.greedy(pairs) if len(pairs) > 1 else ()
+        """Return the greedy ones of ``pairs``; none where all are: then no action looks better."""
+        greedy = self.greedy(pairs)
+        return greedy if len(greedy) < len(pairs) else ()
 
     def _is_new(self, pair: int) -> bool:
         if self.layer is Layer.LANES and self._values[pair]:  # the other lane has been there

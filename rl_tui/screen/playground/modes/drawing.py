@@ -387,10 +387,5 @@ def _refused(world: World) -> str:
 
 
 def _first_words(world: World) -> str:
-    if has_directions(world):
-        how = "shift and an arrow draw and move on; digits draw, and a second click at a side of the cell"
-    elif isinstance(world.drawing, Arms):
-        how = "arrows move; digits draw, and a second click on an arm"
-    else:
-        how = "arrows move, digits draw"
-    return f"You draw a policy: {how}. Undrawn states (?) act at random. esc: end."
+    how = "shift and an arrow, a digit" if has_directions(world) else "a digit"
+    return f"Draw: {how}, or two clicks. ? acts at random."
