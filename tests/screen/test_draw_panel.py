@@ -389,3 +389,12 @@ async def test_where_the_panel_is_not_in_view_digits_go_to_the_agent(
         await press(pilot, "w", "d", *hiding, "1")
         assert playground(pilot).editing.is_on
         assert playground(pilot).focused is slider(pilot.app, "alpha")
+
+
+async def test_a_slider_in_focus_leaves_undo_to_the_drawing(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake"), (80, 24)) as pilot:
+        await press(pilot, "w", "d", "right", "enter")
+        walls = snapshot(pilot).world.drawing.kinds.count(CellKind.WALL)
+        shown = await press(pilot, "2", "z")
+        assert walls == 1
+        assert shown.world.drawing.kinds.count(CellKind.WALL) == 0

@@ -25,6 +25,7 @@ from rl_tui.screen.frame.shape import (
 )
 from rl_tui.screen.kit.row import (
     BUDGET,
+    CAPTION,
     CURVE,
     DRAW,
     LAST_STEP,
@@ -223,7 +224,7 @@ class _Bands:
             return _LEAST_SCROLLING
         if self.room is SMALL:
             return len(self._lines)
-        is_captioned = self.is_alone and self.room is MEDIUM  # a row more for the map is worth more there
+        is_captioned = self.room is MEDIUM and CAPTION in sheet.regions  # else it would cost rows of the map
         return _LEAST_BELOW[self.room] - is_captioned
 
     def _world_room(self) -> int:

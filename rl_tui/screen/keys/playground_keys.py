@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.screen.keys.action import Action, Group
 
 ORDINALS: Final = ("first", "second", "third", "fourth")
@@ -197,6 +198,7 @@ _AGENT: Final[tuple[Action, ...]] = (
         "a a",
         "algorithm…",
         "Choose the algorithm; Q and visits are kept.",
+        aliases=" ".join(BY_ID),
         not_for_program=DECIDES,
     ),
     Action(
@@ -204,6 +206,7 @@ _AGENT: Final[tuple[Action, ...]] = (
         "a p",
         "policy…",
         "Choose the rule that picks the actions.",
+        aliases=" ".join(POLICY_BY_ID),
         old="p",
         not_for_program=DECIDES,
     ),

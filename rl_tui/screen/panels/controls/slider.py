@@ -332,8 +332,8 @@ def key_hints(focused: Widget | None) -> tuple[tuple[tuple[str, str], ...], ...]
     if not isinstance(focused, Slider):
         return ()
     if not focused.is_typing:
-        row = focused.parameter
-        name = "", f"{row.symbol} {row.short_name}"
+        symbol, short = focused.parameter.symbol, focused.parameter.short_name
+        name = "", short if short.startswith(symbol) else symbol if short in symbol else f"{symbol} {short}"
         forms = ("type a number", "type")
         jump = (("{ }", "to flips"),) if focused.marks else ()
         return tuple((name, ("← →", "move"), *jump, ("enter", form), ("esc", "leave")) for form in forms)

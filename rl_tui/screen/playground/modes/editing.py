@@ -232,10 +232,10 @@ class WorldEditing(KeyMode):
         return self.toolbox is not None and (key in _ALONG or self._tool(key) is not None)
 
     def has_on_a_page(self, key: str) -> bool:
-        """Return whether ``key`` goes from one slider of the panel to another."""
+        """Return whether ``key`` goes from one slider of the panel to another, or undoes what one did."""
         focused = self.screen.focused
         is_slider = isinstance(focused, Slider) and not focused.is_typing
-        return key in DIGITS and is_slider and self.board.panel_of(focused) == DRAW
+        return key in (*DIGITS, "z", "Z") and is_slider and self.board.panel_of(focused) == DRAW
 
     def _slider(self, key: str) -> Slider | None:
         sliders = self.board.tools.sliders if self.board.shows(DRAW) else ()
