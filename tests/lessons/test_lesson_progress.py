@@ -43,6 +43,15 @@ def test_all_done(tmp_path: Path) -> None:
     assert (progress.predictions_right, progress.predictions_made) == (1, 1)
 
 
+def test_a_prediction_counts_once_its_page_is_turned(tmp_path: Path) -> None:
+    given = begun(LESSON).open("guess").give(guess(LESSON))
+    for record, counted in ((given, (0, 0)), (given.open("quiz"), (1, 1))):
+        write(tmp_path, "a.json", record)
+        progress = StoredProgress(tmp_path).of(LESSON)
+        assert progress is not None
+        assert (progress.predictions_right, progress.predictions_made) == counted
+
+
 def test_a_guess_does_not_count_among_the_predictions(tmp_path: Path) -> None:
     guessing = lesson(text=TEXT.replace('id = "guess"', 'id = "guess"\nguess = true'))
     session = write(tmp_path, "a.json", all_done(guessing))

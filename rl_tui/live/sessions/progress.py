@@ -58,7 +58,9 @@ class StoredProgress:
         if stored is None:
             return None
         first_answers = {given.page: given for given in reversed(stored.given)}
-        made = [first_answers[page.id] for page in lesson.counted_predictions if page.id in first_answers]
+        # the open page may not have shown the truth yet
+        told = [page.id for page in lesson.counted_predictions if stored.finished or page.id != stored.page]
+        made = [first_answers[page] for page in told if page in first_answers]
         pages = {page.id for page in lesson.pages}
         documents = [each.document.lesson for each in sessions if each.document.lesson]
         tasks = len(lesson.tasks)
