@@ -91,13 +91,13 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.TABLE,
         "rl_tui.screen.panels.q_table.q_table:QTable",
         "Q",
-        "One row per state, one column per action. The frame marks the greedy cell; ▐ is before the cell "
-        "that was just updated, ▴ or ▾ behind it; one never visited has a dot. Colours are those of the "
-        "map, and ‹ or › marks a value beyond the scale. v turns table and map to the exact Q*, the error "
-        "Q−Q* and visits. The table has a cursor: tab to the table, then the arrows; w m shows the model "
-        "of the pair under it, and esc follows the agent again. The tables of two runs share cursor, rows "
-        "and view; ◤ is behind a state where their greedy actions differ. <.01 and >−1 are not 0, but less "
-        "than a unit of the last digit.",
+        "One row per state, one column per action. The frame marks the greedy cell, unless all are equal. "
+        "▐ is before the cell that was just updated, ▴ or ▾ behind it; one never visited has a dot. Colours "
+        "are those of the map, and ‹ or › marks a value beyond the scale. v turns table and map to the exact "
+        "Q*, the error Q−Q* and visits. The table has a cursor: tab to the table, then the arrows; w m "
+        "shows the model of the pair under it, and esc follows the agent again. The tables of two runs "
+        "share cursor, rows and view; ◤ is behind a state where their greedy actions differ. <.01 and >−1 "
+        "are not 0, but less than a unit of the last digit.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
         is_twofold=True,
