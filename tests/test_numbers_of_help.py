@@ -1,4 +1,4 @@
-"""Every number in README, docs/agents.md and what the program says of itself: held, or in need of nothing."""
+"""Every number in README, two pages and what the program says of itself: held, or in need of nothing."""
 
 from __future__ import annotations
 
@@ -22,12 +22,15 @@ from rl_tui.screen.keys.registry import ACTIONS
 from rl_tui.screen.panels.catalogue import PANELS
 
 TESTS: Final = Path(__file__).parent
-AGENTS: Final = (TESTS.parent / "docs/agents.md").read_text(encoding="utf-8")
-README: Final = (TESTS.parent / "README.md").read_text(encoding="utf-8")
+PAGES: Final = {
+    "README": TESTS.parent / "README.md",
+    "agents": TESTS.parent / "docs/reference/agents.md",
+    "what-stops-learning": TESTS.parent / "docs/explanation/what-stops-learning.md",
+}
 NEIGHBOURS: Final = (TESTS / "commands/test_readme.py", TESTS / "lessons/test_figures_of_notes.py")
 ELSEWHERE: Final = (
     "Python 3.11 or newer",  # below
-    "after some 1,300 steps the panel says so",  # test_watched_lake.py
+    "after some 1,300 steps the panel reports a bug",  # test_watched_lake.py
     "exact to 1e-9.",  # test_exact.py
     "2.2 is the ten-armed testbed,",  # tests/studies/book_figures, as the next
     "by their step size, 8.2 planning in the Dyna maze.",
@@ -75,22 +78,29 @@ TEXTS: Final = {
     "actions": "\n".join(f"{action.help}" for action in ACTIONS),
     "commands": "\n".join(dict.fromkeys(texts_of_commands())),
     "help": "\n".join(texts_of_help()),
-    "README": README,
-    "agents": re.sub(r"<!-- made by .*?<!-- end -->", "", AGENTS, flags=re.DOTALL),
 }
-"""By their names; what docs/agents.md has from the program is left out."""
-FILES: Final = {name: name if name in ("README", "agents") else "help" for name in TEXTS}
+"""What the program says of itself, by what it is about: tests/said/help.toml is of all of it."""
+FILES: Final = ("help", *PAGES)
 
 
-@pytest.mark.parametrize("file", ["help", "README", "agents"])
+def text_of(name: str) -> str:
+    """Return a text of the program, or a page without what the program writes there."""
+    if name in TEXTS:
+        return TEXTS[name]
+    return re.sub(
+        r"<!-- made by .*?<!-- end -->", "", PAGES[name].read_text(encoding="utf-8"), flags=re.DOTALL
+    )
+
+
+@pytest.mark.parametrize("file", FILES)
 def test_each_piece_stands_in_a_text(file: str) -> None:
     said = said_of(file)
-    whole = " ".join(plain(text) for name, text in TEXTS.items() if FILES[name] == file)
+    whole = " ".join(plain(text_of(name)) for name in (TEXTS if file == "help" else (file,)))
     assert [piece for piece in (*said.pieces, *said.quoted, *said.chosen) if piece not in whole] == []
 
 
 def figures(*, over_seeds: bool) -> list[tuple[str, str]]:
-    every = [(file, name) for file in ("help", "README", "agents") for name in said_of(file).figures_by_name]
+    every = [(file, name) for file in FILES for name in said_of(file).figures_by_name]
     return [each for each in every if said_of(each[0]).figures.needs_seeds(each[1]) is over_seeds]
 
 
@@ -107,12 +117,12 @@ def test_a_figure_of_help_over_seeds_is_so(file: str, name: str) -> None:
 
 def test_the_python_that_is_needed_is_the_one_that_installs() -> None:
     project = tomllib.loads((TESTS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert f"Python {project['requires-python'].removeprefix('>=')} or newer" in README
+    assert f"Python {project['requires-python'].removeprefix('>=')} or newer" in text_of("README")
 
 
 @pytest.mark.parametrize(
     ("file", "name"),
-    [(file, name) for file in ("help", "README", "agents") for name in said_of(file).constants],
+    [(file, name) for file in FILES for name in said_of(file).constants],
     ids=str,
 )
 def test_a_number_of_the_program_is_so(file: str, name: str) -> None:
@@ -121,12 +131,13 @@ def test_a_number_of_the_program_is_so(file: str, name: str) -> None:
     assert found.agrees_with(held)
 
 
-@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize("name", [*TEXTS, *PAGES])
 def test_every_number_of_help_is_held(name: str) -> None:
-    said = said_of(FILES[name])
+    file = "help" if name in TEXTS else name
+    said = said_of(file)
     neighbours = [piece for path in NEIGHBOURS for piece in held_by_tests(path)]
     found = mentions(
-        plain(TEXTS[name]), [*said.pieces, *neighbours, *ELSEWHERE], [*said.quoted, *said.chosen]
+        plain(text_of(name)), [*said.pieces, *neighbours, *ELSEWHERE], [*said.quoted, *said.chosen]
     )
     unheld = [each for each in found if not each.is_setting and number(each.number) not in (0.0, 1.0)]
-    assert not unheld, HOW_TO_HOLD.format(FILES[name])
+    assert not unheld, HOW_TO_HOLD.format(file)
