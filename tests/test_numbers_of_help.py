@@ -99,19 +99,10 @@ def test_each_piece_stands_in_a_text(file: str) -> None:
     assert [piece for piece in (*said.pieces, *said.quoted, *said.chosen) if piece not in whole] == []
 
 
-def figures(*, over_seeds: bool) -> list[tuple[str, str]]:
-    every = [(file, name) for file in FILES for name in said_of(file).figures_by_name]
-    return [each for each in every if said_of(each[0]).figures.needs_seeds(each[1]) is over_seeds]
-
-
-@pytest.mark.parametrize(("file", "name"), figures(over_seeds=False), ids=str)
+@pytest.mark.parametrize(
+    ("file", "name"), [(file, name) for file in FILES for name in said_of(file).figures_by_name], ids=str
+)
 def test_a_figure_of_help_is_so(file: str, name: str) -> None:
-    assert said_of(file).figures.finding(name) is None
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("file", "name"), figures(over_seeds=True), ids=str)
-def test_a_figure_of_help_over_seeds_is_so(file: str, name: str) -> None:
     assert said_of(file).figures.finding(name) is None
 
 
