@@ -38,8 +38,9 @@ OTHERS: Final = {
     "first-hour.md": "p",  # the letter of a menu
     "keys.md": "op",  # a tool; the letter of a menu
     "scenario-files.md": "#.GHSV",  # characters of maps
+    "sweep-settings.md": "n",  # a key of the map of settings
     "terminals-and-ssh.md": "GO",  # characters in ASCII
-    "use-from-python.md": "P",  # an attribute of environments
+    "use-from-python.md": "Pq",  # attributes of environments and results
     "write-and-grade-an-agent.md": "Q.",  # an attribute of agents; the beginning of names
 }
 """What stands in quotes on a page like a key, and is something else."""

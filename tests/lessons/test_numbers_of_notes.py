@@ -94,7 +94,7 @@ def test_each_file_is_of_a_text() -> None:
         "README",
         "help",
         "agents",
-        "what-stops-learning",
+        "guides",
     }
 
 

@@ -146,7 +146,7 @@ def test_a_curve_that_never_gets_short_has_no_first_short_episode() -> None:
 
 
 def shown(name: str) -> list[str]:
-    """Return our numbers of a figure in the documentation, row by row."""
+    """What docs/how-to/charts-and-book-figures.md has as ours of a figure, row by row."""
     page = (Path(__file__).parents[3] / "docs/how-to/charts-and-book-figures.md").read_text(encoding="utf-8")
     rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("|")]
     first = next(
