@@ -42,13 +42,13 @@ ELSEWHERE: Final = (
     "An example: rl-tui train cliff --runs 50 --json > cliff.json",  # a choice
     "rl-tui sweep cliff --vary alpha=0.05:1:8 --vary algorithm=q-learning,sarsa --runs 30",  # a choice
     "under the same 30 seeds",  # that one
-    "After some 1,300 steps",  # test_watched_lake.py, as the next
+    "After some 1,300 steps",  # test_watched_lake.py, as the next two
     "it takes some 1,300 steps",
+    "Step 376 is the first step onto the goal.",
     "called different in 1.3 % of studies",  # test_many_seeds_panel.py
     "at most 19 % late",  # test_run_rows.py, as the next
     "Up to episode 6 it is exact.",
     "is within 5 % of the best",  # test_run_rows.py
-    "Step 376 is the first step onto the goal.",  # test_watched_lake.py
     "at some 50,000 steps a second",  # tests/measure.py, as the next
     "some 300 MB for each person",
     "with some 200 MB",
@@ -107,7 +107,7 @@ TEXTS: Final = {
     "agents": re.sub(r"<!-- made by .*?<!-- end -->", "", AGENTS, flags=re.DOTALL),
     **{path.stem: prose_of(path) for path in GUIDES},
 }
-"""By their names; what docs/reference/agents.md has from the program is left out."""
+"""By their names; what the page of agents has from the program is left out."""
 OF_GUIDES: Final = {path.stem: "guides" for path in GUIDES}
 FILES: Final = {name: OF_GUIDES.get(name, name if name in ("README", "agents") else "help") for name in TEXTS}
 PAGES: Final = ("README", "agents", "guides")
