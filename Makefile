@@ -29,7 +29,7 @@ test-all: $(VENV)/ready
 test-quick: $(VENV)/ready
 	$(BIN)/python -m pytest $(if $(FOR),-n 0 --for=$(FOR),-n 2 --quick)
 
-# Look at every picture that changed before you keep it: CONTRIBUTING.md says how.
+# Look at every picture that changed before you keep it: docs/internals/tests.md says how.
 # Only one process alone deletes pictures that no test draws any more
 snapshots: $(VENV)/ready
 	$(BIN)/python -m pytest tests/screen --all --snapshot-update -n 0
@@ -41,6 +41,6 @@ docs: $(VENV)/ready
 run: $(VENV)/ready
 	$(BIN)/rl-tui
 
-# The timings that docs/measured.md quotes; figures, not tests
+# The timings that docs/internals/measured.md quotes; figures, not tests
 measure: $(VENV)/ready
 	$(BIN)/python tests/measure.py

@@ -1,13 +1,13 @@
 """Writes what the documentation takes from the program: ``make docs``.
 
-A page of this folder says ``<!-- made by make docs: NAME -->`` and ``<!-- end -->``. Between them stands, as
-Markdown, what the function of that name returns. The pictures are drawn by the program too. A test compares.
+A page holds ``<!-- made by make docs: NAME -->`` and ``<!-- end -->``. Between them goes the Markdown that
+the function NAME returns. The pictures are drawn by the program too. A test compares both.
 """
 
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import redirect_stdout
 from inspect import cleandoc
@@ -15,12 +15,14 @@ from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from textwrap import fill
+from typing import NamedTuple
 
 import click
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.commands.main import program
+from rl_tui.commands.options.display import DISPLAY_OPTIONS
 from rl_tui.commands.options.run import OPTIONS, SOME, TITLES, section_of
 from rl_tui.lessons.catalogue import shipped_lessons
 from rl_tui.lessons.figures.figures import FUNCTIONS
@@ -28,7 +30,7 @@ from rl_tui.lessons.judging.measures import MEASURES as LESSON_MEASURES
 from rl_tui.lessons.judging.measures import MeasureKind
 from rl_tui.runs.library import listing
 from rl_tui.runs.measures import MEASURES
-from rl_tui.screen.glossary.glossary import BOOK, figure_text
+from rl_tui.screen.glossary.glossary import FigureFacts, FigureLimit
 from rl_tui.screen.glossary.glossary import glossary as terms
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.registry import ACTIONS
@@ -44,10 +46,17 @@ FOLDER = Path(__file__).parent
 BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 PLACES = {
     Place.CATALOGUE: "start screen",
-    Place.LESSONS: "lessons",
-    Place.PLAYGROUND: "playground",
-    Place.LESSONS | Place.PLAYGROUND: "lessons, playground",
+    Place.LESSONS: "list of lessons",
+    Place.PLAYGROUND: "",
+    Place.LESSONS | Place.PLAYGROUND: "list of lessons too",
     Place.EVERY: "everywhere",
+}
+LIMITS = {
+    FigureLimit.EPISODE: "within the time limit",
+    FigureLimit.NONE: "no time limit",
+    FigureLimit.STEP: "one step",
+    FigureLimit.RUN: "the whole run",
+    FigureLimit.MOMENT: "the last moments",
 }
 _LAKE = "frozenlake-slippery"
 _LESSON_KEYS = "pagedown,pagedown,pagedown,pagedown,y,1,pagedown,enter,-,2,enter,1"
@@ -61,12 +70,20 @@ PICTURES = {
 }
 
 
+class Option(NamedTuple):
+    """An option by its name, as it is typed, and its meaning."""
+
+    name: str
+    written: str
+    meaning: str
+
+
 def main() -> None:
     """Write what the program would now write otherwise, and print its path; pictures are for looking at."""
     for name in PICTURES:
         if _write(FOLDER / name, drawn(name)):
             print(f"{FOLDER / name}: the picture changed; look at it before you keep it")
-    for path in sorted(FOLDER.glob("*.md")):
+    for path in sorted(FOLDER.rglob("*.md")):
         if _write(path, renewed(path.read_text(encoding="utf-8"))):
             print(path)
 
@@ -97,7 +114,7 @@ def keys() -> str:
     parts = []
     for heading in dict.fromkeys(action.heading for action in ACTIONS):
         rows = [_key_row(action) for action in ACTIONS if action.heading == heading]
-        parts += [f"### {heading}", _table(("key", "name", "where", "what it does"), rows)]
+        parts += [f"### {heading}", _table(("key", "name", "what it does"), rows)]
     return "\n\n".join(parts)
 
 
@@ -113,8 +130,8 @@ def drawing_keys() -> str:
 
 
 def _key_row(action: Action) -> tuple[str, ...]:
-    where = PLACES[action.place] + (", no kiosk" if action.for_the_owner else "")
-    return f"`{action.shown}`", action.label, where, action.help
+    where = ", ".join(filter(None, (PLACES[action.place], "not in a kiosk" if action.for_the_owner else "")))
+    return f"`{action.shown}`", action.label, f"{action.help} ({where})" if where else action.help
 
 
 def scenarios() -> str:
@@ -139,21 +156,25 @@ def lessons() -> str:
 
 
 def measures() -> str:
-    """Return what can be measured of a run, a list for each kind; settings are named by their options."""
+    """Return what can be measured of a run, a table for each kind; settings are named by their options."""
     parts = []
     for kind in MeasureKind:
-        rows = [each for each in LESSON_MEASURES.values() if each.kind is kind]
+        parts.append(f"**{_capital(kind)}**")
         if kind is MeasureKind.SETTING:
-            text = "`algorithm`, and every setting by its name in JSON: [settings](agents.md#settings)."
-            parts.append(f"* **{_sentence(kind)[:-1]}**: {text}")
+            parts.append(
+                "`algorithm`, and every setting by its name in JSON: [settings](agents.md#settings)."
+            )
             continue
-        described = "; ".join(f"`{each.name}`{_needed(each.needs)} {each.help}" for each in rows)
-        parts.append(_wrapped(f"* **{_sentence(kind)[:-1]}**: {described}.", indent="  "))
-    return "\n".join(parts)
-
-
-def _needed(keys: Sequence[str]) -> str:
-    return f" ({', '.join(f'`{key}`' for key in keys)})" if keys else ""
+        rows = [
+            (f"`{each.name}`", ", ".join(f"`{key}`" for key in each.needs), each.help.replace("|", "\\|"))
+            for each in LESSON_MEASURES.values()
+            if each.kind is kind
+        ]
+        if any(needs for _, needs, _ in rows):
+            parts.append(_table(("measure", "keys", "meaning"), rows))
+        else:
+            parts.append(_table(("measure", "meaning"), [(name, meaning) for name, _, meaning in rows]))
+    return "\n\n".join(parts)
 
 
 def figure_functions() -> str:
@@ -187,16 +208,21 @@ def _described(each: Algorithm | Policy, settings: Iterable[str]) -> str:
 
 
 def glossary() -> str:
-    """Return every word with its other names, its meaning, its equation and where it stands."""
+    """Return every word with its meaning, its equation, its source and, of a number, how it is obtained."""
     parts = []
     for term in terms().values():
-        others = ", ".join(f"`{name}`" for name in term.also)
-        named = f" (on screen also {others})" if others else ""
-        where = term.book if term.is_elsewhere else f"{BOOK}, {term.book}"
-        text = _wrapped(f"{term.text}{named}")
-        figure = "" if term.figure is None else f"{_wrapped(_sentence(figure_text(term.figure)))}\n\n"
-        parts.append(f"### {term.word}\n\n{text}\n\n    {term.equation}\n\n{figure}{_wrapped(where)}")
+        facts = _wrapped(" · ".join((_capital(term.book), *_facts(term.figure))))
+        parts.append(f"### {term.word}\n\n{_wrapped(term.text)}\n\n    {term.equation}\n\n{facts}")
     return "\n\n".join(parts)
+
+
+def _facts(figure: FigureFacts | None) -> Iterator[str]:
+    """Yield how a number is obtained, its discount and its limit, in the words that the page explains."""
+    if figure is not None:
+        yield f"{figure.kind}{' over many seeds' if figure.over_seeds else ''}"
+        if figure.discounted is not None:
+            yield "discounted" if figure.discounted else "undiscounted"
+        yield LIMITS[figure.limit]
 
 
 def settings() -> str:
@@ -224,50 +250,50 @@ def commands() -> str:
         command = program.get_command(root, name)
         if command is not None:
             contexts.append(click.Context(command, info_name=name, parent=root))
-    owners: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
-    for context in contexts:
-        for record in _records(context):
-            owners[record].append(context.command_path)
-    parts = [_command(context, {each for each in owners if len(owners[each]) > 1}) for context in contexts]
-    common = [
-        _item(record, f" ({', '.join(path.removeprefix('rl-tui ') for path in paths)})")
-        for record, paths in owners.items()
-        if len(paths) > 1
-    ]
-    return "\n\n".join([*parts, "### Options of several commands", "\n".join(common)])
+    count = Counter(record for context in contexts for record in _records(context))
+    common = {record for record in count if count[record] > 1}
+    parts = [_command(context, common) for context in contexts]
+    for title, is_display in (("Options of several commands", False), ("Display options", True)):
+        those = (each for each in count if each in common)
+        items = [_item(each) for each in those if (each.name in DISPLAY_OPTIONS) is is_display]
+        parts += [f"### {title}", "\n".join(items)]
+    return "\n\n".join(parts)
 
 
-def _command(context: click.Context, common: set[tuple[str, str]]) -> str:
+def _command(context: click.Context, common: set[Option]) -> str:
     usage = " ".join([context.command_path, *context.command.collect_usage_pieces(context)])
     paragraphs = cleandoc(context.command.help or "").split("\n\n")
     records = list(_records(context))
     own = [_item(record) for record in records if record not in common]
-    shared = [f"`{record[0].split()[0]}`" for record in records if record in common]
+    shared = [record for record in records if record in common]
+    also = [f"`{each.written.split()[0]}`" for each in shared if each.name not in DISPLAY_OPTIONS]
+    if any(each.name in DISPLAY_OPTIONS for each in shared):
+        also.append("[display options](#display-options)")
     if "algorithm" in (option.name for option in context.command.params):
-        shared.append("[the settings of a run](agents.md#settings)")
+        also.append("[settings of a run](agents.md#settings)")
     parts = [f"### {context.command_path}", f"    {usage}"]
     for paragraph in paragraphs:
         is_example = paragraph.startswith("rl-tui ")
         parts.append(f"    {paragraph}" if is_example else _wrapped(paragraph))
     if own:
         parts.append("\n".join(own))
-    if shared:
-        parts.append(_wrapped(f"Takes also {', '.join(shared)}."))
+    if also:
+        parts.append(_wrapped(f"Also: {', '.join(also)}."))
     return "\n\n".join(parts)
 
 
-def _records(context: click.Context) -> Iterator[tuple[str, str]]:
-    """Yield option and meaning of what a command takes, but for the settings of a run and the help."""
+def _records(context: click.Context) -> Iterator[Option]:
+    """Yield the options of a command, except the settings of a run and the help."""
     options = [each for each in context.command.params if isinstance(each, click.Option)]
     takes_a_run = any(option.name == "algorithm" for option in options)
     for option in options:
         record = option.get_help_record(context)
         if record is not None and not (takes_a_run and section_of(option.name or "") != OPTIONS):
-            yield record
+            yield Option(option.name or "", *record)
 
 
-def _item(record: tuple[str, str], more: str = "") -> str:
-    return _wrapped(f"* `{record[0]}`: {record[1]}{more}", indent="  ")
+def _item(option: Option) -> str:
+    return _wrapped(f"* `{option.written}`: {option.meaning}", indent="  ")
 
 
 def _wrapped(text: str, indent: str = "") -> str:
@@ -304,7 +330,11 @@ def _option(name: str) -> str:
 
 
 def _sentence(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}."
+    return f"{_capital(text)}."
+
+
+def _capital(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}"
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import runpy
 from pathlib import Path
 from textwrap import dedent
 
@@ -14,7 +15,11 @@ from rl_tui.commands.main import RlTui, program
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-DOCS = "".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md")))
+COMMANDS = (ROOT / "docs/reference/commands.md").read_text(encoding="utf-8")
+GENERATED = runpy.run_path(str(ROOT / "docs" / "generate.py"))["BLOCKS"]
+FOLDERS = ("tutorial", "how-to", "reference", "explanation")
+PAGES = [path for folder in FOLDERS for path in sorted((ROOT / "docs" / folder).glob("*.md"))]
+DOCS = "".join(path.read_text(encoding="utf-8") for path in PAGES)
 
 
 def output_of(*args: str) -> str:
@@ -61,20 +66,28 @@ def test_train_beyond_a_budget_prints_what_is_shown() -> None:
     assert set(shown) - {"…"} <= lines
 
 
-def test_the_documents_hold_what_is_shown() -> None:
-    figures = json.loads(output_of("train", "frozenlake", "--json"))
-    shown = shown_after("rl-tui train frozenlake --json")
-    assert f'"visits": [[{figures["visits"][0][0]}, …' in shown
-    assert f'"q": [[{figures["q"][0][0]:.2f}, …' in shown
-    for name in ("episodes", "steps", "expected_return", "return_last_100", "first_reward_episode"):
-        assert f'"{name}": {figures[name]}' in shown
-    many = json.loads(output_of("train", "bandit", "--runs", "100", "--json"))
-    shown = shown_after("rl-tui train bandit --runs 100 --json")
-    first, mean = many["runs"][0], many["summary"]["return_last_100"]
-    assert f'"return_last_100": {first["return_last_100"]:.3f}, …, "regret": {first["regret"]:.1f}' in shown
-    assert f'{{"mean": {mean["mean"]:.2f}, "stderr": {mean["stderr"]:.2f}, ' in shown
-    assert '"episode": [5, 10, …' in shown
-    assert many["curve"]["episode"][:2] == [5, 10]
+def test_the_tables_of_fields_have_all_fields_of_the_documents() -> None:
+    def fields(command: str) -> set[str]:
+        section = re.search(rf"^### {re.escape(command)}\n(.*?)^##", COMMANDS, re.MULTILINE | re.DOTALL)
+        assert section
+        table = re.search(r"^\| field .*?\n\n", section[1], re.MULTILINE | re.DOTALL)
+        assert table
+        cells = re.findall(r"^\| (`.*?) \|", table[0], re.MULTILINE)
+        return {name for cell in cells for name in re.findall(r"`([^`]+)`", cell)}
+
+    def found(*args: str) -> set[str]:
+        return set(json.loads(output_of(*args, "--json")))
+
+    metrics = set(re.findall(r"^\| `(\w+)` ", GENERATED["run_measures"](), re.MULTILINE))
+    assert found("train", "bandit", "--episodes", "9", "--change", "5:epsilon=0") == fields("train") | metrics
+    assert found("train", "student", "--episodes", "9", "--runs", "2") == fields("train --runs")
+    assert found("solve", "student", "--flips") == fields("solve")
+    assert found("evaluate", "student", "--policy", "uniform") == fields("evaluate")
+    assert found("why", "student") == fields("why")
+    assert found("check", "student", "--deep") == fields("check --deep")
+    assert found("sweep", "student", "--vary", "alpha=.1,.2", "--runs", "2", "--episodes", "9") == fields(
+        "sweep"
+    )
 
 
 def test_the_scenario_in_it_has_no_fault(tmp_path: Path) -> None:

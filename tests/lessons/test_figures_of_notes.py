@@ -28,7 +28,7 @@ from rl_tui.worlds.files.catalogue import find
 
 pytestmark = pytest.mark.slow
 
-AGENTS: Final = (Path(__file__).parents[2] / "docs/agents.md").read_text(encoding="utf-8")
+AGENTS: Final = (Path(__file__).parents[2] / "docs/reference/agents.md").read_text(encoding="utf-8")
 _FIGURE: Final = re.compile(r"([−\d.,]+)( %)? ± ([\d.]+)")
 PERCENT: Final = 100.0
 

@@ -89,7 +89,13 @@ def test_each_piece_stands_in_the_notes(scenario: str) -> None:
 
 
 def test_each_file_is_of_a_text() -> None:
-    assert {path.stem for path in FOLDER.glob("*.toml")} <= {*IDS, "README", "help", "agents"}
+    assert {path.stem for path in FOLDER.glob("*.toml")} <= {
+        *IDS,
+        "README",
+        "help",
+        "agents",
+        "guides",
+    }
 
 
 @pytest.mark.parametrize(("scenario", "name"), EXACT, ids=str)

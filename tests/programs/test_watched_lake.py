@@ -17,7 +17,7 @@ README = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
 
 
 def test_after_how_many_steps_the_fault_is_told() -> None:
-    found = re.search(r"after some ([\d,]+) steps the panel says so", README)
+    found = re.search(r"after some ([\d,]+) steps the panel reports a bug", README)
     assert found
     said = int(found[1].replace(",", ""))
     with watched(ROOT / "docs/lake.py") as watcher:

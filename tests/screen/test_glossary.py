@@ -16,7 +16,7 @@ from rl_tui.screen.kit.row import CONTROLS, LAST_STEP, TABLE, TIMELINE, WORLD, P
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 
-AGENTS = (Path(__file__).parents[2] / "docs/agents.md").read_text(encoding="utf-8")
+AGENTS = (Path(__file__).parents[2] / "docs/reference/agents.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("term", glossary().values(), ids=lambda term: term.id)

@@ -1,4 +1,4 @@
-"""Pictures of whole screens. Update one only after looking at it: see CONTRIBUTING.md."""
+"""Pictures of whole screens. Update one only after looking at it: see docs/internals/tests.md."""
 
 from __future__ import annotations
 
