@@ -15,7 +15,7 @@ from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
 ROOT: Final = Path(__file__).parents[1]
 GLOSSARY: Final = ROOT / "rl_tui/screen/glossary/glossary.toml"
 PLAIN: Final = [*sorted(ROOT.glob("lessons/*.toml")), *sorted(ROOT.glob("scenarios/*.toml"))]
-PAGES: Final = [ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))]
+PAGES: Final = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
 MADE: Final = re.compile(r"<!-- made by make docs: .*?<!-- end -->", re.DOTALL)
 QUOTED: Final = re.compile(r"`([^`\s]|[a-z] [^`\s])`")
 SIGNS: Final = {
@@ -32,17 +32,16 @@ DRAWING: Final = {tool.key for each in TOOLBOXES.values() for tool in (*each.too
 PATHS: Final = {each.key for each in ACTIONS if each.menu} | DRAWING
 
 OTHERS: Final = {
-    "atlas.md": "n",  # a key of the map of settings
+    "ask-exact-questions.md": "C",  # a tool
     "commands.md": "V.",  # of JSON; the beginning of names
-    "drawing.md": "[],Az",  # tools
+    "edit-a-world.md": "[],AHz",  # tools
     "keys.md": "op",  # a tool; the letter of a menu
-    "own-code.md": "PQ",  # attributes of programs
-    "questions.md": "C",  # a tool
     "README.md": "z",  # a tool
     "scenario-files.md": "#.GHSV",  # characters of maps
-    "screen.md": "o.",  # the marks of a world in ASCII
-    "sweeps.md": "n",  # a setting
-    "terminals.md": "GO",  # characters in ASCII
+    "sweep-settings.md": "n",  # a key of the map of settings
+    "terminals-and-ssh.md": "GO",  # characters in ASCII
+    "use-from-python.md": "Pq",  # attributes of environments and results
+    "write-and-grade-an-agent.md": "Q.",  # an attribute of agents; the beginning of names
 }
 """What stands in quotes on a page like a key, and is something else."""
 

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import re
 import runpy
+import shlex
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import pytest
+from click.testing import CliRunner
+
+from rl_tui.commands.main import program
+from rl_tui.common.kiosk import VARIABLE as KIOSK
 
 ROOT = Path(__file__).parents[2]
-DOCS = sorted((ROOT / "docs").glob("*.md"))
+DOCS = sorted((ROOT / "docs").rglob("*.md"))
 PAGES = [*sorted(ROOT.glob("*.md")), *DOCS]
+GUIDES = [path for path in DOCS if path.parent.name in ("tutorial", "how-to", "explanation")]
 GENERATOR = runpy.run_path(str(ROOT / "docs" / "generate.py"))
 
 
@@ -52,7 +60,7 @@ def test_make_docs_writes_and_names_only_what_changed(
     main = GENERATOR["main"]
     monkeypatch.setitem(main.__globals__, "FOLDER", tmp_path)
     monkeypatch.setitem(main.__globals__, "drawn", "drawn {}".format)
-    for name in ("keys.md", "runs.md"):
+    for name in ("keys.md", "agents.md"):
         (tmp_path / name).write_bytes((ROOT / "docs" / name).read_bytes())
     main()
     assert [Path(line.split(": ")[0]).name for line in capsys.readouterr().out.splitlines()] == list(
@@ -74,15 +82,58 @@ def test_links_lead_to_what_is_there(path: Path) -> None:
             assert not anchor or anchor in anchors_of(there), target
 
 
-def test_the_readme_is_one_page_and_leads_to_all_others() -> None:
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert len(readme.splitlines()) <= 150
-    assert [named(path) for path in DOCS if f"]({named(path)})" not in readme] == []
+def links_of(path: Path) -> Iterator[Path]:
+    """Yield the pages to which ``path`` has links."""
+    for target in re.findall(r"\]\(([^)\s#]+\.md)", path.read_text(encoding="utf-8")):
+        page = (path.parent / target).resolve()
+        if "://" not in target and page.exists():
+            yield page
 
 
-@pytest.mark.parametrize("path", DOCS, ids=named)
-def test_a_page_begins_with_whom_it_is_for(path: Path) -> None:
-    heading, empty, first, *_ = path.read_text(encoding="utf-8").splitlines()
+def test_the_readme_is_one_page_and_every_page_is_reached_from_it() -> None:
+    readme = ROOT / "README.md"
+    assert len(readme.read_text(encoding="utf-8").splitlines()) <= 150
+    reached, waiting = set[Path](), [readme]
+    while waiting:
+        page = waiting.pop()
+        if page not in reached:
+            reached.add(page)
+            waiting += links_of(page)
+    assert [named(path) for path in DOCS if path not in reached] == []
+
+
+@pytest.mark.parametrize("path", GUIDES, ids=named)
+def test_a_guide_begins_with_its_result_and_ends_with_its_limits(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    heading, empty, first, *_ = text.splitlines()
     assert heading.startswith("# ")
     assert not empty
-    assert first.startswith("For people who ")
+    assert first.startswith("After this page you ")
+    last = "Next" if path.parent.name == "tutorial" else "Limits"
+    assert re.findall(r"^## (.*)$", text, re.MULTILINE)[-1] == last
+
+
+@pytest.mark.parametrize("path", GUIDES, ids=named)
+def test_lines_and_paragraphs_of_a_guide_are_short(path: Path) -> None:
+    prose = re.sub(r"^```.*?^```$", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    lines = [line for line in prose.splitlines() if not line.startswith(("|", "!["))]
+    assert [line for line in lines if len(line) > 120] == []
+    paragraphs = re.findall(r"(?:^[^\s|#*>\d!-].*\n)+", prose, re.MULTILINE)
+    assert [each for each in paragraphs if each.count("\n") > 5] == []
+
+
+def commands_in(path: Path) -> Iterator[str]:
+    """Yield the calls of rl-tui that a page shows, without what the shell puts in or does with the output."""
+    text = path.read_text(encoding="utf-8").replace("\\\n", "")
+    shown = re.findall(r"^ {4,}(?:\$ |[A-Z_]+=\S+ )?rl-tui\b(.*)$", text, re.MULTILINE)
+    yield from (re.split(r" (?:[>|]|&&) ", line)[0] for line in shown if "$" not in line)
+
+
+@pytest.mark.parametrize(
+    "line", sorted({line.strip() for path in (ROOT / "README.md", *GUIDES) for line in commands_in(path)})
+)
+def test_a_command_is_one_that_the_program_takes(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(click.Command, "invoke", lambda self, context: None)  # it is read, and not run
+    monkeypatch.setenv(KIOSK, "")
+    result = CliRunner().invoke(program, shlex.split(line, comments=True))
+    assert (result.exit_code, result.output) == (0, "")

@@ -14,7 +14,8 @@ from rl_tui.lessons.lesson import read_lesson
 
 pytestmark = pytest.mark.unit
 
-GUIDE = (Path(__file__).parents[2] / "docs/lessons.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+GUIDE = (DOCS / "how-to/write-a-lesson.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
 
 
@@ -38,5 +39,6 @@ def test_a_number_in_it_that_is_not_so_is_found(tmp_path: Path) -> None:
 
 def test_the_lessons_listed_are_the_ones_that_learn_lists() -> None:
     listed = json.loads(CliRunner().invoke(program, ["learn", "--list", "--json"]).stdout)
-    table = re.findall(r"^\| `([a-z-]+)` ", GUIDE, re.MULTILINE)
+    page = (DOCS / "lessons.md").read_text(encoding="utf-8")
+    table = re.findall(r"^\| `([a-z-]+)` ", page, re.MULTILINE)
     assert [each["id"] for each in listed] == [name for name in table if name in {e["id"] for e in listed}]

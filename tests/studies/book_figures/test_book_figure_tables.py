@@ -146,8 +146,8 @@ def test_a_curve_that_never_gets_short_has_no_first_short_episode() -> None:
 
 
 def shown(name: str) -> list[str]:
-    """What docs/pictures.md has as ours of a figure, row by row."""
-    page = (Path(__file__).parents[3] / "docs" / "pictures.md").read_text(encoding="utf-8")
+    """What docs/how-to/charts-and-book-figures.md has as ours of a figure, row by row."""
+    page = (Path(__file__).parents[3] / "docs/how-to/charts-and-book-figures.md").read_text(encoding="utf-8")
     rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("|")]
     first = next(
         place for place, cells in enumerate(rows) if cells[0].strip("`").split("`")[0].startswith(name)
