@@ -1,4 +1,4 @@
-"""Every number in README, docs/agents.md and what the program says of itself: held, or in need of nothing."""
+"""Every number in README, docs and what the program says of itself: held, or in need of nothing."""
 
 from __future__ import annotations
 
@@ -24,6 +24,13 @@ from rl_tui.screen.panels.catalogue import PANELS
 TESTS: Final = Path(__file__).parent
 AGENTS: Final = (TESTS.parent / "docs/agents.md").read_text(encoding="utf-8")
 README: Final = (TESTS.parent / "README.md").read_text(encoding="utf-8")
+GUIDES: Final = [
+    path
+    for folder in ("tutorial", "how-to", "explanation")
+    for path in sorted((TESTS.parent / "docs" / folder).glob("*.md"))
+    if path.stem not in ("statistics", "charts-and-book-figures")
+]
+"""All but the tables of tests/measure.py and of tests/studies/book_figures."""
 NEIGHBOURS: Final = (TESTS / "commands/test_readme.py", TESTS / "lessons/test_figures_of_notes.py")
 ELSEWHERE: Final = (
     "Python 3.11 or newer",  # below
@@ -35,6 +42,21 @@ ELSEWHERE: Final = (
     "An example: rl-tui train cliff --runs 50 --json > cliff.json",  # a choice
     "rl-tui sweep cliff --vary alpha=0.05:1:8 --vary algorithm=q-learning,sarsa --runs 30",  # a choice
     "under the same 30 seeds",  # that one
+    "After some 1,300 steps",  # test_watched_lake.py, as the next two
+    "it takes some 1,300 steps",
+    "Step 376 is the first step onto the goal.",
+    "called different in 1.3 % of studies",  # test_many_seeds_panel.py
+    "at most 19 % late",  # test_run_rows.py, as the next
+    "Up to episode 6 it is exact.",
+    "is within 5 % of the best",  # test_run_rows.py
+    "at some 50,000 steps a second",  # tests/measure.py, as the next
+    "some 300 MB for each person",
+    "with some 200 MB",
+    "It needs 30 minutes.",  # the lesson's own
+    "memory for time travel | 64 MiB |",  # rl_tui.runs.timeline.checkpoints, as the next
+    "branches | 50 | | changes per run | 5,000 |",
+    "time without a key | 10 minutes",  # rl_tui.screen.app
+    "up to 15 steps a second",  # rl_tui.screen.panels.grid.motion
 )
 """What other tests hold."""
 
@@ -69,6 +91,12 @@ def texts_of_help() -> Iterator[str]:
             yield node.value
 
 
+def prose_of(page: Path) -> str:
+    """Return a page without code, targets of links and the numbers of its lists."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    return re.sub(r"^ {4,}.*$|^\d\. |(?<=\])\([^)]*\)", "", text, flags=re.MULTILINE)
+
+
 TEXTS: Final = {
     "panels": "\n".join(dict.fromkeys(texts_of_panels())),
     "glossary": "\n".join(texts_of_glossary()),
@@ -77,12 +105,15 @@ TEXTS: Final = {
     "help": "\n".join(texts_of_help()),
     "README": README,
     "agents": re.sub(r"<!-- made by .*?<!-- end -->", "", AGENTS, flags=re.DOTALL),
+    **{path.stem: prose_of(path) for path in GUIDES},
 }
 """By their names; what docs/agents.md has from the program is left out."""
-FILES: Final = {name: name if name in ("README", "agents") else "help" for name in TEXTS}
+OF_GUIDES: Final = {path.stem: "guides" for path in GUIDES}
+FILES: Final = {name: OF_GUIDES.get(name, name if name in ("README", "agents") else "help") for name in TEXTS}
+PAGES: Final = ("README", "agents", "guides")
 
 
-@pytest.mark.parametrize("file", ["help", "README", "agents"])
+@pytest.mark.parametrize("file", ["help", *PAGES])
 def test_each_piece_stands_in_a_text(file: str) -> None:
     said = said_of(file)
     whole = " ".join(plain(text) for name, text in TEXTS.items() if FILES[name] == file)
@@ -90,7 +121,7 @@ def test_each_piece_stands_in_a_text(file: str) -> None:
 
 
 def figures(*, over_seeds: bool) -> list[tuple[str, str]]:
-    every = [(file, name) for file in ("help", "README", "agents") for name in said_of(file).figures_by_name]
+    every = [(file, name) for file in ("help", *PAGES) for name in said_of(file).figures_by_name]
     return [each for each in every if said_of(each[0]).figures.needs_seeds(each[1]) is over_seeds]
 
 
@@ -112,7 +143,7 @@ def test_the_python_that_is_needed_is_the_one_that_installs() -> None:
 
 @pytest.mark.parametrize(
     ("file", "name"),
-    [(file, name) for file in ("help", "README", "agents") for name in said_of(file).constants],
+    [(file, name) for file in ("help", *PAGES) for name in said_of(file).constants],
     ids=str,
 )
 def test_a_number_of_the_program_is_so(file: str, name: str) -> None:
