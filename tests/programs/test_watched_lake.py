@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from program_watching import watched
 
+from rl_tui.commands.main import program
 from rl_tui.live import commands
 
 pytestmark = pytest.mark.process
@@ -27,3 +30,14 @@ def test_after_how_many_steps_the_fault_is_told_and_which_step_proves_it() -> No
         (finding,) = watcher.playback.verdicts.newest.findings
     assert seen == pytest.approx(said, rel=0.05)
     assert finding.step + 1 == int(proof)  # on screen steps count from 1
+
+
+def test_nothing_is_found_in_the_script_that_the_tutorial_corrects(tmp_path: Path) -> None:
+    early = "        state = next_state\n"
+    source = (ROOT / "docs/lake.py").read_text(encoding="utf-8")
+    assert source.count(early) == 1
+    script = tmp_path / "my_lake.py"
+    script.write_text(source.replace(early, "") + early, encoding="utf-8")
+    result = CliRunner().invoke(program, ["watch", str(script), "--json"])
+    document = json.loads(result.stdout)
+    assert (document["update"]["rule"], document["findings"]) == ("q-learning", [])
