@@ -1,11 +1,11 @@
 """The numbers that texts say: which of them stand in ``tests/said/``, and which need nothing behind them.
 
-A file there belongs to one text. ``said`` are pieces of the text with names of figures in braces
-(``{name:words}``: written as a word), and ``[figures]`` says what each is worked out by, as a lesson does
-(docs/lessons.md). ``[copies.NAME]`` is a copy of the scenario file with other values of some keys, the setup
-NAME of figures. ``[constants]`` are numbers that the program holds under a name. ``quoted`` are numbers that
-somebody else has measured, printed or laid down, who is named beside them. ``chosen`` are numbers that the
-text chooses: settings to try and occasions that no rule below knows.
+A file there belongs to one text, to the help, or to all guides. ``said`` are pieces of the text with names of
+figures in braces (``{name:words}``: written as a word), and ``[figures]`` says what each is worked out by, as
+a lesson does (docs/how-to/write-a-lesson.md). ``[copies.NAME]`` is a copy of the scenario file with other
+values of some keys, the setup NAME of figures. ``[constants]`` are numbers that the program holds under a
+name. ``quoted`` are numbers that somebody else has measured, printed or laid down, who is named beside them.
+``chosen`` are numbers that the text chooses: settings to try and occasions that no rule below knows.
 """
 
 from __future__ import annotations

@@ -150,3 +150,17 @@ def test_a_command_is_one_that_the_program_takes(line: str, monkeypatch: pytest.
     monkeypatch.setenv(KIOSK, "")
     result = CliRunner().invoke(program, shlex.split(line, comments=True))
     assert (result.exit_code, result.output) == (0, "")
+
+
+@pytest.mark.slow
+def test_the_python_of_a_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    blocks = re.findall(
+        r"^```python\n(.*?)^```$", "".join(path.read_text(encoding="utf-8") for path in GUIDES), re.M | re.S
+    )
+    names: dict[str, object] = {}
+    for block in blocks:
+        exec(block, names)
+    assert len(blocks) == 4
+    shown = capsys.readouterr().out
+    assert "frozenlake-slippery: sarsa, seeds 0 to 49" in shown
+    assert "alpha is 7" in shown

@@ -1,27 +1,43 @@
-"""What the README says of the script that it watches, counted again."""
+"""What README and tutorial say of the script that is watched, counted again."""
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from program_watching import watched
 
+from rl_tui.commands.main import program
 from rl_tui.live import commands
 
 pytestmark = pytest.mark.process
 
 ROOT = Path(__file__).parents[2]
-README = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+PAGES = ("README.md", "docs/tutorial/debug-your-script.md", "docs/explanation/how-a-bug-is-proved.md")
+TEXTS = " ".join(" ".join((ROOT / page).read_text(encoding="utf-8").split()) for page in PAGES)
 
 
-def test_after_how_many_steps_the_fault_is_told() -> None:
-    found = re.search(r"after some ([\d,]+) steps the panel reports a bug", README)
-    assert found
-    said = int(found[1].replace(",", ""))
+def test_after_how_many_steps_the_fault_is_told_and_which_step_proves_it() -> None:
+    (said,) = {int(each.replace(",", "")) for each in re.findall(r"some ([\d,]+) steps\b", TEXTS)}
+    (proof,) = re.findall(r"Step (\d+) is the first step onto the goal", TEXTS)
     with watched(ROOT / "docs/lake.py") as watcher:
         seen = 0
         while not watcher.playback.verdicts.newest.findings and seen < 2 * said:
             seen = watcher.do(commands.Train(50)).counters.step
+        (finding,) = watcher.playback.verdicts.newest.findings
     assert seen == pytest.approx(said, rel=0.05)
+    assert finding.step + 1 == int(proof)  # on screen steps count from 1
+
+
+def test_nothing_is_found_in_the_script_that_the_tutorial_corrects(tmp_path: Path) -> None:
+    early = "        state = next_state\n"
+    source = (ROOT / "docs/lake.py").read_text(encoding="utf-8")
+    assert source.count(early) == 1
+    script = tmp_path / "my_lake.py"
+    script.write_text(source.replace(early, "") + early, encoding="utf-8")
+    result = CliRunner().invoke(program, ["watch", str(script), "--json"])
+    document = json.loads(result.stdout)
+    assert (document["update"]["rule"], document["findings"]) == ("q-learning", [])
