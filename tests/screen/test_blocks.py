@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from samples import look
 
 from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.kit.blocks import Block, Column, Flow, Labelled, Row, Section, Table, Text, laid
+from rl_tui.screen.kit.charts import Bar, Spread, axis_of
 
 pytestmark = pytest.mark.unit
 STYLE = look().palette.text
@@ -67,7 +69,7 @@ def test_a_table_that_does_not_fit_may_have_a_line_for_each_figure() -> None:
 
 def test_rows_around_the_cursor_are_in_view_and_texts_that_have_room() -> None:
     texts = [Text("much too long for so little room as this", STYLE), Text("note", STYLE)]
-    lines, places, free = laid(table(), 1, texts, 14, 5, look())
+    lines, places, free = laid([table()], 1, [], texts, (14, 5), look())
     assert ["".join(piece.text for piece in line).strip() for line in lines] == [
         "mean",
         "first     .5",
@@ -76,9 +78,37 @@ def test_rows_around_the_cursor_are_in_view_and_texts_that_have_room() -> None:
         "note",
     ]
     assert (list(places), free) == ([1, 2], 0)
-    lines, places, free = laid(table(), 1, texts, 13, 1, look())
+    lines, places, free = laid([table()], 1, texts, texts, (13, 1), look())
     assert [piece.text for piece in lines[0]] == [" second", " −1.25"]
     assert (list(places), free) == ([-1, 0], 0)
+
+
+def test_charts_fill_the_room_that_columns_leave_else_a_line_of_their_own() -> None:
+    values = 0.5, -1.25
+    columns = [
+        Column("", ["first", "second"], STYLE, right=False),
+        Column("mean", [".5", "−1.25"], STYLE),
+    ]
+    charts = {place: Bar(value, axis_of(values), STYLE) for place, value in enumerate(values)}
+    assert drawn(Table([columns], charts=charts, least_chart=7), 21) == [
+        "                 mean",
+        " first       ██    .5",
+        " second █████   −1.25",
+    ]
+    assert drawn(Table([columns], charts=charts), 16)[1:3] == [" first     .5", "           ████"]
+
+
+def test_a_bar_far_beyond_the_others_is_cut() -> None:
+    axis = axis_of([-1_000.0, -10.0, -5.0])
+    bars = [Bar(value, axis, STYLE).lines(6, look())[0][0].text for value in (-1_000.0, -10.0, -5.0, 0.0)]
+    assert bars == ["‹█████", "  ████", "    ██", "     │"]
+
+
+def test_seeds_are_marked_above_their_mean_and_its_error() -> None:
+    spread = Spread(np.array([0.0, 0.5, 0.5, 1.0]), 0.0, 0.5, 0.25, (0.0, 1.0), ("0", "1"), STYLE)
+    lines = ["".join(piece.text for piece in line) for line in spread.lines(13, look())]
+    assert lines == ["  ◆   ▄   ▂  ", "0 ──━━●━━── 1"]
+    assert not spread.lines(5, look())
 
 
 def test_nothing_to_show_takes_no_line() -> None:

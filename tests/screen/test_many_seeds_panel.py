@@ -63,6 +63,14 @@ def test_each_figure_stands_beside_its_mean_and_error() -> None:
     assert ["greedy,", "exact", ".730", ".710", "±", ".006"] in lines
 
 
+def test_each_seed_is_a_mark_where_there_is_room() -> None:
+    study = lake_study()
+    seeds = {name: np.array([0.3, 0.41, 0.5]) for name in study.lanes[0].estimates}
+    shown = changed(lake(), study=lake_study(lanes=(replace(study.lanes[0], seeds=seeds),)))
+    counts = [drawn(shown, 58, height).count("●") for height in (15, 10, 8)]
+    assert counts == [3, 2, 0]  # all figures and the legend, the first figure and the legend, none
+
+
 def test_it_tells_how_far_it_has_come_and_of_which_seeds() -> None:
     text = said(changed(lake(), study=lake_study()))
     assert text.startswith("64 of 256 seeds · episodes 1–500 · low priority ━")

@@ -93,7 +93,7 @@ def said(shown: Snapshot | None, width: int = 46, **how: bool) -> str:
 def test_each_policy_has_its_figures() -> None:
     shown = studied(lake())
     answers = shown.answers.policies
-    rows = {line[1:9].strip(): line[9:].split() for line in drawn(shown).splitlines()[:6]}
+    rows = {line[1:9].strip(): line[9:].split() for line in drawn(shown).splitlines()[4:13]}
     for kind in KINDS[:4]:
         answer = answers[kind]
         figures = (answer.expected_return, answer.value_at_start, answer.steps)
@@ -135,9 +135,20 @@ def test_a_policy_that_never_ends_has_no_return_and_says_so() -> None:
 
 def test_how_likely_a_policy_ends_stands_where_that_is_not_certain_rather_than_its_length() -> None:
     endless = PolicyAnswer(np.zeros(5), np.zeros(4), np.zeros(5), 0.0, 0.0, 100.0, 0.0)
-    text = drawn(studied(student(), greedy=endless), 36).splitlines()
-    assert text[0].split() == ["return", "at", "start", "ending"]
-    assert text[2].split()[-1] == "%"
+    text = drawn(studied(student(), greedy=endless), 36, 11).splitlines()
+    head = next(y for y, line in enumerate(text) if line.split() == ["return", "at", "start", "ending"])
+    assert text[head + 2].split()[-1] == "%"
+
+
+def test_bars_show_the_returns_on_one_scale() -> None:
+    shown = studied(lake())
+    for height in (20, 36):
+        rows = {line[1:9].strip(): line for line in drawn(shown, 70, height).splitlines()}
+        bars = {kind: rows[POLICY_NAMES[kind]].count("█") for kind in KINDS}
+        returns = {kind: shown.answers.policies[kind].expected_return or 0.0 for kind in KINDS}
+        assert sorted(KINDS, key=bars.__getitem__) == sorted(KINDS, key=returns.__getitem__)
+    assert "█" not in drawn(shown, 70, 8)
+    assert "█" not in drawn(changed(shown, is_hidden=True), 70, 36).split("optimal")[1].splitlines()[0]
 
 
 def test_why_there_is_none_is_said_once() -> None:
@@ -277,7 +288,7 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         assert "random    6.2" not in screen_text(pilot.app)
         await press(pilot, "t", "p")
         panel = board.panel(POLICIES)
-        rows = [panel.render_line(y).text for y in range(8)]
+        rows = [panel.render_line(y).text for y in range(panel.size.height)]
         y = next(y for y, row in enumerate(rows) if "agent" in row)
         await click(pilot, panel, offset=(4, y + 1))
         assert snapshot(pilot).answers.studied is PolicyKind.BEHAVIOUR

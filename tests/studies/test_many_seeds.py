@@ -86,6 +86,8 @@ def assert_equal_to_runs(lane: LaneStudy, document: dict[str, Any]) -> None:
     assert list(lane.estimates) == list(there)
     for name, each in there.items():
         assert lane.estimates[name] == Estimate(each["mean"], each["stderr"], each["count"])
+        values = [run[name] for run in document["runs"] if run[name] is not None]
+        assert lane.seeds[name].tolist() == values
     assert lane.this_seed.items() <= document["runs"][0].items()
     assert lane.curve.episode.tolist() == document["curve"]["episode"]
     assert lane.curve.mean.tolist() == document["curve"]["return_mean"]

@@ -100,7 +100,9 @@ class LanePair:
         """Write below one of the worlds where they differ: not below the one in focus, which has its keys."""
         left, right = self._panels[WORLD], self.twins.get(WORLD)
         if isinstance(left, WorldView) and isinstance(right, WorldView):
-            left.note, right.note = (self._note, ()) if right.has_focus else ((), self._note)
+            left.has_note, right.has_note = right.has_focus, not right.has_focus
+            for view in (left, right):
+                view.note = self._note if view.has_note else ()
 
     def align(self, panel: object) -> None:
         """Give what stands beside ``panel`` the same stance, where both are in view."""

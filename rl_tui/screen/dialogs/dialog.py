@@ -129,7 +129,7 @@ class ModelScreen(Dialog[None]):
         super().__init__()
         self._hide_answer = hide_answer
         self._on_scrolled = on_scrolled
-        self._panel = ModelPanel(look, id="box", classes="tall")
+        self._panel = ModelPanel(look, id="box")
         self._snapshot = snapshot
         self._pair = pair
 

@@ -41,6 +41,7 @@ from rl_tui.screen.panels.margins import wanted_margins
 from rl_tui.worlds.drawing import Arms, Axes, Body, Graph, Grid
 
 _LEAST_BELOW: Final = {MEDIUM: 5, ROOMY: 10}  # rows of the lower band
+_LEAST_BELOW_LANES: Final = 8  # rows of the lower band of medium size: with fewer, lines of runs are a braid
 _LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
 _BESIDE_PAGE: Final = 12  # rows of curve and table, where the page of a lesson has the right column
 _AROUND_A_MAP: Final = 15  # rows
@@ -166,7 +167,7 @@ class _Bands:
         columns = self._right_columns(picture.width)
         left = sheet.usable - (columns + sheet.gap if columns else 0)
         upper = (2 if is_over else 1) * (picture.height + extra)
-        if self.room is ROOMY and self.aside is None:
+        if self.room is ROOMY and self.aside is None and not sheet.lanes:
             upper = max(upper, min(_UPPER, height + extra))
         self._put_world(picture, extra, left, room, is_over=is_over)
         low = sheet.top + upper + (sheet.blank if below else 0)
@@ -224,6 +225,8 @@ class _Bands:
             return _LEAST_SCROLLING
         if self.room is SMALL:
             return len(self._lines)
+        if sheet.lanes and self.room is MEDIUM:
+            return _LEAST_BELOW_LANES
         is_captioned = self.room is MEDIUM and CAPTION in sheet.regions  # else it would cost rows of the map
         return _LEAST_BELOW[self.room] - is_captioned
 

@@ -178,14 +178,16 @@ class Column(NamedTuple):
 
 
 Columns = Sequence[Column]
+Size = tuple[int, int]  # columns and rows
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
     """Rows in columns, in the first of ``forms``, the best first, that leaves ``margin`` cells free.
 
-    If none fits and the table ``is_stacked``, each cell has a line. Blocks ``below`` a row have all the
-    width.
+    If none fits and the table ``is_stacked``, each cell has a line. The chart of a row fills what the columns
+    leave behind the first one, with fewer than ``least_chart`` cells a line of its own. Blocks ``below`` a
+    row have all the width.
     """
 
     forms: Iterable[Columns]
@@ -193,22 +195,43 @@ class Table:
     has_head: bool = True
     is_stacked: bool = False
     below: Mapping[int, Sequence[Block]] = field(default_factory=dict)
+    charts: Mapping[int, Block] = field(default_factory=dict)
+    least_chart: int = 16
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
         """Return the head and the rows."""
+        return self.placed(width, look)[0]
+
+    def placed(self, width: int, look: Look) -> tuple[list[Line], list[int]]:
+        """Return the head and the rows, and the line of each row."""
         columns, widths, fits = self._chosen(width, look)
         pieces = [column.pieces(look) for column in columns]
         aligned = [
             [_aligned(piece, column, cells, look) for piece in texts]
             for column, cells, texts in zip(columns, widths, pieces, strict=True)
         ]
-        head_and_rows = list(zip(*aligned, strict=True))  # nothing without columns
+        head_and_rows: list[Line] = [[*row] for row in zip(*aligned, strict=True)]  # nothing without columns
         is_stacked = self.is_stacked and not fits
+        room = width - sum(widths) - sum(column.gap for column in columns) - 1
+        if self.charts and room >= self.least_chart and not is_stacked:
+            head_and_rows = [_opened(row, room + 1, look) for row in head_and_rows]
+        else:
+            room = 0
         lines: list[Line] = [*head_and_rows[:1]] if self.has_head and not is_stacked else []
+        places = list[int]()
         for place, row in enumerate(head_and_rows[1:]):
-            lines += _stacked(columns, pieces, place, width, look) if is_stacked else [row]
+            places.append(len(lines))
+            chart = self.charts[place].lines(room or max(1, width - 2), look) if place in self.charts else ()
+            if is_stacked:
+                lines += _stacked(columns, pieces, place, width, look)
+            elif room and chart:
+                first, *more = ([Piece(" ", look.palette.text), *line] for line in chart)
+                margin = Piece(" " * length(row[:1]), look.palette.text)
+                lines += [[row[0], *first, *row[2:]], *([margin, *line] for line in more)]
+            else:
+                lines += [row, *([Piece(" ", look.palette.text), *line] for line in chart)]
             lines += lines_of(self.below.get(place, ()), width, look)
-        return lines
+        return lines, places
 
     def _chosen(self, width: int, look: Look) -> tuple[Columns, list[int], bool]:
         columns: Columns = ()
@@ -239,6 +262,10 @@ def _aligned(piece: Piece, column: Column, cells: int, look: Look) -> Piece:
     return Piece(gap + (blanks + text if column.right else text + blanks), piece.style)
 
 
+def _opened(row: Line, cells: int, look: Look) -> Line:
+    return [*row[:1], Piece(" " * cells, look.palette.text), *row[1:]]
+
+
 def _stacked(
     columns: Columns, pieces: Sequence[Sequence[Piece]], place: int, width: int, look: Look
 ) -> Iterator[Line]:
@@ -260,19 +287,41 @@ class Laid(NamedTuple):
     free: int
 
 
-def laid(table: Table, cursor: int, texts: Iterable[Text], width: int, height: int, look: Look) -> Laid:
-    """Return ``table``, the rows around ``cursor`` where it is too high, and the ``texts`` that have room."""
-    head, *rows = table.lines(width, look)
-    has_head = height > len(rows)
-    first = max(0, min(cursor - height // 2, len(rows) - height))
-    lines = [*([head] if has_head else []), *rows[first : first + height]]
-    top = len(lines)
-    for text in texts:
-        said = text.lines(width, look)
-        gap = int(len(lines) == top and height - top > len(said))
-        if len(lines) + gap + len(said) <= height:
-            lines += [*([[]] * gap), *said]
-    return Laid(lines, [has_head + place - first for place in range(len(rows))], height - len(lines))
+def laid(
+    tables: Iterable[Table],
+    cursor: int,
+    answer: Iterable[Text],
+    notes: Iterable[Text],
+    size: Size,
+    look: Look,
+) -> Laid:
+    """Return ``answer``, the first of ``tables``, the best first, that has room, and the ``notes`` that do.
+
+    Where the last table is too high too, only the rows around ``cursor`` stay.
+    """
+    width, height = size
+    said = [note.lines(width, look) for note in notes]
+    above = lines_of(answer, width, look)
+    above += [[]] if above else []
+    lines, places = list[Line](), list[int]()
+    for table in tables:
+        lines, places = table.placed(width, look)
+        if len(above) + len(lines) + 1 + sum(map(len, said)) <= height:
+            break
+    if len(above) + len(lines) > height:
+        above = []
+    if len(lines) > height:
+        has_head = height > len(places)
+        first = max(0, min(cursor - height // 2, len(places) - height))
+        lines = [*(lines[:1] if has_head else ()), *lines[places[0] :][first : first + height]]
+        places = [has_head + place - first for place in range(len(places))]
+    top = len(above) + len(lines)
+    lines = [*above, *lines]
+    for note in said:
+        gap = int(len(lines) == top and height - top > len(note))
+        if len(lines) + gap + len(note) <= height:
+            lines += [*([[]] * gap), *note]
+    return Laid(lines, [len(above) + place for place in places], height - len(lines))
 
 
 # An equation

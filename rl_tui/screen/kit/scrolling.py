@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from rich.segment import Segment
 from textual import events
@@ -54,6 +54,9 @@ def scroll_bar(first: int, shown: int, total: int, height: int, look: Look) -> l
 # A panel of rows
 
 
+_MOST_LEFT_OUT: Final = 2
+
+
 def scroll_bindings(panel: str) -> list[BindingType]:
     """Return the keys that scroll ``panel``, whose ids begin with that name."""
     return [
@@ -87,21 +90,27 @@ class ScrolledPanel(Panel, can_focus=True):
         self.heading = self.title
         self._first = 0
         self._rows_in_all = 0
+        self._rows_wanted = 0
         self._rows_in_view = 0
         self._has_bar = False
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows, of ``width`` cells each; ``height`` of them are in view."""
         lines: list[Line] = []
-        for is_short in (False, True):
-            lines = lines_of(self.blocks(snapshot, is_short=is_short), width, self.look)
+        for left_out in range(_MOST_LEFT_OUT + 1):
+            lines = lines_of(self.blocks(snapshot, left_out), width, self.look)
+            if left_out == 0:
+                self._rows_wanted = len(lines)
+            closed = [line for line in lines if line]
+            if len(lines) > height >= len(closed):
+                lines = closed
             if len(lines) <= height:
                 break
         self.free_rows = max(0, height - len(lines))
         return strips_of(lines, width, len(lines), self.look)
 
-    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterable[Block]:
-        """Return what stands in it; ``is_short`` where there are not rows for all of that."""
+    def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterable[Block]:
+        """Return what stands in it; ``left_out``, 0 to 2, says how much where there are not rows for all."""
         raise NotImplementedError
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:

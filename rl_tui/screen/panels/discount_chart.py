@@ -17,7 +17,7 @@ from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.axes import apart, draw_count_axis, draw_value_axis, value_axis_columns
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, shortened
-from rl_tui.screen.draw.chart_plot import Plot
+from rl_tui.screen.draw.chart_plot import Plot, turns
 from rl_tui.screen.draw.names import action_name
 from rl_tui.screen.draw.numbers import NEGLIGIBLE
 from rl_tui.screen.draw.scale import round_scale
@@ -113,9 +113,7 @@ def draw_values(
     draw_count_axis(canvas, plot, 1.0, 6, unit, look, step)
     _draw_marks(canvas, plot, flips, gamma, chosen, look)
     now = int(np.abs(gammas - gamma).argmin())
-    best_now = int(np.nan_to_num(values[:, now]).argmax())
-    order = sorted(range(len(lines)), key=best_now.__eq__)  # what is best for the γ in force lies on top
-    _draw_lines(canvas, plot, [lines[number] for number in order], gammas, look)
+    _draw_lines(canvas, plot, lines, gammas, look)
     best = np.nan_to_num(values.max(axis=0))
     row = plot.row(float(best[now])) if gamma <= gammas[-1] else 0
     canvas.put(plot.left + _column(plot, gamma), row, look.glyphs.thumb, look.palette.press)
@@ -163,20 +161,15 @@ def _draw_lines(
     canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], gammas: FloatArray, look: Look
 ) -> None:
     has_signs = not look.palette.tells_lanes_apart or len(lines) > len(look.palette.lanes)
-    shown = np.zeros((plot.rows, plot.columns), dtype=np.int64)
-    whose = np.full(shown.shape, -1)
-    passes = list[BoolArray]()
-    for number, line in enumerate(lines):
+    passes, shown = list[BoolArray](), np.zeros((plot.rows, plot.columns), dtype=np.int64)
+    for line in lines:
         ends = line.values[:-1], line.values[1:]
-        steps = Steps(gammas[:-1], gammas[1:], np.minimum(*ends), np.maximum(*ends))
-        codes = plot.braille_line(steps)
-        there = codes > braille.BLANK
-        passes.append(there)
-        whose[there] = number
-        if look.glyphs.braille:
-            shown[there] |= codes[there]
-        else:
-            shown[there] = ord(line.sign)
+        codes = plot.braille_line(Steps(gammas[:-1], gammas[1:], np.minimum(*ends), np.maximum(*ends)))
+        passes.append(codes > braille.BLANK)
+        shown |= codes
+    whose = turns(np.stack(passes))
+    if not look.glyphs.braille:
+        shown = np.array([ord(line.sign) for line in lines])[whose]
     if has_signs and look.glyphs.braille:
         for number, line in enumerate(lines):
             first = _SIGNS_APART * (number + 1) // (len(lines) + 1)

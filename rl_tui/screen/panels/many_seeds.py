@@ -22,6 +22,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, kept, length, spelled
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Table, Text
+from rl_tui.screen.kit.charts import Spread
 from rl_tui.screen.kit.panel import key_hints
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import (
@@ -62,10 +63,12 @@ from rl_tui.worlds.drawing import Arms
 ABOVE_BEST: Final = "is above the best arm's mean"
 
 
-def remarks(study: SeedStudy, snapshot: Snapshot, look: Look, *, secret: bool) -> Iterator[Block]:
+def remarks(
+    study: SeedStudy, snapshot: Snapshot, look: Look, *, secret: bool, has_marks: bool
+) -> Iterator[Block]:
     """Yield what is said below the table; ``secret``: a bandit's true means must not show."""
     yield Text(_luck(snapshot, look.glyphs, secret=secret), look.palette.text, rest="   ")
-    yield Text(_meaning(study, snapshot), look.palette.dim, rest="   ")
+    yield Text(_meaning(study, snapshot, look, has_marks=has_marks), look.palette.dim, rest="   ")
 
 
 def how_typical(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
@@ -109,15 +112,18 @@ def _noise(snapshot: Snapshot, glyphs: Glyphs) -> str:
     return f"a mean of {pulls} noisy rewards is off{off} by luck alone"
 
 
-def _meaning(study: SeedStudy, snapshot: Snapshot) -> str:
+def _meaning(study: SeedStudy, snapshot: Snapshot, look: Look, *, has_marks: bool) -> str:
     first = snapshot.recipe.seed
     which = "" if study.is_outdated else f" over seeds {first} to {first + study.seeds - 1}"
     meaning = f"± is the standard error{which}"
+    if has_marks and any(lane.seeds for lane in study.lanes):
+        glyphs = look.glyphs
+        meaning = f"{glyphs.world_mark} this seed, {glyphs.estimate} mean ± its standard error{which}"
     if snapshot.recipe.scenario.section.drawn_from_seed:
         what = "arms" if isinstance(snapshot.world.drawing, Arms) else "a world"
         meaning = f"{meaning}; each draws {what} of its own"
     if len(study.lanes) > 1:
-        meaning = f"{meaning}; better: from {LEAST_SEEDS} seeds on, with 0 outside the brackets"
+        meaning = f"{meaning}; better: {LEAST_SEEDS} seeds, 0 outside the brackets"
     return meaning
 
 
@@ -126,17 +132,20 @@ def _meaning(study: SeedStudy, snapshot: Snapshot) -> str:
 
 BRACKETS: Final = f"in brackets: the difference ± {INTERVAL_ERRORS:g} standard errors"
 _BLANKS: Final = ((1, 2), (1, 1), (0, 1))  # before the first column and between columns
+_LEAST_CHART: Final = 30  # cells beside the numbers
 _LEAST_LANE: Final = 8  # cells of the name of a lane, with its number
 
 
 def seed_table(
-    study: SeedStudy, snapshot: Snapshot, figures: Sequence[StudyFigure], look: Look, *, is_short: bool
+    study: SeedStudy, snapshot: Snapshot, figures: Sequence[StudyFigure], look: Look, charted: int
 ) -> Table:
     """Return this seed beside the mean, a row for each lane below the name of each of ``figures``.
 
-    A single lane has a row for each figure. Below the first verdict stands what its brackets are.
+    A single lane has a row for each figure. The first ``charted`` figures have their seeds as marks. Below
+    the first verdict stands what its brackets are.
     """
     is_alone, palette = len(study.lanes) == 1, look.palette
+    charts: dict[int, Block] = {}
     this: list[str | None] = [None] if is_alone else []
     mean: list[str | None] = [None] if is_alone else []
     below: dict[int, list[Block]] = {}
@@ -145,6 +154,9 @@ def seed_table(
         decimals = figure_decimals(figure, study)
         heading = [] if is_alone else [None]
         own = (lane.this_seed.get(figure.id) for lane in study.lanes)
+        if figure in figures[:charted]:
+            spreads = enumerate(_spreads(study, figure, look), len(this) + len(heading))
+            charts |= {place: spread for place, spread in spreads if spread is not None}
         this += [*heading, *(figure_text(each, decimals, look.glyphs) for each in own)]
         over = (lane.estimates.get(figure.id) for lane in study.lanes)
         mean += [*heading, *(estimate_text(each, decimals, look.glyphs) for each in over)]
@@ -154,7 +166,7 @@ def seed_table(
             if explains and "±" in verdict:
                 said.append(Text(BRACKETS, palette.dim, "   ", "   "))
                 explains = False
-        if not (is_alone or is_short or figure is figures[-1]):
+        if figure is not figures[-1] and (charts or not is_alone):
             said.append(BLANK)
     heads = _heads(until_of(study, episodes_reached(snapshot)))
 
@@ -171,7 +183,25 @@ def seed_table(
                     Column(mean_head, mean, palette.strong, gap=gap),
                 )
 
-    return Table(forms(), has_head=False, is_stacked=True, below=below)
+    return Table(
+        forms(), has_head=False, is_stacked=True, below=below, charts=charts, least_chart=_LEAST_CHART
+    )
+
+
+def _spreads(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[Spread | None]:
+    """Yield the seeds of each lane on one axis; None where all have the same."""
+    seeds = [lane.seeds.get(figure.id, np.empty(0)) for lane in study.lanes]
+    every, palette = np.concatenate(seeds), look.palette
+    axis = (float(every.min()), float(every.max())) if len(every) else (0.0, 0.0)
+    low, high = (figure_text(end, figure_decimals(figure, study), look.glyphs) for end in axis)
+    inks = (palette.press,) if len(seeds) == 1 else palette.lanes
+    for number, (lane, values) in enumerate(zip(study.lanes, seeds, strict=True)):
+        estimate = lane.estimates.get(figure.id)
+        if estimate is None or not len(values) or axis[1] - axis[0] < numbers.NEGLIGIBLE:
+            yield None
+            continue
+        own, error = lane.this_seed.get(figure.id), estimate.stderr or 0.0
+        yield Spread(values, own, estimate.mean, error, axis, (low, high), inks[number % len(inks)])
 
 
 def _names(called: Sequence[str], study: SeedStudy, snapshot: Snapshot, look: Look) -> list[Piece | str]:
@@ -272,7 +302,7 @@ class ManySeeds(ScrolledPanel):
     ]
     title = "Many seeds"
 
-    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterator[Block]:
+    def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterator[Block]:
         """Yield what is known so far; of a bandit what the agent cannot know only where it is not hidden."""
         study, look = None if snapshot is None else snapshot.study, self.look
         if snapshot is None or study is None:
@@ -282,16 +312,18 @@ class ManySeeds(ScrolledPanel):
         yield from _how_far(study, snapshot, look)
         if not study.lanes or not study.seeds:
             return
-        secret, gap = hides_greedy(snapshot), () if is_short else (BLANK,)
+        secret, gap = hides_greedy(snapshot), (BLANK,) if left_out < 2 else ()
         if not study.is_outdated:
             typical = how_typical(study, snapshot, look.glyphs, secret=secret)
             yield Text(typical, look.palette.strong, rest="   ")
         yield from gap
-        yield seed_table(study, snapshot, shown_figures(study, secret=secret), look, is_short=is_short)
+        figures = shown_figures(study, secret=secret)
+        charted = (len(figures), 1, 0)[left_out]
+        yield seed_table(study, snapshot, figures, look, charted)
         if hides_means(snapshot) and not keeps_back(snapshot, "answer"):
             yield Text("w h shows regret and best arm", look.palette.dim, rest="   ")
         yield from gap
-        yield from remarks(study, snapshot, look, secret=secret)
+        yield from remarks(study, snapshot, look, secret=secret, has_marks=charted > 0)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it, and enter where there is something to count again."""

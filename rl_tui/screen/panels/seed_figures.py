@@ -7,6 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
 from rl_tui.runs.history import RECENT
 from rl_tui.runs.measures import MEASURES
 from rl_tui.screen.draw import numbers
@@ -92,6 +94,7 @@ def _lane_in_percent(lane: LaneStudy) -> LaneStudy:
         lane,
         estimates={**lane.estimates, name: hundredfold(lane.estimates[name])},
         this_seed={**lane.this_seed, name: None if own is None else 100.0 * own},
+        seeds={**lane.seeds, name: 100.0 * lane.seeds.get(name, np.empty(0))},
         differences=differences,
     )
 

@@ -43,7 +43,7 @@ class WorldCheckPanel(ScrolledPanel):
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("world_check")
     title = TITLE
 
-    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterator[Block]:
+    def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterator[Block]:
         """Yield what is known of the check."""
         palette, view = self.look.palette, None if snapshot is None else snapshot.world_check
         if snapshot is None or view is None:
@@ -58,11 +58,10 @@ class WorldCheckPanel(ScrolledPanel):
             warnings = (f"warnings: {shown_by(snapshot, 'them')}",)
         for warning in warnings:
             yield Text(warning, palette.dim if view.is_outdated else palette.bad, " ! ", "   ")
-        if not is_short:
-            yield BLANK
         names = partial(state_name, world, glyphs=self.look.glyphs)
         for row in rows(report, world.space, view.gamma, names):
             label = LABELS[row.field]
+            yield BLANK
             yield Labelled(label, palette.dim, _LABEL, _said(row, snapshot, view, self.look), _BESIDE)
         if is_secret(snapshot):
             yield Text(f"{veiled(self.look.glyphs)} is hidden: {shown_by(snapshot)}", palette.dim)

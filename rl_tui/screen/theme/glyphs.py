@@ -67,6 +67,8 @@ class Glyphs:
     past: str = _in("◀", "<")
     stopped: str = _in("■", "#")
     bar: str = _in("█", "#")
+    half_bar: str = _in("▌▐", "##")  # the end of a bar to the right, to the left
+    eighths: str = _in(" ▁▂▃▄▅▆▇█", " ..::||##")  # of a cell, from below
     axis_vertical: str = _in("│", "|")
     axis_horizontal: str = _in("─", "-")
     axis_corner: str = _in("└", "+")

@@ -81,8 +81,8 @@ DARK_16, LIGHT_16 = _dark_and_light(
     variables={
         "border-blurred": ("ansi_white", "ansi_bright_black"),
         "text-muted": ("ansi_default", "ansi_default"),
-        "block-cursor-foreground": ("ansi_black", "ansi_black"),
-        "block-cursor-background": ("ansi_bright_magenta", "ansi_bright_magenta"),
+        "block-cursor-foreground": ("ansi_black", "ansi_bright_white"),
+        "block-cursor-background": ("ansi_bright_blue", "ansi_blue"),
         "input-cursor-foreground": ("ansi_black", "ansi_bright_white"),
         "input-cursor-background": ("ansi_white", "ansi_black"),
         "input-selection-foreground": ("ansi_black", "ansi_bright_white"),

@@ -64,6 +64,8 @@ class LaneStudy:
     differences: Mapping[str, PairedDifference] = field(default_factory=dict)
     """The lane that was shown less this one, by figure; empty for that lane itself."""
     curve: SeedCurve = field(default_factory=SeedCurve)
+    seeds: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Each figure of every seed that has it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

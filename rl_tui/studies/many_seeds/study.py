@@ -278,6 +278,9 @@ class _Lane:
             this_seed={name: finite(rows[0][name]) for name in names},
             differences=differences_of(shown.rows[:seeds] if shown else rows, rows, common),
             curve=self._mean_curve(rows),
+            seeds={
+                name: np.array([row[name] for row in rows if finite(row[name]) is not None]) for name in names
+            },
         )
 
     def _mean_curve(self, rows: Sequence[Row]) -> SeedCurve:

@@ -14,7 +14,6 @@ from rich.style import Style
 from rl_tui.runs.results import Curve
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.panels.curve.data import MovingMean
-from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.screen.theme.roles import faded
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
@@ -23,8 +22,6 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 FULL: Final = 8
-_EIGHTHS: Final = " ▁▂▃▄▅▆▇█"
-_EIGHTHS_ASCII: Final = " ..::||##"
 _PALEST, _DEEPEST = 0.22, 0.62  # shares of the ink in the lowest and in the highest row
 
 
@@ -51,11 +48,6 @@ def area_of(plot: Plot, mean: MovingMean) -> Area:
     level = np.rint(np.nan_to_num(share) * (FULL * plot.rows)).astype(np.int64)
     floor = FULL * np.arange(plot.rows)[::-1, None]
     return Area(np.clip(level - floor, 0, FULL), values < plot.scale.low, values > plot.top)
-
-
-def eighths_of(glyphs: Glyphs) -> str:
-    """Return the characters of 0 to 8 eighths."""
-    return _EIGHTHS if glyphs.braille else _EIGHTHS_ASCII
 
 
 @lru_cache(64)

@@ -23,7 +23,7 @@ from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.axes import apart
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, strips_of, wrapped
-from rl_tui.screen.draw.chart_plot import Plot
+from rl_tui.screen.draw.chart_plot import Plot, turns
 from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
@@ -33,7 +33,6 @@ from rl_tui.screen.panels.curve.area import (
     area_styles,
     band_cells,
     band_styles,
-    eighths_of,
     middle_half,
     pixel_styles,
     says_something,
@@ -71,7 +70,6 @@ from rl_tui.worlds.mdp.space import BoolArray, IntArray
 # The lines of several runs, which areas would hide, and of one run over the band of many seeds
 
 
-_TURN: Final = 2  # columns in which one of several lines in the same cells is seen
 _MARKS_APART: Final = 16  # columns from one number on a line to the next
 
 
@@ -95,21 +93,12 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
     in_front = there.copy()
     # where the greedy line goes up and down through many policies, it would cover the runs
     in_front[0] &= ~(there[1:].any(axis=0) & (there[0].sum(axis=0) > 1))
-    line = _whose(in_front)
+    line = turns(in_front)
     codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
     codes[line < 0] = 0
     if data.lanes and look.glyphs.braille and not look.palette.tells_lanes_apart:
         _mark(codes, line, there)
     return LaneCells(codes, line)
-
-
-def _whose(there: BoolArray) -> IntArray:
-    """Return which line each cell shows, −1 for none; lines that share cells take turns."""
-    among = np.cumsum(there, axis=0)
-    count = among[-1]
-    turn = np.arange(there.shape[2]) // _TURN % np.maximum(count, 1)
-    chosen = there & (among == turn + 1)
-    return np.where(count > 0, chosen.argmax(axis=0), -1)
 
 
 def _mark(codes: IntArray, line: IntArray, there: BoolArray) -> None:
@@ -179,7 +168,7 @@ def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_b
         codes, pixels = band_cells(plot, middle_half(plot, data.curve, data.mean), data.mean)
         kind = np.where(codes > 0, _CELLS + pixels, _NOTHING)
     else:
-        codes = np.array([ord(each) for each in eighths_of(look.glyphs)])[area.eighths]
+        codes = np.array([ord(each) for each in look.glyphs.eighths])[area.eighths]
         kind = np.where(area.eighths > 0, _CELLS, _NOTHING)
     _put_behind(codes, kind, plot, data, look)
     if look.glyphs.braille:
@@ -308,7 +297,7 @@ def spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: str
     columns = width - cell_len(words) - 2
     if columns < 1 or not len(data.mean.means):
         return [Piece(words, look.palette.dim)]
-    marks = eighths_of(look.glyphs)
+    marks = look.glyphs.eighths
     area = area_of(Plot(0, columns, 1, data.mean.finished, scale), data.mean)
     signs = "".join(marks[max(1, each)] for each in area.eighths[0].tolist())
     return [Piece(signs, look.palette.episodes), Piece(f"  {words}", look.palette.dim)]

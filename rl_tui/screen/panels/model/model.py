@@ -12,6 +12,7 @@ from typing import ClassVar, Final
 import numpy as np
 from rich.cells import cell_len
 from textual.binding import BindingType
+from textual.geometry import Size
 from textual.strip import Strip
 
 from rl_tui.common.words import counted
@@ -20,7 +21,7 @@ from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_order, shown_pairs, shown_place
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.blocks import BLANK, Block, Labelled, Text
+from rl_tui.screen.kit.blocks import BLANK, Block, Labelled, Text, lines_of
 from rl_tui.screen.kit.scrolling import Scrolled, ScrolledPanel, page_bindings
 from rl_tui.screen.kit.snapshot_facts import hides_means, reward_range
 from rl_tui.screen.panels.last_step.update_text import setting
@@ -153,6 +154,7 @@ class ModelPanel(ScrolledPanel):
     ]
     title = "Model"
     _pair: int | None = None
+    _highest = 0  # rows of a pair shown so far: the box only grows, so that it stays calm
 
     @property
     def pair(self) -> int | None:
@@ -171,6 +173,19 @@ class ModelPanel(ScrolledPanel):
         if self.snapshot is not None and self.is_attached and not self.snapshot.agent.holds(pair):
             self.post_message(Scrolled())
 
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return how many rows the model and the highest pair so far take."""
+        lines = lines_of(self.blocks(self.snapshot, 0), width, self.look)
+        self._highest = max(self._highest, len(lines))
+        return self._highest
+
+    def redraw(self) -> None:
+        """Draw again, in a higher box where the pair takes more rows than any before."""
+        super().redraw()
+        if self.is_attached and self._rows_wanted > self._highest:
+            self._highest = self._rows_wanted
+            self.refresh(layout=True)
+
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the part of the model that is in view."""
         strips = super().picture(snapshot, width, height)
@@ -178,14 +193,14 @@ class ModelPanel(ScrolledPanel):
             self.heading = f"Model ⟨S, A, P, R, γ⟩ · {snapshot.recipe.scenario.title}"
         return strips
 
-    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterator[Block]:
+    def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterator[Block]:
         """Yield the model and one pair; where not all fits, that is above, so that it stays in view."""
         pair = self.pair
         if snapshot is None or pair is None:
             yield Text(WAITING, self.look.palette.dim)
             return
         parts = model_blocks(snapshot, self.look), pair_blocks(snapshot, pair, self.look)
-        above, below = parts[::-1] if is_short else parts
+        above, below = parts[::-1] if left_out else parts
         yield from above
         yield BLANK
         yield from below

@@ -21,7 +21,8 @@ from rl_tui.runs.exact_answers import NO_TABLE
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.blocks import Column, Columns, Table, Text, laid
+from rl_tui.screen.kit.blocks import BLANK, Column, Columns, Table, Text, laid
+from rl_tui.screen.kit.charts import Bar, axis_of
 from rl_tui.screen.kit.panel import Panel, key_hints
 from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.last_step.update_text import setting
@@ -48,8 +49,8 @@ ENDS: Final = PolicyColumn("ends", "ending")
 FIGURES: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
 
 
-def policy_table(snapshot: Snapshot, look: Look) -> Table:
-    """Return a row for each policy, that which is studied with the cursor."""
+def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
+    """Yield a row for each policy, that which is studied with the cursor: high bars, low ones, none."""
     known = known_answers(snapshot)
     figures = _figures(snapshot, known)
     found = [getattr(each, figure.id) for each in known for figure in figures if figure is not ENDS]
@@ -62,15 +63,32 @@ def policy_table(snapshot: Snapshot, look: Look) -> Table:
     ]
     named = Column("", names, look.palette.text, right=False, gap=0)
     column = cache(partial(_column, snapshot, look))
+    most = min(WIDEST, max(WIDEST - 2, needed))
+    # numbers are cut before columns are left out, the last one first
+    forms: list[Columns] = [
+        (named, *(column(each, cells) for each in figures if each in _first(figures, left)))
+        for left, cells in product(range(len(figures), 0, -1), range(most, WIDEST - 3, -1))
+    ]
+    forms.append((named, column(figures[0], WIDEST - 2)))
+    gap = dict.fromkeys(range(len(names) - 1), (BLANK,))
+    yield from (Table(forms, 1, charts=_bars(snapshot, look, rows), below=gap) for rows in (3, 2, 1))
+    yield Table(forms, margin=1, charts=_bars(snapshot, look, 1))
+    yield Table(forms, margin=1)
 
-    def forms() -> Iterator[Columns]:
-        # numbers are cut before columns are left out, the last one first
-        for left, cells in product(range(len(figures), 0, -1), (WIDEST, WIDEST - 1, WIDEST - 2)):
-            if cells >= needed or cells < WIDEST:
-                yield named, *(column(each, cells) for each in figures if each in _first(figures, left))
-        yield named, column(figures[0], WIDEST - 2)
 
-    return Table(forms(), margin=1)
+def _bars(snapshot: Snapshot, look: Look, rows: int) -> dict[int, Bar]:
+    palette = look.palette
+    inks = palette.dim, palette.greedy_line, palette.episodes, palette.optimum, palette.you
+    returns = [
+        None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
+        for kind in POLICY_NAMES
+    ]
+    axis = axis_of(each for each in returns if each is not None)
+    return {
+        place: Bar(each, axis, ink, rows)
+        for place, (each, ink) in enumerate(zip(returns, inks, strict=True))
+        if each is not None
+    }
 
 
 def _figures(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[PolicyColumn]:
@@ -132,7 +150,7 @@ class Policies(Panel, can_focus=True):
     _places: Sequence[int] = ()  # the row of the picture in which each policy stands
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the table and the notes, of which the last ones are left out where there is no room."""
+        """Return the answer, the table and the notes, of which the last ones go where there is no room."""
         self.heading = self.fitting(self._headings(snapshot), width)
         self._places = ()
         palette = self.look.palette
@@ -144,12 +162,14 @@ class Policies(Panel, can_focus=True):
             self.free_rows = height - len(lines)
             return strips_of(lines, width, height, self.look)
         self.footing = self.fitting(self._hints(snapshot), width)
-        texts = (
-            Text(note, palette.text if is_plain else palette.dim, rest="   ")
-            for note, is_plain in notes(snapshot, self.look)
+        lines, self._places, self.free_rows = laid(
+            policy_tables(snapshot, self.look),
+            list(POLICY_NAMES).index(snapshot.answers.studied),
+            [Text(gap, palette.strong, rest="   ") for gap in gaps(snapshot, self.look)],
+            [Text(note, palette.dim, rest="   ") for note in notes(snapshot, self.look)],
+            (width, height),
+            self.look,
         )
-        table, cursor = policy_table(snapshot, self.look), list(POLICY_NAMES).index(snapshot.answers.studied)
-        lines, self._places, self.free_rows = laid(table, cursor, texts, width, height, self.look)
         return strips_of(lines, width, height, self.look)
 
     def _hints(self, snapshot: Snapshot) -> Iterator[str]:
@@ -194,28 +214,26 @@ AS_MUCH_AS_OPTIMAL: Final = "greedy earns as much as optimal"
 THAN_OPTIMAL: Final = "than optimal"
 _NO_ENDING: Final = 0.9995  # from there on it is written as 100 %
 WIDEST: Final = 8  # cells of the widest number
-Note = tuple[str, bool]
 
 
-def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
-    """Yield the notes, those that matter most first, and of each whether it is about numbers."""
+def notes(snapshot: Snapshot, look: Look) -> Iterator[str]:
+    """Yield the notes below the table, those that matter most first."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
-        yield f"hidden, since returns reveal the arms: {shown_by(snapshot, 'them')}", False
+        yield f"hidden, since returns reveal the arms: {shown_by(snapshot, 'them')}"
         return
-    yield from _gaps(snapshot, look)
     yield from _reasons(snapshot)
     if is_bandit:
         mdp = snapshot.world.mdp
         drifted = f", {OF_MEANS_NOW}" if mdp is not None and mdp.drift_std else ""
-        yield f"a pull: its mean reward{drifted}; optimal: the best arm", False
+        yield f"a pull: its mean reward{drifted}; optimal: the best arm"
         return
     limit, gamma = snapshot.world.space.time_limit, snapshot.agent.hyperparameters.gamma
     within, as_if = (f" within {limit:,} steps", f", {WITHOUT_LIMIT}") if limit else ("", "")
-    yield f"return: mean of an episode{within}", False
-    yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}{as_if}", False
+    yield f"return: mean of an episode{within}"
+    yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}{as_if}"
     if may_not_end(known_answers(snapshot)):
-        yield "ending: how likely an episode ends", False
+        yield "ending: how likely an episode ends"
 
 
 def amount(x: float, look: Look, width: int = WIDEST) -> str:
@@ -238,7 +256,8 @@ def may_not_end(known: Iterable[PolicyAnswer]) -> bool:
     return any(each.ends is not None and each.ends < _NO_ENDING for each in known)
 
 
-def _gaps(snapshot: Snapshot, look: Look) -> Iterator[Note]:
+def gaps(snapshot: Snapshot, look: Look) -> Iterator[str]:
+    """Yield the answer: how far greedy is from optimal, and what exploring costs."""
     acts, greedy, best = (
         None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
         for kind in (PolicyKind.BEHAVIOUR, PolicyKind.GREEDY, PolicyKind.OPTIMAL)
@@ -248,9 +267,9 @@ def _gaps(snapshot: Snapshot, look: Look) -> Iterator[Note]:
         gap = best - greedy
         way = "less" if gap > 0.0 else "more"
         earns = f"greedy earns {amount(abs(gap), look)} {way} {THAN_OPTIMAL}"
-        yield AS_MUCH_AS_OPTIMAL if abs(gap) < numbers.NEGLIGIBLE else earns, True
+        yield AS_MUCH_AS_OPTIMAL if abs(gap) < numbers.NEGLIGIBLE else earns
     if greedy is not None and acts is not None:
-        yield _exploring(greedy - acts, what, snapshot, look), True
+        yield _exploring(greedy - acts, what, snapshot, look)
 
 
 def _exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
@@ -266,18 +285,18 @@ def _exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
     return f"exploring{rate} {verb} {amount(abs(cost), look)} {what}"
 
 
-def _reasons(snapshot: Snapshot) -> Iterator[Note]:
+def _reasons(snapshot: Snapshot) -> Iterator[str]:
     said = set[str]()
     if not snapshot.answers.drawn.choices and answer_of(snapshot, PolicyKind.DRAWN).is_known:
-        yield "drawn: random until w p draws it", False
+        yield "drawn: random until w p draws it"
     for kind, name in POLICY_NAMES.items():
         answer = answer_of(snapshot, kind)
         if is_kept_back(snapshot, kind):
-            yield f"{name}: hidden, {shown_by(snapshot)}", False
+            yield f"{name}: hidden, {shown_by(snapshot)}"
         elif answer.refused and answer.refused not in said:
             said.add(answer.refused)
             is_of_all = answer.refused in (TOO_MANY, WHILE_RUNNING)
-            yield answer.refused if is_of_all else f"{name}: {answer.refused}", False
+            yield answer.refused if is_of_all else f"{name}: {answer.refused}"
         elif answer.is_known and answer.expected_return is None and answer.ends is not None:
             share = f"ends in {numbers.percent(answer.ends)}" if answer.ends else "never ends"
-            yield f"{name}: {share}, so it has no return", False
+            yield f"{name}: {share}, so it has no return"

@@ -74,6 +74,7 @@ class WorldView(DrawnPicture, can_focus=True):
     results: tuple[Line, ...] = ()
     free_columns = 0  # the empty columns right of the picture
     note: tuple[str, ...] = ()
+    has_note = False
     replaces_header = False  # whether the line below ends with what the run does and how far it has come
     is_manual = False  # whether a person takes the actions
     wanted_layer = Layer.Q  # the layer to draw, if this world has it; the table shows the same
@@ -328,8 +329,13 @@ class WorldView(DrawnPicture, can_focus=True):
             said += [Piece(heading, palette.strong)]
         if footing:
             said += [Piece("  " if said else "", palette.text), Piece(footing, palette.dim)]
-        signs = self.legend(snapshot) if self.is_explained else ()
-        line = scale_line(tuple(said), self.named_scale, signs, width - self._taken, self.look)
+        # of two runs one has scale and legend: below both maps, else the one with fewer words
+        tells = not self.lane or self.has_note is self._is_named_beside
+        signs = self.legend(snapshot) if self.is_explained and tells else ()
+        if self.note:
+            signs = tuple(sign for sign in signs if sign.sign.strip() != self.look.glyphs.differs)
+        scale = self.named_scale if tells else None
+        line = scale_line(tuple(said), scale, signs, width - self._taken, self.look)
         if not self._taken:
             return line
         return Strip.join((line, strips_of([self._stands_at], self._taken, 1, self.look)[0]))

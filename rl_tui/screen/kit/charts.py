@@ -1,0 +1,104 @@
+"""Charts of a line or two: a bar from 0, and how many seeds spread around their mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from rich.style import Style
+
+from rl_tui.screen.draw.canvas import Line, Piece
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.mdp.space import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A bar from 0 to ``value`` in half characters, ``rows`` high, on an ``axis`` that holds 0.
+
+    A value beyond the axis ends in a sign.
+    """
+
+    value: float
+    axis: tuple[float, float]
+    style: Style
+    rows: int = 1
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return the bar, as wide as there is room."""
+        glyphs, (low, high) = look.glyphs, self.axis
+        per_cell, is_left = width / (high - low), self.value < 0.0 or high <= 0.0
+        zero = round(-low * per_cell)
+        room = zero if is_left else width - zero
+        halves = max(int(self.value != 0.0), round(2.0 * abs(self.value) * per_cell))
+        cells, half = divmod(min(2 * room, halves), 2)
+        bar = glyphs.bar * cells + glyphs.half_bar[is_left] * half or glyphs.axis_vertical
+        if not low <= self.value <= high:
+            bar = bar[:-1] + glyphs.beyond[not is_left]
+        text = f"{bar[::-1]:>{zero}}" if is_left else f"{'':{zero}}{bar}"
+        return [[Piece(f"{text:{width}}", self.style)]] * self.rows
+
+
+_OUTLIER: Final = 8.0  # so many times the next smaller value
+
+
+def axis_of(values: Iterable[float]) -> tuple[float, float]:
+    """Return an axis for bars of ``values``, cut where the largest is far beyond the others."""
+    known = [0.0, *values]
+    low, high = min(known), max(known)
+    sizes = sorted({round(abs(each), 9) for each in known})[-2:]
+    if len(sizes) > 1 and 0.0 < _OUTLIER * sizes[0] < sizes[1]:
+        most = sizes[0] * 1.5
+        low, high = max(low, -most), min(high, most)
+    return (low, high) if low < high else (0.0, 1.0)
+
+
+_HIGHEST: Final = 4  # seeds in one column, or more, fill the row
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """The ``values`` of seeds, this ``own`` one marked, above their mean ± its error on an axis."""
+
+    values: FloatArray
+    own: float | None
+    mean: float
+    error: float
+    axis: tuple[float, float]
+    ends: tuple[str, str]
+    style: Style
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return the seeds, and the axis below them with its ends as numbers."""
+        glyphs, palette = look.glyphs, look.palette
+        left, right = (f"{self.ends[0]} ", f" {self.ends[1]}")
+        columns = width - len(left) - len(right)
+        if columns < 2:
+            return []
+        seeds = np.bincount(self._column(self.values, columns), minlength=columns)
+        last = len(glyphs.eighths) - 1
+        levels = np.ceil(last * seeds / max(_HIGHEST, int(seeds.max()))).astype(np.int64)
+        above = [Piece(glyphs.eighths[level], palette.dim) for level in levels]
+        if self.own is not None:
+            above[self._column(self.own, columns)] = Piece(glyphs.world_mark, self.style)
+        first, mean, end = (
+            int(self._column(self.mean + away, columns)) for away in (-self.error, 0.0, self.error)
+        )
+        return [
+            [Piece(" " * len(left), palette.text), *above, Piece(" " * len(right), palette.text)],
+            [
+                Piece(left + glyphs.thin * first, palette.dim),
+                Piece(glyphs.bold * (mean - first), self.style),
+                Piece(glyphs.estimate, self.style),
+                Piece(glyphs.bold * (end - mean), self.style),
+                Piece(glyphs.thin * (columns - 1 - end) + right, palette.dim),
+            ],
+        ]
+
+    def _column(self, values: FloatArray | float, columns: int) -> np.ndarray:
+        low, high = self.axis
+        return np.clip(np.rint((values - low) / (high - low) * (columns - 1)), 0, columns - 1).astype(
+            np.int64
+        )
