@@ -119,13 +119,14 @@ _READABLE: Final = 3  # columns
 def cell_size(rows: int, columns: int, width: int, height: int, *, is_broad: bool = False) -> Size:
     """Return the tallest cell of which rows × columns fit into width × height, and of these the widest.
 
-    A cell is as wide on the screen as it is high, or up to half as much again, twice if it ``is_broad``.
-    Where not even the smallest one fits, the map scrolls.
+    A cell is as wide on the screen as it is high, or up to half as much again; if it ``is_broad``, up to
+    twice, or by a quarter less. Where not even the smallest one fits, the map scrolls.
     """
     for tall in range(min(_MOST_HEIGHT, height // rows), 0, -1):
-        least, most = _LOW.get(tall, (2 * tall - 1, (4 if is_broad else 3) * tall - 1))
+        broad = 3 * tall // 2, 4 * tall - 1
+        least, most = _LOW.get(tall, broad if is_broad else (2 * tall - 1, 3 * tall - 1))
         wide = min(most, width // columns)
-        wide -= wide >= _ODD_FROM and wide % 2 == 0
+        wide -= wide >= _ODD_FROM and wide % 2 == 0 and not is_broad
         if wide >= least:
             return Size(wide, tall)
     is_huge = rows > _HUGE.height or columns > _HUGE.width
