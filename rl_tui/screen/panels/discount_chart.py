@@ -112,10 +112,8 @@ def draw_values(
     step = 0.2 if plot.columns >= _ROOMY else 0.5
     draw_count_axis(canvas, plot, 1.0, 6, unit, look, step)
     _draw_marks(canvas, plot, flips, gamma, chosen, look)
+    _draw_lines(canvas, plot, lines, gammas, look)
     now = int(np.abs(gammas - gamma).argmin())
-    best_now = int(np.nan_to_num(values[:, now]).argmax())
-    order = sorted(range(len(lines)), key=best_now.__eq__)  # what is best for the γ in force lies on top
-    _draw_lines(canvas, plot, [lines[number] for number in order], gammas, look)
     best = np.nan_to_num(values.max(axis=0))
     row = plot.row(float(best[now])) if gamma <= gammas[-1] else 0
     canvas.put(plot.left + _column(plot, gamma), row, look.glyphs.thumb, look.palette.press)
@@ -162,27 +160,22 @@ def flip_style(flip: Flip, look: Look) -> Style:
 def _draw_lines(
     canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], gammas: FloatArray, look: Look
 ) -> None:
-    has_signs = not look.palette.tells_lanes_apart or len(lines) > len(look.palette.lanes)
-    shown = np.zeros((plot.rows, plot.columns), dtype=np.int64)
-    whose = np.full(shown.shape, -1)
+    dot = 1.0 / (braille.DOTS_ACROSS * plot.columns)  # a value for each: thinner than from lowest to highest
+    dots = np.arange(0.0, 1.0, dot)
     passes = list[BoolArray]()
+    codes = np.zeros((len(lines), plot.rows, plot.columns), dtype=np.int64)
     for number, line in enumerate(lines):
-        ends = line.values[:-1], line.values[1:]
-        steps = Steps(gammas[:-1], gammas[1:], np.minimum(*ends), np.maximum(*ends))
-        codes = plot.braille_line(steps)
-        there = codes > braille.BLANK
-        passes.append(there)
-        whose[there] = number
-        if look.glyphs.braille:
-            shown[there] |= codes[there]
-        else:
-            shown[there] = ord(line.sign)
-    if has_signs and look.glyphs.braille:
-        for number, line in enumerate(lines):
-            first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
-            for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
-                at = np.flatnonzero(passes[number][:, column])[:1], column
-                shown[at], whose[at] = ord(line.sign), number
+        values = np.interp(dots + 0.5 * dot, gammas, line.values, right=np.nan)
+        drawn = plot.braille_line(Steps(dots, dots + dot, values, values))
+        passes.append(drawn > braille.BLANK)
+        codes[number] = drawn if look.glyphs.braille else ord(line.sign)
+    whose = braille.in_turns(np.stack(passes))
+    shown = np.take_along_axis(codes, np.maximum(whose, 0)[None], axis=0)[0]
+    for number, line in enumerate(lines if look.glyphs.braille else ()):
+        first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
+        for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
+            at = np.flatnonzero(passes[number][:, column])[:1], column
+            shown[at], whose[at] = ord(line.sign), number
     for row, column in np.argwhere(whose >= 0).tolist():
         style = lines[whose[row, column]].style
         canvas.put(plot.left + column, row, chr(shown[row, column]), style)

@@ -71,7 +71,6 @@ from rl_tui.worlds.mdp.space import BoolArray, IntArray
 # The lines of several runs, which areas would hide, and of one run over the band of many seeds
 
 
-_TURN: Final = 2  # columns in which one of several lines in the same cells is seen
 _MARKS_APART: Final = 16  # columns from one number on a line to the next
 
 
@@ -95,21 +94,12 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
     in_front = there.copy()
     # where the greedy line goes up and down through many policies, it would cover the runs
     in_front[0] &= ~(there[1:].any(axis=0) & (there[0].sum(axis=0) > 1))
-    line = _whose(in_front)
+    line = braille.in_turns(in_front)
     codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
     codes[line < 0] = 0
     if data.lanes and look.glyphs.braille and not look.palette.tells_lanes_apart:
         _mark(codes, line, there)
     return LaneCells(codes, line)
-
-
-def _whose(there: BoolArray) -> IntArray:
-    """Return which line each cell shows, −1 for none; lines that share cells take turns."""
-    among = np.cumsum(there, axis=0)
-    count = among[-1]
-    turn = np.arange(there.shape[2]) // _TURN % np.maximum(count, 1)
-    chosen = there & (among == turn + 1)
-    return np.where(count > 0, chosen.argmax(axis=0), -1)
 
 
 def _mark(codes: IntArray, line: IntArray, there: BoolArray) -> None:
@@ -158,8 +148,8 @@ def draw_chart(
         _put_message(canvas, plot, NOTHING_YET[data.unit], look)
     for label, row in _rows_of(names[: plot.rows], plot):
         canvas.put(width - columns.labels + label.gap, row, label.text, label.style)
-    if (data.barren or data.unlearned) and not data.lanes:
-        _put_message(canvas, plot, barren_words(data), look, at_top=True)
+    if (data.barren or data.unlearned or data.cut_at) and not data.lanes:
+        _put_message(canvas, plot, barren_words(data, look.glyphs), look, at_top=True)
     return canvas.strips()
 
 
