@@ -204,6 +204,7 @@ def test_a_world_alone_is_as_large_as_it_goes(size: tuple[int, int], cell: tuple
 
 def test_in_a_world_alone_cells_of_an_even_width_take_the_room_there_is() -> None:
     assert arrange(Size(80, 24), MAPS["cliff"], zoomed=WORLD).cell == (6, 4)
+    assert arrange(Size(120, 40), MAPS["cliff"]).cell == (9, 5)
 
 
 def test_beside_a_map_that_is_nearly_as_tall_as_the_screen_curve_and_settings_change_places() -> None:
