@@ -202,6 +202,21 @@ def test_a_world_alone_is_as_large_as_it_goes(size: tuple[int, int], cell: tuple
     assert place.regions[CURVE].y == place.regions[WORLD].bottom == place.regions[CAPTION].y - 1
 
 
+def test_in_a_world_alone_cells_of_an_even_width_take_the_room_there_is() -> None:
+    assert arrange(Size(80, 24), MAPS["cliff"], zoomed=WORLD).cell == (6, 4)
+    assert arrange(Size(120, 40), MAPS["cliff"]).cell == (9, 5)
+
+
+def test_beside_a_map_that_is_nearly_as_tall_as_the_screen_curve_and_settings_change_places() -> None:
+    place = arrange(Size(120, 40), SHAPES["taxi"])
+    world, curve, settings = (place.regions[each] for each in (WORLD, CURVE, CONTROLS))
+    assert place.cell == (3, 1)
+    assert curve.height >= 10
+    assert curve.x > world.right
+    assert settings.y >= world.bottom
+    assert settings.right < curve.x
+
+
 def test_a_wide_map_lies_above_all_else_at_80x24() -> None:
     place = arrange(Size(80, 24), MAPS["cliff"])
     assert place.cell == (5, 3)

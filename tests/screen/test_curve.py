@@ -194,6 +194,18 @@ def test_one_other_return_is_enough_to_draw_returns() -> None:
     assert widget.heading.startswith("Return · ")
 
 
+def test_where_all_episodes_stop_at_the_time_limit_the_chart_says_so() -> None:
+    shown = of_steps()
+    limit = shown.world.space.time_limit
+    curve = shown.results.curve
+    cut = changed(shown, curve=replace(curve, length_mean=np.full(len(curve.episode), float(limit))))
+    text, widget = drawn(cut)
+    assert limit > 1
+    assert widget.heading.startswith("Steps")
+    assert words.CUT_OFF in text
+    assert words.CUT_OFF not in drawn(shown)[0]
+
+
 def test_the_axis_of_steps_is_not_kept_for_returns() -> None:
     widget = ReturnCurve(look())
     widget.picture(answered(of_steps()), 60, 9)

@@ -19,8 +19,9 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.grid import GridView
-from rl_tui.screen.panels.grid.landscape import has_landscape, has_relief, heights, line_step, pixels
+from rl_tui.screen.panels.grid.landscape import has_landscape, has_relief, heights, line_step, pixels, relief
 from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.mdp.space import IntArray
 
 CELL = Size(7, 3)
 SCALE = ValueScale(0.0, 1.0)
@@ -58,25 +59,56 @@ def test_a_wall_is_no_height_and_does_not_pull_its_neighbours() -> None:
 
 
 @pytest.mark.parametrize(
-    ("ends", "step"), [((0.0, 1.0), 0.2), ((0.0, 0.86), 0.2), ((-1.2, 1.2), 0.5), ((-13.0, -1.0), 2.0)]
+    ("values", "ends", "step"),
+    [
+        ([0.0, 0.2, 0.4, 0.6, 0.8, 1.0], (0.0, 1.0), 0.2),
+        ([0.0, 0.0, 0.0, 0.90, 0.91, 0.92, 0.93], (0.0, 1.0), 0.02),  # most of them on a plateau
+        ([-13.0, -12.0, -11.0, math.nan, -9.0, -8.0], (-13.0, -1.0), 2.0),
+        ([0.0, 1.0], (0.0, 1.0), 0.2),
+        ([0.5, 0.5], (0.0, 1.0), 0.2),
+    ],
 )
-def test_lines_have_a_round_step_of_about_an_eighth(ends: tuple[float, float], step: float) -> None:
-    assert line_step(ValueScale(*ends)) == pytest.approx(step)
+def test_most_cells_are_two_thirds_of_a_step_apart(
+    values: list[float], ends: tuple[float, float], step: float
+) -> None:
+    assert line_step(np.array([values, values]), ValueScale(*ends)) == pytest.approx(step)
+
+
+def test_half_of_a_height_is_the_rank_so_that_a_plateau_has_slopes() -> None:
+    found = relief(np.array([[0.0, math.nan, 0.9, 0.95, 1.0]]), SCALE)[0]
+    assert found[[0, 2, 3, 4]] == pytest.approx([0.0, 0.45 + 1 / 6, 0.475 + 2 / 6, 1.0])
+    assert np.isnan(found[1])
+    signed = relief(np.array([[-1.0, -0.5, 0.0, 1.0]]), ValueScale(-1.0, 1.0))[0]
+    assert signed == pytest.approx([0.0, 0.25, 0.5, 1.0])
+
+
+def light_of(found: IntArray) -> IntArray:
+    return found // 3 % 13
 
 
 def test_light_comes_from_the_upper_left() -> None:
-    lit, dark = pixels(SLOPE, CELL, SCALE), pixels(SLOPE[:, ::-1], CELL, SCALE)[:, ::-1]
-    flat = pixels(np.full((4, 6), 0.5), CELL, SCALE)
-    assert (lit // 2 % 13 >= dark // 2 % 13).all()
-    assert (lit // 2 % 13 > 6).any()
-    assert (flat // 2 % 13 == 6).all()
+    lit, dark = pixels(SLOPE, CELL, SCALE, 0.2), pixels(SLOPE[:, ::-1], CELL, SCALE, 0.2)[:, ::-1]
+    flat = pixels(np.full((4, 6), 0.5), CELL, SCALE, 0.2)
+    assert (light_of(lit) >= light_of(dark)).all()
+    assert (light_of(lit) > 6).any()
+    assert (light_of(flat) == 6).all()
 
 
 def test_lines_are_where_v_passes_a_step_and_a_plain_has_none() -> None:
-    is_line = pixels(SLOPE, CELL, SCALE) % 2 == 1
-    assert 4 <= is_line[0].sum() <= 5  # .2, .4, .6, .8 and perhaps the top
+    is_line = pixels(SLOPE, CELL, SCALE, 0.2) % 3 == 2
+    assert 4 <= is_line[1].sum() <= 5  # .2, .4, .6, .8 and perhaps the top
     plain = np.full((4, 6), 0.6) + 1e-12 * np.random.default_rng(0).standard_normal((4, 6))
-    assert not (pixels(plain, CELL, SCALE) % 2).any()
+    assert not (pixels(plain, CELL, SCALE, 0.2) % 3 == 2).any()
+
+
+def test_a_slope_so_steep_that_its_lines_would_touch_has_none() -> None:
+    assert not (pixels(SLOPE, CELL, SCALE, 0.02) % 3 == 2).any()
+
+
+def test_a_seam_is_between_cells_and_not_around_the_map() -> None:
+    is_seam = pixels(np.full((4, 6), 0.5), CELL, SCALE, 0.2) % 3 == 1
+    assert is_seam[1].nonzero()[0].tolist() == [7, 14, 21, 28, 35]
+    assert is_seam[:, 1].nonzero()[0].tolist() == [6, 12, 18]
 
 
 def test_where_v_hardly_differs_cells_are_drawn() -> None:

@@ -125,6 +125,16 @@ async def test_pages_turn_by_their_keys_alone_and_the_run_is_set_up_again_after_
         assert snapshot(pilot).agent.hyperparameters.alpha == 0.5
 
 
+async def test_an_answer_is_given_beside_the_page_or_below_it() -> None:
+    for size in (wide, small):
+        async with lesson(size, "predict") as pilot:
+            await press(pilot, "enter")
+            box, page = pilot.app.screen.query_one("#box").region, page_panel(pilot).region
+            assert box.bottom == size[1]
+            assert box.right <= page.x if size == wide else box.y > page.y + page.height // 2
+            await press(pilot, "escape")
+
+
 async def test_where_there_is_room_the_page_stands_beside_the_world() -> None:
     async with lesson(wide) as pilot:
         board = playground(pilot).board

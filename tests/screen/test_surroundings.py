@@ -20,6 +20,7 @@ from rl_tui.screen.frame.shape import Shape, map_size
 from rl_tui.screen.kit.row import WORLD
 from rl_tui.screen.panels.bodies import UNSEEN, Pose, body_strips
 from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.grid.map import GridMap
 from rl_tui.screen.panels.margins import ALL_SEEN, BINS, NO_MARGINS, Margins, margins_in, wanted_margins
 from rl_tui.worlds.drawing import Axes, Body, BodyKind, CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
@@ -190,6 +191,12 @@ def test_a_pole_leans_between_the_angles_at_which_it_falls() -> None:
         first, last = row.index("·"), row.rindex("·")
         assert first < min(map(row.index, set(row) & set("▐█▌▛▜▀▄▟▙"))) < last
     assert "falls at 12°" in picture(cart(0.0), 70, 9)[0]
+
+
+def test_coast_is_its_letter_in_the_map_and_pushes_are_arrows() -> None:
+    world = Run(recipe_for(find("mountain-car"), {}, 0), evaluate=False).world
+    assert isinstance(world.drawing, Grid)
+    assert GridMap(world.space, world.drawing).signs == ((0, -1), "c", (0, 1))
 
 
 def test_a_push_is_an_arrow_at_its_side() -> None:

@@ -10,6 +10,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.board.board import Board
 from rl_tui.screen.board.wanted import PlayerLink
 from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.dialogs.form import Form
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.theme.glyphs import Glyphs
 
@@ -50,10 +51,12 @@ class Subject:
         return ""
 
     def ask(self, dialog: Dialog[Answer], answered: Callable[[Answer], None]) -> None:
-        """Open ``dialog``; ``answered`` gets the answer, if there is one."""
+        """Open ``dialog``, beside the page of a lesson; ``answered`` gets the answer, if there is one."""
 
         def close(answer: Answer | None) -> None:
             if answer is not None:
                 answered(answer)
 
+        if isinstance(dialog, Form) and self.snapshot is not None and self.snapshot.lesson is not None:
+            dialog.page = self.board.lesson.panel
         self.screen.app.push_screen(dialog, close)

@@ -15,6 +15,7 @@ from rich.text import Text
 from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
+from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
@@ -37,6 +38,7 @@ MARKS: Final = 4
 _GAP: Final = 2
 _BORDER: Final = 2
 _LEAST_ROWS: Final = 3
+_LEAST_BESIDE: Final = (32, 60)  # cells beside a page: for names alone, for names with more
 _BLANK_FROM: Final = 24  # rows of the screen: there is a blank row above the three lines
 _LONGEST: Final = 1_000  # characters: a pasted book is cut off
 
@@ -114,6 +116,8 @@ class Form(Dialog[Any]):
         self._start = start or current
         self.typed = "" if entry is None else entry.text
         """The text in the line."""
+        self.page: Widget | None = None
+        """The page of a lesson: the box is beside it, or at the bottom, so that it stays readable."""
 
     # What is seen
 
@@ -138,12 +142,16 @@ class Form(Dialog[Any]):
     def on_resize(self) -> None:
         """Fit list and foot to the screen."""
         height = self.app.size.height
-        blank = int(height >= _BLANK_FROM and bool(self.candidates))
-        self.query_one("#about").styles.margin = (blank, 0, 0, 0)
+        self.set_class(self.page is not None, "-page")
+        self.query_one("#box").styles.max_width = self._most
+        about = self.query_one("#about")
+        about.display = self.has_about
+        blank = int(height >= _BLANK_FROM and bool(self.candidates) and about.display)
+        about.styles.margin = (blank, 0, 0, 0)
         self.query_one("#box").border_subtitle = to_ascii(self._foot, self.glyphs)
         if self.candidates:
             question = len(textwrap.wrap(self._question, self.room)) if self._question else 0
-            taken = _BORDER + ABOUT_ROWS + blank + question + int(self.entry is not None)
+            taken = _BORDER + ABOUT_ROWS * about.display + blank + question + int(self.entry is not None)
             self._list.styles.max_height = max(_LEAST_ROWS, height * 9 // 10 - taken)
             self._show_rows(self.at)
 
@@ -156,7 +164,24 @@ class Form(Dialog[Any]):
     @property
     def room(self) -> int:
         """The cells of a row, at least one behind the marks however narrow the terminal is."""
-        return max(MARKS + 1, min(_MOST_COLUMNS, self.app.size.width * 9 // 10) - _FRAME)
+        return max(MARKS + 1, self._most - _FRAME)
+
+    @property
+    def has_about(self) -> bool:
+        """Whether there are lines about some row."""
+        return True
+
+    @property
+    def _most(self) -> int:
+        """The cells of the box."""
+        width = self.app.size.width
+        left = 0 if self.page is None else self.page.region.x - 1
+        is_beside = left >= _LEAST_BESIDE[self._has_more]
+        return min(_MOST_COLUMNS, left if is_beside else width if self.page else width * 9 // 10)
+
+    @property
+    def _has_more(self) -> bool:
+        return any(each.value or each.words or each.refused for each in self.candidates)
 
     def describe(self, candidate: Candidate) -> Text:
         """Return the row of ``candidate``: number, cursor, name, value and a few words."""
@@ -326,6 +351,11 @@ class Form(Dialog[Any]):
 
 class Choice(Form):
     """Only a list. Answers the id of the row chosen; escape answers None."""
+
+    @property
+    def has_about(self) -> bool:
+        """Whether there are lines about some row."""
+        return any(each.lines or each.refused for each in self.candidates)
 
 
 class Prompt(Form):

@@ -11,6 +11,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 DOTS_ACROSS: Final = 2
 DOTS_DOWN: Final = 4
 BLANK: Final = 0x2800
+_TURN: Final = 2  # columns in which one of several lines in the same cells is seen
 # The bit of each dot in the Unicode block "Braille Patterns", [row in the cell][column in the cell]
 _BITS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], dtype=np.uint8)
 
@@ -91,3 +92,15 @@ def braille_codes(dots: BoolArray) -> IntArray:
         for column in range(DOTS_ACROSS):
             codes |= dots[row::DOTS_DOWN, column::DOTS_ACROSS] * _BITS[row, column]
     return codes + np.int64(BLANK)
+
+
+def in_turns(there: BoolArray) -> IntArray:
+    """Return which line each cell shows, −1 for none; lines that share cells take turns.
+
+    ``there`` is [lines, rows, columns].
+    """
+    among = np.cumsum(there, axis=0)
+    count = among[-1]
+    turn = np.arange(there.shape[2]) // _TURN % np.maximum(count, 1)
+    chosen = there & (among == turn + 1)
+    return np.where(count > 0, chosen.argmax(axis=0), -1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -81,15 +81,3 @@ class Plot(NamedTuple):
     def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:
         low, high = braille.decimated(line, self.right, columns)
         return braille.span(low, high, self.scale.low, self.top, rows)
-
-
-_TURN: Final = 2  # columns in which one of several lines in the same cells is seen
-
-
-def turns(there: BoolArray) -> IntArray:
-    """Return which of the lines, [lines, rows, columns], each cell shows, in turns; −1 for none."""
-    among = np.cumsum(there, axis=0)
-    count = among[-1]
-    turn = np.arange(there.shape[2]) // _TURN % np.maximum(count, 1)
-    chosen = there & (among == turn + 1)
-    return np.where(count > 0, chosen.argmax(axis=0), -1)

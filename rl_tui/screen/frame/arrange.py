@@ -54,6 +54,8 @@ _LAST_STEP: Final = 8  # rows in which it tells all
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
 _LEAST_SETTINGS: Final = 5
+_LEAST_CURVE: Final = 6  # rows with its timeline; with fewer it changes places with the settings
+_CURVE_AT_RIGHT: Final = 11
 _TABLE_KEPT: Final = 12  # rows of the table before others come below it
 _AROUND_A_TABLE: Final = 8  # rows: heads, legend, layers
 _SHARE: Final = 0.235  # of the screen; a map that has less takes rows of the lower band
@@ -171,11 +173,19 @@ class _Bands:
             upper = max(upper, min(_UPPER, height + extra))
         self._put_world(picture, extra, left, room, is_over=is_over)
         low = sheet.top + upper + (sheet.blank if below else 0)
+        if columns and self._has_curve_at_right(low):
+            upper = sheet.foot - sheet.top - _CURVE_AT_RIGHT - sheet.blank
         self._put_right(columns, upper)
         if sheet.lanes and self.aside is None and self.below_page is None and not is_over:
             low = self._put_tables(low, room)
         self._put_lower(low, left, columns)
         return Arrangement(sheet.regions, cell)
+
+    def _has_curve_at_right(self, low: int) -> bool:
+        """Return whether the rows from ``low`` on are so few that the curve is below the table instead."""
+        sheet = self.sheet
+        is_plain = self.room is ROOMY and self.shape.shown is None and not sheet.lanes
+        return is_plain and self.aside is None and self.wide is None and sheet.foot - low < _LEAST_CURVE
 
     def _height(self, below: int, extra: int) -> int:
         """Return the rows for the picture of the world, with ``below`` in the lower band."""
@@ -385,6 +395,10 @@ class _Bands:
             self._put_lines()
         elif columns and self.aside is None:
             at = sheet.size.width - sheet.margin - columns
+            if self._has_curve_at_right(low):
+                self._put_curve(foot - _CURVE_AT_RIGHT, foot, columns, at)
+                sheet.put(shape.settings, Region(x, low, left, foot - low))
+                return
             y = low
             for panel, rows in self._above_settings():
                 if foot - y - rows - sheet.blank >= _LEAST_SETTINGS:
@@ -433,9 +447,9 @@ class _Bands:
     def _table_columns(self) -> int:
         return 4 + 6 * min(self.shape.actions, 4)
 
-    def _put_curve(self, low: int, foot: int, width: int) -> None:
+    def _put_curve(self, low: int, foot: int, width: int, x: int | None = None) -> None:
         """Put the curve and, directly below it, the timeline with the same first and last column."""
-        sheet, x = self.sheet, self.sheet.margin
+        sheet, x = self.sheet, self.sheet.margin if x is None else x
         if not sheet.shows(CURVE):
             return
         rows = min(_MOST_CURVE, foot - 1 - low)

@@ -116,16 +116,20 @@ _HUGE: Final = Size(80, 40)  # cells: a map that is larger scrolls at a size tha
 _READABLE: Final = 3  # columns
 
 
-def cell_size(rows: int, columns: int, width: int, height: int, *, is_broad: bool = False) -> Size:
+def cell_size(
+    rows: int, columns: int, width: int, height: int, *, is_broad: bool = False, fills: bool = False
+) -> Size:
     """Return the tallest cell of which rows × columns fit into width × height, and of these the widest.
 
     A cell is as wide on the screen as it is high, or up to half as much again, twice if it ``is_broad``.
+    Where the map ``fills`` the screen, it may be a quarter narrower and of an even width.
     Where not even the smallest one fits, the map scrolls.
     """
     for tall in range(min(_MOST_HEIGHT, height // rows), 0, -1):
-        least, most = _LOW.get(tall, (2 * tall - 1, (4 if is_broad else 3) * tall - 1))
+        narrowest, widest = 3 * tall // 2 if fills else 2 * tall - 1, (4 if is_broad else 3) * tall - 1
+        least, most = _LOW.get(tall, (narrowest, widest))
         wide = min(most, width // columns)
-        wide -= wide >= _ODD_FROM and wide % 2 == 0
+        wide -= wide >= _ODD_FROM and wide % 2 == 0 and not fills
         if wide >= least:
             return Size(wide, tall)
     is_huge = rows > _HUGE.height or columns > _HUGE.width
@@ -139,17 +143,17 @@ class MapSize(NamedTuple):
     picture: Size
 
 
-def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False) -> MapSize:
+def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False, fills: bool = False) -> MapSize:
     """Return the size of ``grid`` in width × height characters, see :func:`cell_size`.
 
     A map goes without its labels where they would have it scroll, or make narrower what scrolls anyway.
     """
     margins = wanted_margins(grid, height)
     left, above = margins.left, margins.above
-    cell = cell_size(grid.rows, grid.columns, width - left, height - above, is_broad=is_broad)
+    cell = cell_size(grid.rows, grid.columns, width - left, height - above, is_broad=is_broad, fills=fills)
     is_whole = cell.width * grid.columns <= width - left and cell.height * grid.rows <= height - above
     if not is_whole and not margins.body:
-        bare = cell_size(grid.rows, grid.columns, width, height, is_broad=is_broad)
+        bare = cell_size(grid.rows, grid.columns, width, height, is_broad=is_broad, fills=fills)
         fits = bare.width * grid.columns <= width and bare.height * grid.rows <= height
         if fits or bare.width > cell.width:
             cell, left, above = bare, 0, 0
@@ -237,7 +241,7 @@ class ScreenPlan:
         left = top = 0
         if isinstance(drawing, Grid):
             high = self.foot - 1 - bool(drawing.wind)
-            cell, picture = map_size(drawing, self.usable, high, is_broad=True)
+            cell, picture = map_size(drawing, self.usable, high, is_broad=True, fills=True)
             left, top = (self.usable - picture.width) // 2, (high - picture.height) // 2
         self.put(world, Region(self.margin - 1 + left, top, self.usable + 1 - left, self.foot - top))
         return Arrangement(self.regions, cell)

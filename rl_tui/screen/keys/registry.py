@@ -55,7 +55,7 @@ _LIST_ACTIONS: Final[tuple[Action, ...]] = (
             Place.CATALOGUE,
             command=f"door({number})",
             rank=2 if number == 1 else None,
-            hint=("1 2 3", "doors") if number == 1 else None,
+            hint=("1 2 3 4", "doors") if number == 1 else None,
             for_the_owner=number == 4,
         )
         for number, label, help_ in (

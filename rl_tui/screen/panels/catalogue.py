@@ -37,7 +37,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "The open page of a lesson. What it asks stands below its text, with the keys. enter does it: it "
         "reads on, answers, or says that a task cannot be done. Where a page asks for a prediction, no step "
         "is taken before you made it; then the run goes on, and the page shows the truth beside your answer. "
-        "Each condition of a task is marked: ✓ holds, ✗ does not, … is not known yet. h shows a hint, then "
+        "Each condition of a task is marked: ✓ holds, ○ does not yet, … is not known. h shows a hint, then "
         "the next, and at the end the solution. pgdn and pgup scroll the page, then turn it; press pgdn "
         "twice to skip a page that is not done. r p restarts the run of the page, with its settings. Where "
         "page and world have no room side by side, esc leads to the world, and enter back to the page.",

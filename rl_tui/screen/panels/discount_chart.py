@@ -17,7 +17,7 @@ from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.axes import apart, draw_count_axis, draw_value_axis, value_axis_columns
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, shortened
-from rl_tui.screen.draw.chart_plot import Plot, turns
+from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.names import action_name
 from rl_tui.screen.draw.numbers import NEGLIGIBLE
 from rl_tui.screen.draw.scale import round_scale
@@ -112,8 +112,8 @@ def draw_values(
     step = 0.2 if plot.columns >= _ROOMY else 0.5
     draw_count_axis(canvas, plot, 1.0, 6, unit, look, step)
     _draw_marks(canvas, plot, flips, gamma, chosen, look)
-    now = int(np.abs(gammas - gamma).argmin())
     _draw_lines(canvas, plot, lines, gammas, look)
+    now = int(np.abs(gammas - gamma).argmin())
     best = np.nan_to_num(values.max(axis=0))
     row = plot.row(float(best[now])) if gamma <= gammas[-1] else 0
     canvas.put(plot.left + _column(plot, gamma), row, look.glyphs.thumb, look.palette.press)
@@ -160,22 +160,22 @@ def flip_style(flip: Flip, look: Look) -> Style:
 def _draw_lines(
     canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], gammas: FloatArray, look: Look
 ) -> None:
-    has_signs = not look.palette.tells_lanes_apart or len(lines) > len(look.palette.lanes)
-    passes, shown = list[BoolArray](), np.zeros((plot.rows, plot.columns), dtype=np.int64)
-    for line in lines:
-        ends = line.values[:-1], line.values[1:]
-        codes = plot.braille_line(Steps(gammas[:-1], gammas[1:], np.minimum(*ends), np.maximum(*ends)))
-        passes.append(codes > braille.BLANK)
-        shown |= codes
-    whose = turns(np.stack(passes))
-    if not look.glyphs.braille:
-        shown = np.array([ord(line.sign) for line in lines])[whose]
-    if has_signs and look.glyphs.braille:
-        for number, line in enumerate(lines):
-            first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
-            for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
-                at = np.flatnonzero(passes[number][:, column])[:1], column
-                shown[at], whose[at] = ord(line.sign), number
+    dot = 1.0 / (braille.DOTS_ACROSS * plot.columns)  # a value for each: thinner than from lowest to highest
+    dots = np.arange(0.0, 1.0, dot)
+    passes = list[BoolArray]()
+    codes = np.zeros((len(lines), plot.rows, plot.columns), dtype=np.int64)
+    for number, line in enumerate(lines):
+        values = np.interp(dots + 0.5 * dot, gammas, line.values, right=np.nan)
+        drawn = plot.braille_line(Steps(dots, dots + dot, values, values))
+        passes.append(drawn > braille.BLANK)
+        codes[number] = drawn if look.glyphs.braille else ord(line.sign)
+    whose = braille.in_turns(np.stack(passes))
+    shown = np.take_along_axis(codes, np.maximum(whose, 0)[None], axis=0)[0]
+    for number, line in enumerate(lines if look.glyphs.braille else ()):
+        first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
+        for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
+            at = np.flatnonzero(passes[number][:, column])[:1], column
+            shown[at], whose[at] = ord(line.sign), number
     for row, column in np.argwhere(whose >= 0).tolist():
         style = lines[whose[row, column]].style
         canvas.put(plot.left + column, row, chr(shown[row, column]), style)

@@ -22,6 +22,7 @@ _LEAST_BODY: Final = 4  # rows
 _MOST_BODY: Final = 9  # with its heading
 _BODY_SHARE: Final = 3  # it has one row of so many
 _LEAST_MAP: Final = 5  # rows of a map below a body
+_LEAST_WITH_TITLES: Final = 14  # rows of a map that scrolls, with its labels
 BINS: Final = "Bins"
 ALL_SEEN: Final = "all the agent sees"
 
@@ -65,8 +66,8 @@ def wanted_margins(grid: Grid, height: int) -> Margins:
 def margins_in(grid: Grid, cell: tuple[int, int], width: int, height: int) -> Margins:
     """Return the margins of a map of such cells, columns × rows, in width × height characters.
 
-    They are what the map leaves free. A map that scrolls gives way to one row of labels, and every map to
-    its body.
+    They are what the map leaves free. A map that scrolls gives way to its labels, one row of them where it
+    is low, and every map to its body.
     """
     wanted = wanted_margins(grid, height)
     across, down = width - grid.columns * cell[0], height - grid.rows * cell[1]
@@ -74,7 +75,8 @@ def margins_in(grid: Grid, cell: tuple[int, int], width: int, height: int) -> Ma
     labels = max(0, min(wanted.labels, down))
     lacks_body = wanted.body > 0 and down - labels < _LEAST_BODY
     if down < 0 or lacks_body:
-        return Margins(left, wanted.body, min(wanted.labels, 2 if wanted.body else 1))
+        most = 2 if wanted.body or height >= _LEAST_WITH_TITLES else 1
+        return Margins(left, wanted.body, min(wanted.labels, most))
     return Margins(left, min(_MOST_BODY, down - labels) if wanted.body else 0, labels)
 
 

@@ -91,7 +91,8 @@ class Glyphs:
     head_up: str = _in("▲", "^")
     head_down: str = _in("▼", "v")
     ellipsis: str = _in("…", "~")
-    holds: str = _in("✓", "v")  # a condition does, does not
+    holds: str = _in("✓", "v")  # a condition does, does not yet; an answer is wrong
+    open: str = _in("○", "o")
     fails: str = _in("✗", "x")
     arrow_update: str = _in("←", "<-")  # ← of an assignment
     times: str = _in("·", "*")

@@ -23,7 +23,7 @@ from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.axes import apart
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, strips_of, wrapped
-from rl_tui.screen.draw.chart_plot import Plot, turns
+from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
@@ -93,7 +93,7 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
     in_front = there.copy()
     # where the greedy line goes up and down through many policies, it would cover the runs
     in_front[0] &= ~(there[1:].any(axis=0) & (there[0].sum(axis=0) > 1))
-    line = turns(in_front)
+    line = braille.in_turns(in_front)
     codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
     codes[line < 0] = 0
     if data.lanes and look.glyphs.braille and not look.palette.tells_lanes_apart:
@@ -147,8 +147,8 @@ def draw_chart(
         _put_message(canvas, plot, NOTHING_YET[data.unit], look)
     for label, row in _rows_of(names[: plot.rows], plot):
         canvas.put(width - columns.labels + label.gap, row, label.text, label.style)
-    if (data.barren or data.unlearned) and not data.lanes:
-        _put_message(canvas, plot, barren_words(data), look, at_top=True)
+    if (data.barren or data.unlearned or data.cut_at) and not data.lanes:
+        _put_message(canvas, plot, barren_words(data, look.glyphs), look, at_top=True)
     return canvas.strips()
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.learner_counters import Counters
-from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.history import RECENT
 from rl_tui.runs.results import Curve, RunResults
@@ -28,6 +28,7 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
 _RATIO: Final = 1.05  # from one right end of the axis to the next: the picture moves in steps only
+_RATIO_RUNNING: Final = 1.15  # each step repaints the whole curve
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +63,8 @@ def episode_axis(snapshot: Snapshot) -> EpisodeAxis:
     # the whole of an episode under way is on it, so that the curve does not move within one
     own = float(episode[-1] if episode[-1] < 1.0 else np.ceil(episode[-1]))
     last = max([own, *(float(lane.episodes) for lane in snapshot.run_group.lanes)])
-    return EpisodeAxis(step, episode, _right_end(last, snapshot.world.budget))
+    ratio = _RATIO_RUNNING if snapshot.playback.phase is Phase.RUNNING else _RATIO
+    return EpisodeAxis(step, episode, _right_end(last, snapshot.world.budget, ratio))
 
 
 def _moments(
@@ -86,10 +88,10 @@ def _moments(
     return steps[rises], ends[rises]
 
 
-def _right_end(last: float, limit: float | None) -> float:
+def _right_end(last: float, limit: float | None, ratio: float) -> float:
     if last <= 0.0:
         return 1.0
-    right = _RATIO ** math.ceil(math.log(last) / math.log(_RATIO) - 1e-9)
+    right = ratio ** math.ceil(math.log(last) / math.log(ratio) - 1e-9)
     return max(last, right if limit is None else min(right, float(limit)))
 
 
@@ -175,7 +177,8 @@ class CurveData:
     ``mean`` is that of the returns, or of the steps per episode where all returns are equal
     (``is_of_steps``). ``greedy_now``, ``mean_now``, ``optimum``, ``acting_now`` and ``studied`` are None
     where unknown, hidden, or drawn already; ``has_key`` says that a key shows what is hidden. ``barren``
-    means no reward in many episodes, ``unlearned`` no update in many, ``is_decided`` that estimates differ
+    means no reward in many episodes, ``unlearned`` no update in many, ``cut_at`` is the time limit that every
+    episode ran into with the same return, else 0. ``is_decided`` says that estimates differ
     somewhere. ``greedy_ends`` is how likely the greedy policy ends, where it has no return. ``unit`` is what
     ``axis`` counts.
     """
@@ -195,6 +198,7 @@ class CurveData:
     has_key: bool
     barren: bool
     unlearned: bool
+    cut_at: int
     is_decided: bool
     greedy_ends: float | None
     acting_now: float | None
@@ -255,7 +259,10 @@ def curve_data(snapshot: Snapshot) -> CurveData:
     """Return what there is to draw; what would give the answer away only where it is not hidden."""
     is_bandit, first_update = isinstance(snapshot.world.drawing, Arms), snapshot.answers.first_update
     lanes, results, axis = snapshot.run_group.lanes, snapshot.results, episode_axis(snapshot)
-    of_steps = _returns_are_equal([lane.results for lane in lanes] or [results])
+    shown = [each.curve for each in [lane.results for lane in lanes] or [results] if len(each.curve.episode)]
+    same_returns = _returns_are_equal(shown)
+    cut_at = _limit_of_all(shown, snapshot.world.space.time_limit) if same_returns else 0
+    of_steps = same_returns and (cut_at > 0 or any(np.ptp(each.length_mean) > 0.0 for each in shown))
     curve = results.curve
     mean = moving_mean(curve, curve.length_mean if of_steps else curve.return_mean, axis.right)
     is_short = len(mean.means) > 0 and mean.window != RECENT  # of 100 episodes the mean is exact
@@ -278,6 +285,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         has_key=not keeps_back(snapshot, "answer"),
         barren=_barren(snapshot),
         unlearned=first_update is not None and first_update.is_long and not keeps_back(snapshot, "why"),
+        cut_at=cut_at,
         is_decided=is_decided(snapshot),
         greedy_ends=None if hidden else results.greedy_ends,
         acting_now=_acting(snapshot),
@@ -292,13 +300,14 @@ def curve_data(snapshot: Snapshot) -> CurveData:
     )
 
 
-def _returns_are_equal(every: Sequence[RunResults]) -> bool:
-    curves = [results.curve for results in every if len(results.curve.episode)]
-    return (
-        bool(curves)
-        and all(each.return_high.max() - each.return_low.min() < NEGLIGIBLE for each in curves)
-        and any(np.ptp(each.length_mean) > 0.0 for each in curves)
+def _returns_are_equal(curves: Sequence[Curve]) -> bool:
+    return bool(curves) and all(
+        each.return_high.max() - each.return_low.min() < NEGLIGIBLE for each in curves
     )
+
+
+def _limit_of_all(curves: Sequence[Curve], limit: int) -> int:
+    return limit if limit > 1 and all(each.length_mean.min() >= limit for each in curves) else 0
 
 
 def unit_of(*, plans: bool, is_bandit: bool) -> str:

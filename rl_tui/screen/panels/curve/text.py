@@ -63,6 +63,7 @@ NOTHING_YET: Final = {
 """What to do before the first has ended, by what the horizontal axis counts."""
 NOTHING_LEARNED: Final = "nothing learned"
 NO_REWARD: Final = "no reward yet"
+CUT_OFF: Final = "all stop at the limit:"
 
 ONE_SEED: Final = "one seed"
 COUNTS_SEEDS: Final = "t m: many seeds"
@@ -246,11 +247,14 @@ def _has_learned(data: CurveData) -> bool:
     return data.greedy_now >= least and bool((recent >= least).all())
 
 
-def barren_words(data: CurveData) -> tuple[str, ...]:
-    """Return that no estimate has moved, and by which key to ask why, or that nothing was ever earned."""
+def barren_words(data: CurveData, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return why the curve says little: nothing was learned or earned, or all episodes are cut off."""
     if data.unlearned:
         return NOTHING_LEARNED, f"after {data.finished:,} {data.unit}s; t y explains why"
-    return NO_REWARD, f"after {data.finished:,} {data.unit}s"
+    if data.barren:
+        return NO_REWARD, f"after {data.finished:,} {data.unit}s"
+    earned = amount(float(data.curve.return_mean[-1]), 0, glyphs)
+    return CUT_OFF, f"return {earned}"
 
 
 # Runs side by side: labels of their lines, and titles

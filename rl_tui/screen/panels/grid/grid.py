@@ -34,7 +34,7 @@ from rl_tui.screen.panels.grid.headings import (
     shorter,
     where,
 )
-from rl_tui.screen.panels.grid.landscape import LandscapeArtist, has_landscape, line_step
+from rl_tui.screen.panels.grid.landscape import LandscapeArtist, has_landscape
 from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, carried_place, with_extra
 from rl_tui.screen.panels.grid.marks import SEVERAL, sign_text
 from rl_tui.screen.panels.grid.motion import Mover
@@ -42,6 +42,7 @@ from rl_tui.screen.panels.grid.signs import (
     action_signs,
     differing_sign,
     ground_signs,
+    letter_signs,
     place_signs,
     reward_signs,
     wind_line,
@@ -290,9 +291,9 @@ class GridView(WorldView):
     def named_scale(self) -> NamedScale | None:
         """The scale of the tints, with the step of the lines in a landscape."""
         named = super().named_scale
-        if named is None or not self._is_landscape:
+        if named is None or not self._is_landscape or self._landscapes is None:
             return named
-        step = numbers.brief(line_step(self.tints), self.look.glyphs)
+        step = numbers.brief(self._landscapes.step, self.look.glyphs)
         return named._replace(note=f"a line every {step}")
 
     def _landscape(
@@ -383,6 +384,8 @@ class GridView(WorldView):
             yield from action_signs(actions, self.look)
         elif form and len(signs) > form.most_signs and has_arrows and not self.shows_drawing:
             yield LegendSign(SEVERAL, "tie", palette.strong)
+        if actions is None and has_arrows:
+            yield from letter_signs(self._map, self.look)
         yield from ground_signs(self._map, self.look)
         if self._map.unreached:
             yield LegendSign(glyphs.unreached, "unreached", palette.dim)

@@ -1,6 +1,7 @@
 """A map as a landscape: V is its height, lit from the upper left, with a line at every round step.
 
-A character has two pixels, an upper and a lower one. V is interpolated between the middles of cells.
+A character has two pixels, an upper and a lower one. V is interpolated between the middles of cells. Half
+of a height is the rank of V, so that a plateau has its slopes too.
 """
 
 from __future__ import annotations
@@ -35,7 +36,14 @@ _HALF: Final = "▀"
 _LIGHTS: Final = 6  # steps of light, and as many of shade
 _MOST_LIGHT: Final = 0.38
 _STEEPNESS: Final = 1.1  # of the scale a cell: a slope that is lit fully, or half of it
-_LINES: Final = 8  # steps of the scale, about
+_RANKS: Final = 0.5  # of a height; the rest is V
+_ALIKE: Final = 500  # parts of the scale: values within one have the same rank
+_LEAST_LINES: Final = 8  # steps of the scale, about
+_MOST_LINES: Final = 80
+_CELLS_A_LINE: Final = 1.5  # where V changes as it does between most cells
+_CLOSEST: Final = 2.5  # pixels from line to line; a slope that is steeper has none
+_INKS: Final = (0.0, 0.13, 0.6)  # how much black is in a pixel: none, that of a seam or that of a line
+_SEAM, _LINE = 1, 2
 _TINTS: Final = 32
 _MOST_KEPT: Final = 4_096
 _BLACK, _WHITE = ColorTriplet(0, 0, 0), ColorTriplet(255, 255, 255)
@@ -61,9 +69,31 @@ def has_relief(values: Sequence[float], scale: ValueScale) -> bool:
     return high > low and max(values, default=low) - min(values, default=low) > _LEAST_RELIEF * (high - low)
 
 
-def line_step(scale: ValueScale) -> float:
-    """Return the round step of the lines: 1, 2 or 5 times a power of ten, about an eighth of the scale."""
-    return round_step((scale.ends[1] - scale.ends[0]) / _LINES)
+def line_step(values: FloatArray, scale: ValueScale) -> float:
+    """Return the step of the lines: 1, 2 or 5 times a power of ten.
+
+    Most cells are about two thirds of a step apart in ``values``, [rows, columns].
+    """
+    low, high = scale.ends
+    apart = np.abs(np.concatenate([np.diff(values, axis=axis).ravel() for axis in (0, 1)]))
+    apart = apart[apart > (high - low) / _ALIKE]  # without NaN
+    usual = float(np.median(apart)) * _CELLS_A_LINE if len(apart) else high - low
+    return round_step(max((high - low) / _MOST_LINES, min(usual, (high - low) / _LEAST_LINES)))
+
+
+def relief(values: FloatArray, scale: ValueScale) -> FloatArray:
+    """Return how high ``values`` are, from 0 to 1: the mean of V on its scale and of its rank; NaN stays.
+
+    On a scale with both signs 0 is .5.
+    """
+    low, high = scale.ends
+    base = 0.0 if scale.is_signed else low
+    share = ((values - base) / (high - base)).clip(-1.0, 1.0)
+    size = np.rint(np.abs(share) * _ALIKE)
+    known = np.unique(np.append(0.0, size[np.isfinite(size)]))
+    rank = np.searchsorted(known, size) / max(1, len(known) - 1)
+    found = np.sign(share) * ((1.0 - _RANKS) * np.abs(share) + _RANKS * rank)
+    return np.asarray((1.0 + found) / 2.0 if scale.is_signed else found)
 
 
 def heights(values: FloatArray, cell: Size) -> FloatArray:
@@ -84,20 +114,24 @@ def heights(values: FloatArray, cell: Size) -> FloatArray:
     return found
 
 
-def pixels(values: FloatArray, cell: Size, scale: ValueScale) -> IntArray:
-    """Return the colour of each pixel, as a number that :func:`_colours` knows; −1 in walls."""
-    z = heights(values, cell)
-    low, high = scale.ends
-    share = np.nan_to_num((z - low) / (high - low)).clip(0.0, 1.0)
-    tint = np.rint(share * (_TINTS - 1)).astype(np.int64)
-    down, across = np.gradient(z / (high - low))
+def pixels(values: FloatArray, cell: Size, scale: ValueScale, every: float) -> IntArray:
+    """Return the colour of each pixel, as a number that :func:`_colours` knows; −1 in walls.
+
+    There is a line where V passes a multiple of ``every``, but on slopes on which lines would touch.
+    """
+    z, height = heights(values, cell), heights(relief(values, scale), cell)
+    tint = np.rint(np.nan_to_num(height) * (_TINTS - 1)).astype(np.int64)
+    down, across = np.gradient(height)
     slope = _STEEPNESS * (across * cell.width + down * 2 * cell.height)
     light = np.rint(np.nan_to_num(slope).clip(-1.0, 1.0) * _LIGHTS).astype(np.int64) + _LIGHTS
-    step = np.floor(z / line_step(scale) + 1e-9)
-    is_line = np.zeros(z.shape, dtype=np.int64)
+    step = np.floor(z / every + 1e-9)
+    mark = np.zeros(z.shape, dtype=np.int64)
+    mark[2 * cell.height :: 2 * cell.height] = mark[:, cell.width :: cell.width] = _SEAM
+    is_line = np.zeros(z.shape, dtype=np.bool_)
     is_line[:, 1:] = np.abs(np.diff(step, axis=1)) > 0.0
     is_line[1:] |= np.abs(np.diff(step, axis=0)) > 0.0
-    return np.where(np.isnan(z), -1, (tint * (2 * _LIGHTS + 1) + light) * 2 + is_line)
+    mark[is_line & (np.hypot(*np.gradient(z)) * _CLOSEST <= every)] = _LINE
+    return np.where(np.isnan(z), -1, (tint * (2 * _LIGHTS + 1) + light) * len(_INKS) + mark)
 
 
 def _values(cells: Sequence[CellContent], part: MapPart, scale: ValueScale) -> FloatArray:
@@ -120,8 +154,9 @@ def _plates(cells: Sequence[CellContent], part: MapPart, cell: Size, look: Look)
 def _plates_of(content: CellContent, x: int, width: int, look: Look) -> Iterator[Plate]:
     palette, glyphs = look.palette, look.glyphs
     ends = {
-        CellKind.HOLE: Plate(x, glyphs.hole, palette.hole),
-        CellKind.GOAL: Plate(x, glyphs.goal, palette.goal),
+        CellKind.HOLE: Plate(x - 1, f" {glyphs.hole} ", palette.hole),
+        CellKind.CLIFF: Plate(x - 1, glyphs.cliff * 3, palette.cliff),
+        CellKind.GOAL: Plate(x - 1, f" {glyphs.goal} ", palette.goal),
     }
     text = "".join(sign_text(each, look) for each in content.greedy)
     text = text if len(text) < width - 1 else SEVERAL
@@ -144,6 +179,8 @@ class LandscapeArtist:
 
     def __init__(self, look: Look) -> None:
         self.look = look
+        self.step = 0.0
+        """The step of the lines of the last landscape."""
         self._pixels: tuple[object, IntArray] | None = None
         self._row = lru_cache(_MOST_KEPT)(self._drawn_row)
         self._pair = lru_cache(_MOST_KEPT)(self._style)
@@ -161,7 +198,8 @@ class LandscapeArtist:
         values = _values(cells, part, scale)
         key = values.tobytes(), values.shape, cell, scale
         if self._pixels is None or self._pixels[0] != key:
-            self._pixels = key, pixels(values, cell, scale)
+            self.step = line_step(values, scale)
+            self._pixels = key, pixels(values, cell, scale, self.step)
         found = self._pixels[1]
         width, height = size
         text, plates = self.look.palette.text, _plates(cells, part, cell, self.look)
@@ -204,23 +242,21 @@ class LandscapeArtist:
 
 @lru_cache(8)
 def _colours(palette: Palette, is_signed: bool) -> tuple[Color, ...]:
-    """Return the colour of every pixel: for each tint, light and shade, each without a line and with one.
+    """Return the colour of every pixel: for each tint, light and shade, with each of the inks.
 
     That of walls is the last one.
     """
     ramp = [each.bgcolor for each in (palette.signed if is_signed else palette.values)]
-    ground, wall = palette.page.color, palette.wall.bgcolor
-    assert ground is not None
+    wall = palette.wall.bgcolor
     assert wall is not None
     steps = [each.get_truecolor() for each in ramp if each is not None]
-    page = ground.get_truecolor()
     found = []
     for tint in range(_TINTS):
         part, at = math.modf(tint * (len(steps) - 1) / (_TINTS - 1))
         base = blend_rgb(steps[int(at)], steps[min(int(at) + 1, len(steps) - 1)], part)
         for light in range(-_LIGHTS, _LIGHTS + 1):
             lit = blend_rgb(base, _WHITE if light > 0 else _BLACK, _MOST_LIGHT * abs(light) / _LIGHTS)
-            found += [lit, blend_rgb(lit, page, 0.5)]
+            found += [blend_rgb(lit, _BLACK, ink) for ink in _INKS]
     colours = [Color.from_triplet(each) for each in found]
     if ramp[0] is not None and ramp[0].type is ColorType.EIGHT_BIT:
         colours = [each.downgrade(ColorSystem.EIGHT_BIT) for each in colours]

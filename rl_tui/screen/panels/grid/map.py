@@ -130,7 +130,7 @@ class CellExtra(NamedTuple):
 
 
 PLAIN: Final = CellExtra()
-PUSHES: Final[Mapping[str, Sign]] = {"left": (0, -1), "coast": (0, 0), "right": (0, 1)}
+PUSHES: Final[Mapping[str, Sign]] = {"left": (0, -1), "right": (0, 1)}
 """How actions on a body are drawn: arrows, though none of them is a direction on the map."""
 _FAR: Final = 3  # cells, more than a step or a strong wind takes
 _UNREACHED: Final = CellExtra(is_reached=False)
@@ -196,6 +196,7 @@ class GridMap:
             pushes.get(name, name[:1] or "?") if step is None else step
             for step, name in zip(grid.directions, space.action_names, strict=True)
         )
+        self.action_names = space.action_names
         self._order = order_of(space, grid)
         self._sign_places = {self.signs[action]: place for place, action in enumerate(self._order)}
         self._states = first_state_of_cells(grid)

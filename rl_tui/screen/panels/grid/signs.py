@@ -96,6 +96,13 @@ def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
         yield LegendSign(" tint ", "Q", palette.value(1.0))
 
 
+def letter_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
+    """Yield the letters of actions that are no directions, with their names."""
+    for sign, name in zip(of.signs, of.action_names, strict=True):
+        if isinstance(sign, str) and sign != name:
+            yield LegendSign(sign, name, look.palette.strong)
+
+
 def ground_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
     """Yield the signs of what takes the agent elsewhere than it would: wind, and cells with one way out."""
     if of.grid.wind:

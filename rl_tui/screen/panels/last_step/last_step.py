@@ -14,9 +14,9 @@ from rich.cells import cell_len
 from textual.strip import Strip
 
 from rl_tui.live.last_step.step_report import story_of
-from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, length, spelled, strips_of
-from rl_tui.screen.kit.blocks import Flow
+from rl_tui.screen.kit.blocks import Equation, Flow
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import keeps_back, passes_too_fast
 from rl_tui.screen.panels.last_step.state_backup_text import ActionText, BackupText
@@ -39,10 +39,14 @@ _LEAST_ROWS: Final = 4  # below this words have no line of their own
 
 
 class StepWriter:
-    """Writes the lines of one step."""
+    """Writes the lines of one step.
 
-    def __init__(self, words: StepWords, look: Look, width: int) -> None:
+    ``cells`` are those of each term in the equation of the step before, which stand still while it runs.
+    """
+
+    def __init__(self, words: StepWords, look: Look, width: int, cells: Sequence[int] = ()) -> None:
         self.words = words
+        self.cells = cells
         self.width = width
         self._story = words.story
         self._last = words.story.last
@@ -65,7 +69,7 @@ class StepWriter:
             return [happened, remark, self._change(), self._why_no_equation()]
         height = min(height, _MOST_ROWS)
         start = [happened, remark] if height > _LEAST_ROWS else [happened]
-        lines = self._equation.lines(self.width, self._look)
+        lines = self._steady().lines(self.width, self._look)
         room = max(2, height - len(start) - 1)
         if len(lines) > max(room, 3) and not remark[-1].text:  # it goes on in a second line
             start, room = [happened], height - 2
@@ -117,6 +121,22 @@ class StepWriter:
             for start in (happened, short)
         )
         return self._fitting(chain(forms, ([*whole, *error], [*result, *error], result)))
+
+    def _steady(self) -> Equation:
+        """Return the equation with the cells of the one before, where it has as many terms and room."""
+        whole = self._equation
+        terms = [whole.left, *whole.terms]
+        needed = [max(cell_len(term.word), cell_len(term.number)) for term in terms]
+        if len(self.cells) == len(terms):
+            needed = list(map(max, needed, self.cells))
+        if 1 + sum(needed) + sum(cell_len(term.operator) for term in terms) > self.width:
+            self.cells = ()
+            return whole
+        self.cells = needed
+        left, *right = (
+            term._replace(word=term.word.ljust(cells)) for term, cells in zip(terms, needed, strict=True)
+        )
+        return Equation(left, right, whole.label)
 
     # What happened
 
@@ -286,11 +306,17 @@ OF_ANOTHER_WORLD: Final = "no step yet in this world: s takes one"
 class LastStepPanel(Panel):
     """The last step: words above the numbers of the update, or one line of it."""
 
+    _cells: Sequence[int] = ()
+
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the picture of the last step of ``snapshot``."""
         titles = (f"Last step · {each}" for each in _choices(snapshot, self.look))
         self.heading = self.fitting((*titles, *self.captioned("Last step"), "Last step"), width)
-        return strips_of(last_step_lines(snapshot, self.look, width, height), width, height, self.look)
+        writer = None if snapshot is None else writer_of(snapshot, self.look, width, self._cells)
+        lines = last_step_lines(snapshot, self.look, width, height, writer)
+        is_running = snapshot is not None and snapshot.playback.phase is Phase.RUNNING
+        self._cells = writer.cells if writer is not None and is_running else ()
+        return strips_of(lines, width, height, self.look)
 
 
 def _choices(snapshot: Snapshot | None, look: Look) -> Sequence[str]:
@@ -310,12 +336,22 @@ def nothing_yet(snapshot: Snapshot | None) -> str:
     return "the last step appears once it is replayed"
 
 
-def last_step_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:
+def last_step_lines(
+    snapshot: Snapshot | None, look: Look, width: int, height: int, writer: StepWriter | None = None
+) -> list[Line]:
     """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
-    story = None if snapshot is None else story_of(snapshot)
-    if snapshot is None or story is None:
+    if snapshot is not None:
+        writer = writer or writer_of(snapshot, look, width)
+    if writer is None:
         return [[Piece(" ", look.palette.text), Piece(nothing_yet(snapshot), look.palette.dim)]]
+    return (writer.tall(height) if height >= _LEAST_ROWS else writer.short(height))[:height]
+
+
+def writer_of(snapshot: Snapshot, look: Look, width: int, cells: Sequence[int] = ()) -> StepWriter | None:
+    """Return what writes the last step of ``snapshot``, None where there is none."""
+    story = story_of(snapshot)
+    if story is None:
+        return None
     if keeps_back(snapshot, "model"):
         story = replace(story, chance=None)
-    writer = StepWriter(words_of(story, look.glyphs), look, width)
-    return (writer.tall(height) if height >= _LEAST_ROWS else writer.short(height))[:height]
+    return StepWriter(words_of(story, look.glyphs), look, width, cells)

@@ -315,12 +315,12 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
 
 
 def condition_sign(holds: bool | None, look: Look) -> Piece:
-    """Return the sign before a condition: it holds, it does not, or that is not known yet."""
+    """Return the sign before a condition: it holds, it does not yet, or that is not known."""
     if holds is None:
         return Piece(look.glyphs.ellipsis, look.palette.dim)
     if holds:
         return Piece(look.glyphs.holds, look.palette.good)
-    return Piece(look.glyphs.fails, look.palette.bad)
+    return Piece(look.glyphs.open, look.palette.strong)
 
 
 def verdict_piece(is_right: bool, look: Look) -> Piece:
