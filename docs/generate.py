@@ -149,10 +149,17 @@ def scenarios() -> str:
 def lessons() -> str:
     """Return the shipped lessons in their order."""
     rows = [
-        (f"`{each.id}`", each.title, str(each.minutes), str(len(each.tasks)), each.summary)
+        (
+            f"`{each.id}`",
+            each.title,
+            "✓" * each.is_core,
+            str(each.minutes),
+            str(len(each.tasks)),
+            each.summary,
+        )
         for each in shipped_lessons()
     ]
-    return _table(("id", "title", "minutes", "tasks", "what it is about"), rows)
+    return _table(("id", "title", "core", "minutes", "tasks", "what it is about"), rows)
 
 
 def measures() -> str:

@@ -46,6 +46,7 @@ class Lesson:
     source: Path
     text: str
     variant: str = ""
+    is_core: bool = False
 
     @property
     def tasks(self) -> tuple[Page, ...]:
@@ -141,6 +142,7 @@ def lesson_of(text: str, path: Path, variant: str = "") -> Lesson:
         source=path,
         text=text,
         variant=chosen,
+        is_core=file.core,
     )
 
 

@@ -198,6 +198,7 @@ async def test_it_draws_the_world_of_the_open_page_and_names_the_lesson_after(
         await settled(pilot, "j")
         assert isinstance(pilot.app.screen.query_one("#preview > *"), GraphView)
         assert "the next takes about 3 min" in details(pilot)
+        assert "takes about 12 min" in details(pilot)
 
 
 async def test_keys_typed_before_the_lessons_are_read_count_once_they_are(

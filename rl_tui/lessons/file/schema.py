@@ -298,6 +298,8 @@ class Page(FileSection):
 class LessonFile(FileSection):
     """A whole lesson file. ``order`` places it among the others; ``minutes`` is about how long it takes.
 
+    ``core`` marks the lessons of the core course.
+
     ``variants`` has for each name the values it may take: the file is read with ``${name}`` replaced by one
     of them, the same place of each list for one variant.
     """
@@ -305,6 +307,7 @@ class LessonFile(FileSection):
     title: ShortLine
     summary: Line
     order: Annotated[int, whole_number(0, 1_000_000)] = 1_000_000
+    core: TruthValue = False
     minutes: Annotated[int, whole_number(1, 600)]
     goals: Annotated[tuple[Line, ...], _list("goals", 1)]
     variants: Table = Field(default_factory=dict)

@@ -23,7 +23,7 @@ from textual.widget import Widget
 from rl_tui.common.findings import is_plain
 from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import StoredSession
-from rl_tui.screen.catalogue.facts import CORE, minutes_of_page
+from rl_tui.screen.catalogue.facts import minutes_of_page
 from rl_tui.screen.catalogue.session_text import algorithm_name, short_age
 from rl_tui.screen.draw.canvas import shortened, wrapped
 from rl_tui.screen.draw.to_ascii import separated
@@ -149,7 +149,7 @@ def learn_door(found: LessonEntries | None) -> Door:
     if found is None or not found.entries:
         return Door("Learn", text, "")
     here = next((each for each in found.entries if each.lesson.id == found.goes_on_at), None)
-    core = [each for each in found.entries if each.lesson.id in CORE]
+    core = [each for each in found.entries if each.lesson.is_core]
     count = len(found.entries)
     finished, brief = f"{found.finished} of {count} done", f"Learn {found.finished}/{count}"
     if here is None:

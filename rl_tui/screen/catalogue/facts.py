@@ -33,10 +33,6 @@ _DOT: Final = " · "
 # Lessons
 
 
-CORE: Final = ("loop", "bandits", "q-by-hand", "frozen-lake", "cliff-walk")
-"""The ids of the lessons of the core course."""
-
-
 def minutes_of_page(lesson: Lesson) -> int:
     """Return how many minutes a page of ``lesson`` takes on average, at least 1."""
     return max(1, round(lesson.minutes / len(lesson.pages)))

@@ -35,7 +35,7 @@ from rl_tui.live.sessions.progress import (
     start_of,
 )
 from rl_tui.live.sessions.session import StoredSession
-from rl_tui.screen.catalogue.facts import CORE, faults_text, labelled, minutes_of_page
+from rl_tui.screen.catalogue.facts import faults_text, labelled, minutes_of_page
 from rl_tui.screen.catalogue.scenario_list import FAULTY, Heading, ListRow
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
@@ -111,7 +111,7 @@ def _pages(entry: LessonEntry, look: Look) -> str:
 
 def progress_line(found: LessonEntries) -> str:
     """Return how far one has come in all lessons together, and which are the core course."""
-    numbers = [str(number) for number, each in enumerate(found.entries, start=1) if each.lesson.id in CORE]
+    numbers = [str(number) for number, each in enumerate(found.entries, start=1) if each.lesson.is_core]
     core = f" · core course: {' '.join(numbers)}" if numbers else ""
     begun = [entry.progress for entry in found.entries if entry.progress is not None]
     if not begun:
@@ -125,14 +125,17 @@ def progress_line(found: LessonEntries) -> str:
 
 def _lines(entry: LessonEntry) -> dict[str, str]:
     lesson, progress = entry.lesson, entry.progress
+    takes = f"about {lesson.minutes} min{' · core course' if lesson.is_core else ''}"
     if progress is None:
         return {
+            "takes": takes,
             "pages": f"{len(lesson.pages)} · the next takes about {minutes_of_page(lesson)} min",
             "tasks": f"{len(lesson.tasks) or 'none'}",
         }
     made, tasks = progress.predictions_made, progress.tasks
     state = state_of(entry, progress)
     return {
+        "takes": takes,
         "stands at": state if entry.is_at_end else f"{state}: {lesson.page(progress.page).title}",
         "tasks": f"{progress.tasks_passed} of {tasks} passed" if tasks else "none",
         "predictions": f"{progress.predictions_right} of {made} right" if made else "none so far",
