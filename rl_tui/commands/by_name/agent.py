@@ -1,4 +1,4 @@
-"""``rl-tui agent``: begin an agent of your own."""
+"""``rl-tui agent``: start writing your own agent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rl-tui bench``: steps a second on this machine, against the plain Gymnasium loop."""
+"""``rl-tui bench``: steps per second on this machine, compared with the plain Gymnasium loop."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ def command(
 
 
 def _deep(name: str, seed: int, *, as_json: bool) -> bool:
-    """Print all that is to be known of one scenario; return whether it has faults."""
+    """Print the deep check of one scenario and return True if the file has errors."""
     from rl_tui.agents.catalogue import BY_ID
     from rl_tui.commands.line.output import progress
     from rl_tui.commands.reports.flip_points import check_document, check_report
@@ -98,7 +98,7 @@ def _deep(name: str, seed: int, *, as_json: bool) -> bool:
 
 
 def _scenario(file: str) -> tuple[list[str], list[str]]:
-    """Return the faults of a scenario file, and what it is warned of."""
+    """Return the errors and the warnings of a scenario file."""
     from rl_tui.runs.library import checked
     from rl_tui.runs.training.endless import endless_warning
 
@@ -108,7 +108,7 @@ def _scenario(file: str) -> tuple[list[str], list[str]]:
 
 
 def _lesson(file: str, *, quick: bool) -> tuple[list[str], list[str]]:
-    """Return the faults of a lesson file, and what it is warned of."""
+    """Return the errors and the warnings of a lesson file."""
     from rl_tui.commands.line.output import progress
     from rl_tui.lessons.check import check_lesson
 

@@ -1,4 +1,4 @@
-"""``rl-tui evaluate``: what any policy is worth, exactly."""
+"""``rl-tui evaluate``: the exact value of any policy."""
 
 from __future__ import annotations
 
@@ -111,7 +111,15 @@ def command(
 
 
 def _check(name: str, training: Mapping[str, object]) -> None:
-    """Raise UsageError where there is no policy of that ``name``, or options of a ``training`` do not fit."""
+    """Refuse unknown policy names, and training options that do not apply.
+
+    Args:
+        name: Value of ``--policy``.
+        training: Training options that were given, by name.
+
+    Raises:
+        click.UsageError: The combination makes no sense.
+    """
     context = click.get_current_context()
     if name not in WORDS and not name.endswith(SUFFIX) and not os.path.exists(name):
         said = f"--policy is {shown(name)}; expected {CHOICES}{near(name, WORDS)}"

@@ -1,4 +1,4 @@
-"""``rl-tui play``: straight into the playground."""
+"""``rl-tui play``: open the playground."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rl-tui replay``: a session without a screen."""
+"""``rl-tui replay``: run a saved session again, without a screen."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rl-tui screenshot``: a screen as SVG after given keys, no terminal needed."""
+"""``rl-tui screenshot``: draw a screen as SVG after some keys. Needs no terminal."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 
 
 class ScreenSize(OptionValue):
-    """Columns and rows: ``120x40``."""
+    """A screen size in columns and rows, such as ``120x40``."""
 
     name = "COLUMNSxROWS"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[int, int]:
-        """Return columns and rows; fails naming the range."""
+        """Return (columns, rows), or fail with the allowed range."""
         match = re.fullmatch(r"([0-9]{1,4})x([0-9]{1,4})", str(value))
         columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
         if not (20 <= columns <= 500 and 5 <= rows <= 200):

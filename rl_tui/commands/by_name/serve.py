@@ -1,4 +1,4 @@
-"""``rl-tui serve``: the same app in a browser."""
+"""``rl-tui serve``: the app in a browser."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import socket
 
 _LONGEST_WARMING: Final = 600.0  # seconds
-_USUAL: Final = "frozenlake-slippery"  # learns as most scenarios do
+_USUAL: Final = "frozenlake-slippery"  # uses the same kernels as most scenarios
 _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[serve]"'
 
 
@@ -81,7 +81,7 @@ def command(
 
     from rl_tui.commands.serving.addresses import bind, listen
 
-    with bind(host, port) as bound:  # before what takes long: that it cannot be had is said at once
+    with bind(host, port) as bound:  # first, so that a port in use is reported immediately
         if kiosk and not in_kiosk():
             prepare(scenario or _USUAL)
         listen(bound, host)
@@ -89,12 +89,15 @@ def command(
 
 
 def prepare(scenario: str) -> None:
-    """Compile what plays ``scenario``: a kiosk keeps no compiled code, and each tab would do it anew."""
+    """Compile the kernels that play `scenario`, in another process.
+
+    A kiosk stores no compiled code, so every tab would have to compile again.
+    """
     from rl_tui.commands.serving.app_process import command_line
 
     click.echo("getting machine code ready: a moment, or half a minute where there is none yet", err=True)
     warming = command_line(sys.executable, ["warm", scenario])
-    with suppress(OSError, subprocess.TimeoutExpired):  # what is wrong shows in the tabs
+    with suppress(OSError, subprocess.TimeoutExpired):  # errors appear in the tabs
         subprocess.run(
             warming, timeout=_LONGEST_WARMING, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, check=False
         )
@@ -103,7 +106,16 @@ def prepare(scenario: str) -> None:
 def serve_apps(
     listening: socket.socket, command: tuple[str, ...], host: str, url: str | None, *, kiosk: bool, most: int
 ) -> None:
-    """Serve the apps that ``command`` starts until it is interrupted."""
+    """Serve app processes to browsers until interrupted.
+
+    Args:
+        listening: Socket that accepts browsers.
+        command: Command line that starts one app.
+        host: Address that the server listens on.
+        url: Address that people type, if a proxy is in front.
+        kiosk: True if the apps run in kiosk mode.
+        most: Largest number of apps at the same time.
+    """
     from rl_tui.commands.serving.addresses import Doorkeeper, url_of
     from rl_tui.commands.serving.site import Site, serve
 
@@ -119,7 +131,7 @@ def serve_apps(
 
 
 def _check_start(scenario: str | None, display: dict[str, Any], *, kiosk: bool) -> None:
-    """Raise what every app would end with at once."""
+    """Raise the error with which every app would end immediately."""
     if scenario is not None:
         if kiosk:
             _check_shipped(scenario)
@@ -143,7 +155,11 @@ def _check_shipped(scenario: str) -> None:
 def _confirm(
     context: click.Context, host: str, port: int, url: str | None, *, most: int, kiosk: bool, yes: bool
 ) -> None:
-    """Warn of, and have confirmed, what lets other machines in; refuse what would give them files."""
+    """Warn before other machines get access, and ask for confirmation.
+
+    Raises:
+        click.UsageError: Other machines would get access to files, or there is no terminal to ask on.
+    """
     from rl_tui.commands.serving.addresses import is_this_machine
 
     if is_this_machine(host):
@@ -176,12 +192,12 @@ def _confirm(
 
 
 def is_interactive() -> bool:
-    """Whether somebody is there who can be asked."""
+    """Return True if a person can answer a question on this terminal."""
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
 def app_command(context: click.Context, scenario: str | None, display: dict[str, Any]) -> tuple[str, ...]:
-    """Return the command line of an app, with the display options that were given to this one."""
+    """Return the command line of an app, with the display options given to ``serve``."""
     from rl_tui.commands.serving.app_process import command_line
 
     arguments = [] if scenario is None else ["play", scenario]

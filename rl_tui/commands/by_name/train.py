@@ -1,4 +1,4 @@
-"""``rl-tui train``: the same run as on screen, without a screen."""
+"""``rl-tui train``: the same runs as on screen, without a screen."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def command(
         _train_agent(agent, recipe, overrides, goal, runs, csv, curve, as_json)
         return
     if not changed & {ALGORITHM, "policy"}:
-        warn_of_no_effect(recipe, overrides)  # what the first algorithm does not use may be for a later one
+        warn_of_no_effect(recipe, overrides)  # a later algorithm may use what the first one ignores
     _warn_beyond_budget(recipe, goal)
     with nullcontext() if curve is None else file_or_stream(curve) as points:
         if runs is None:
@@ -132,7 +132,7 @@ def _train_agent(
     curve: CsvTarget,
     as_json: bool,
 ) -> None:
-    """Let the agent ``name`` learn, and print what came of it."""
+    """Train the user's own agent and print the results."""
     from rl_tui.commands.line.screen import refuse_where_served
     from rl_tui.commands.reports.training import agent_run, several_runs, update_in_words
     from rl_tui.common.files import file_or_stream

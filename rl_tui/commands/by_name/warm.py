@@ -1,4 +1,4 @@
-"""``rl-tui warm``: every kernel compiled into the cache, for images and classrooms."""
+"""``rl-tui warm``: compile every kernel into the cache, for container images and classrooms."""
 
 from __future__ import annotations
 
@@ -41,7 +41,6 @@ def command(scenarios: tuple[str, ...]) -> None:
 
 
 def _loop_of(scenario: str) -> Loop:
-    """Return the loop with which ``scenario`` begins. Raises UserError where there is no such scenario."""
     from rl_tui.runs.library import recipe_named
     from rl_tui.runs.run import Run
 

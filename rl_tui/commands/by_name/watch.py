@@ -1,4 +1,4 @@
-"""``rl-tui watch``: somebody's own training script, on the screen of the playground or as JSON."""
+"""``rl-tui watch``: watch a user's training script on screen, or report on it as JSON."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def command(
 
 
 def _print_report(request: ProgramRequest) -> ProgramError | None:
-    """Watch the script to its end, print the document, and return what was raised."""
+    """Watch the script to its end, print the document, and return the script's error, if any."""
     from rl_tui.programs.diagnosis.diagnosis import verdict_of
     from rl_tui.programs.grading.watch_report import error_of, watch_report
     from rl_tui.programs.watched.program_process import watched_to_the_end
@@ -98,7 +98,10 @@ def _print_report(request: ProgramRequest) -> ProgramError | None:
 
 
 def environment_missed(name: str) -> Callable[[ProgramLog], None]:
-    """Return what says once, on stderr, that the script ``name`` runs for long without an environment."""
+    """Return a callback that warns once on stderr if script `name` makes no environment.
+
+    It waits three seconds before it warns.
+    """
     due, is_said = time.monotonic() + WORTH_TELLING, False
 
     def say(log: ProgramLog) -> None:
@@ -109,7 +112,7 @@ def environment_missed(name: str) -> Callable[[ProgramLog], None]:
         why = f": {'; '.join(log.notes)}" if log.notes else ""
         text = one_line(f"{name} has not made an environment yet{why}", _LONGEST_ERROR)
         if sys.stderr.isatty():
-            click.echo(err=True)  # behind what shows how far it has come
+            click.echo(err=True)  # ends the line of the progress bar
         complain(f"rl-tui: {text}")
 
     return say

@@ -1,4 +1,4 @@
-"""``rl-tui why``: how long nothing is learned, why, and what would help."""
+"""``rl-tui why``: how long nothing is learned, the reason, and what would help."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The options that say how a screen looks."""
+"""Options for the look of the screen."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ DISPLAY_OPTIONS: Final = ("theme", "colors", "no_color", "ascii", "fps", "no_mou
 
 
 class PanelNames(OptionValue):
-    """``few``, ``all``, or the ids of panels between commas."""
+    """``few``, ``all``, or panel ids separated by commas."""
 
     name = "few|all|NAME,…"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> str | frozenset[str]:
-        """Return a word or the ids; fails naming what is expected."""
+        """Return the word or the ids, or fail with the known ids."""
         from rl_tui.worlds.files.scenario import unknown_panels
 
         if value in ("few", "all"):
@@ -65,20 +65,23 @@ big_option: Final = click.option("--big", is_flag=True, help="begin with the wor
 
 
 def display_options(command: Command) -> Command:
-    """Add the display options; they arrive under the names of ``DISPLAY_OPTIONS``."""
+    """Add the display options to `command`. Their names are in ``DISPLAY_OPTIONS``."""
     for option in reversed(_OPTIONS):
         command = option(command)
     return command
 
 
 def is_given(context: click.Context, name: str) -> bool:
-    """Return whether the option ``name`` was given on the command line, before the command or after it."""
+    """Return True if the option `name` was given, before or after the command."""
     source = context.get_parameter_source(name)
     return source in (click.core.ParameterSource.COMMANDLINE, click.core.ParameterSource.DEFAULT_MAP)
 
 
 def display_of(values: Mapping[str, Any]) -> Display:
-    """Return what the values of the display options, by name, say, and where there are any, those beside."""
+    """Return the display settings for the option values in `values`, by name.
+
+    ``big`` and ``panels`` may be missing.
+    """
     return Display(
         theme=values["theme"],
         colors="none" if values["no_color"] else values["colors"],

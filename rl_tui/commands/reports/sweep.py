@@ -1,4 +1,4 @@
-"""The report of a sweep, for people."""
+"""The report of a sweep."""
 
 from __future__ import annotations
 
@@ -26,9 +26,14 @@ _LIKE_BEST: Final = "="
 def sweep_report(
     plan: SweepPlan, store: Store, standings: Standings, bests: Sequence[Document], failed: int
 ) -> str:
-    """Return what a sweep came to: its best cells, and what to know of the others.
+    """Return the report of a sweep: the best cells, and notes on the others.
 
-    ``failed`` is how many of its runs broke down.
+    Args:
+        plan: What was trained.
+        store: Where the runs are.
+        standings: Ranking of the cells.
+        bests: JSON documents of the best cells, possibly trained again.
+        failed: Number of runs that failed.
     """
     seeds = f"seeds {plan.first_seed} to {plan.seeds[-1]}" if plan.runs > 1 else f"seed {plan.first_seed}"
     head = f"{plan.scenario.title}: {counted(plan.count, 'cell')}, {counted(plan.runs, 'run')} each, {seeds}"
@@ -52,7 +57,11 @@ def sweep_report(
 
 
 def sensitivity_report(sensitivities: Sequence[Document] | None) -> str:
-    """Return what settings of its own are worth to an algorithm in each scenario; empty if nobody knows."""
+    """Return how much each algorithm gains from its own settings per scenario.
+
+    Returns:
+        The report. Empty if sensitivities are unknown.
+    """
     if not sensitivities:
         return ""
     rows = [("algorithm", "own settings", "in common", "sensitivity", "held out", "best in common")]
@@ -67,7 +76,7 @@ def sensitivity_report(sensitivities: Sequence[Document] | None) -> str:
 
 
 def _cells(plan: SweepPlan, store: Store, standings: Standings, ranking: Ranking) -> str:
-    """Return the best cells of one world, a row each."""
+    """Return a table of the best cells of one world."""
     shown = _there(plan, store, standings.first(ranking, SHOWN))
     tells = np.count_nonzero(ranking.compared) > 1
     verdicts = [_LIKE_BEST if tells and ranking.verdict(each.cell.index) else "" for each in shown]
@@ -77,7 +86,7 @@ def _cells(plan: SweepPlan, store: Store, standings: Standings, ranking: Ranking
 
 
 def _worlds(plan: SweepPlan, store: Store, standings: Standings, rankings: Sequence[Ranking]) -> str:
-    """Return the best cell of each world, a row each."""
+    """Return a table with the best cell of each world."""
     indexes = [each.best.index for each in rankings[:MOST_WORLDS] if each.best is not None]
     shown = _there(plan, store, indexes)
     alike_each = [
@@ -109,7 +118,7 @@ def _table(
 
 
 def _setting(value: Value) -> str:
-    """Return ``value`` as people write it: six digits say which of the values it is."""
+    """Return `value` with at most six digits."""
     return f"{value:.6g}" if isinstance(value, float) else written(value)
 
 

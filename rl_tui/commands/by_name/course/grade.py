@@ -1,4 +1,4 @@
-"""``rl-tui grade``: what submissions learn under many seeds, and what was done in sessions of a lesson."""
+"""``rl-tui grade``: grade submissions under many seeds, or sessions of a lesson."""
 
 from __future__ import annotations
 
@@ -131,14 +131,17 @@ def command(
 
 
 def _what_is_missing(target: str) -> str:
-    """Return what to say where neither a lesson nor a scenario is given."""
     if target.endswith(".json"):
         return f"{target} is a session: give the lesson after it, such as rl-tui grade SESSION.json q-by-hand"
     return "Missing option '--scenario'; or give a lesson after a session or a folder of sessions"
 
 
 def _check_lesson_usage(target: str) -> None:
-    """Refuse what does not go with a lesson. Raises click.UsageError."""
+    """Refuse options that do not apply to lessons.
+
+    Raises:
+        click.UsageError: An option for submissions was given, or `target` is a script.
+    """
     context = click.get_current_context()
     given = [
         f"--{name}"

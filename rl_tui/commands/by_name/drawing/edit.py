@@ -1,4 +1,4 @@
-"""``rl-tui edit``: draw a world."""
+"""``rl-tui edit``: draw a world on screen."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rl-tui new``: begin a scenario file."""
+"""``rl-tui new``: write a new scenario file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rl-tui figure``: a figure of the book, recomputed and held against the printed one."""
+"""``rl-tui figure``: recompute a figure of the book and compare it with the printed one."""
 
 from __future__ import annotations
 

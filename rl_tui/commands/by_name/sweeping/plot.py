@@ -1,4 +1,4 @@
-"""``rl-tui plot``: pictures of results in files."""
+"""``rl-tui plot``: pictures of result files."""
 
 from __future__ import annotations
 

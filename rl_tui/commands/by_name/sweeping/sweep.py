@@ -1,4 +1,4 @@
-"""``rl-tui sweep``: the same training with many settings, each under many seeds."""
+"""``rl-tui sweep``: train many settings, each under many seeds."""
 
 from __future__ import annotations
 
@@ -47,16 +47,16 @@ _ADDRESS: Final = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9a-fA-F:.]+\]):\d{1
 
 
 class VariationValue(OptionValue):
-    """What varies, NAME=FROM:TO[:log]:COUNT or NAME=A,B,C."""
+    """A setting and its values: NAME=FROM:TO[:log]:COUNT or NAME=A,B,C."""
 
     name = "NAME=FROM:TO[:log]:COUNT|NAME=A,B,C"
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
-        """Return what the help shows in place of a value."""
+        """Return the placeholder for the help text."""
         return self.name
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Variation:
-        """Return the variation; fails naming what is expected."""
+        """Return the variation, or fail with the expected form."""
         from rl_tui.studies.sweeps.cells.variation import Variation, read_variation
 
         if isinstance(value, Variation):
@@ -68,12 +68,12 @@ class VariationValue(OptionValue):
 
 
 class ShardValue(OptionValue):
-    """One of several parts, I/N."""
+    """One part of a sweep, I/N."""
 
     name = "I/N"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Shard:
-        """Return the shard; fails naming what is expected."""
+        """Return the shard, or fail with the expected form."""
         from rl_tui.studies.sweeps.plan import Shard
 
         if isinstance(value, Shard):
@@ -86,12 +86,12 @@ class ShardValue(OptionValue):
 
 
 class MeasureValue(OptionValue):
-    """The id of a measure."""
+    """The id of a metric."""
 
     name = "MEASURE"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Measure:
-        """Return the measure; fails naming those there are."""
+        """Return the metric, or fail with the list of all metrics."""
         from rl_tui.runs.measures import Measure
         from rl_tui.studies.sweeps.cell import MEASURES
 
@@ -108,7 +108,7 @@ class SchedulerValue(OptionValue):
     name = "ADDRESS"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Return the address; fails naming what is expected."""
+        """Return the address, or fail with an example."""
         if not _ADDRESS.fullmatch(str(value)):
             self.fail(f"{value} is no address of a Dask scheduler, such as tcp://node1:8786", param, ctx)
         return str(value)
@@ -140,12 +140,12 @@ def merge_command(out: Path, stores: tuple[Path, ...]) -> None:
 
 
 class SweepCommand(SectionedCommand):
-    """The command, which has one of its own: ``sweep merge``."""
+    """The ``sweep`` command, which has one subcommand: ``sweep merge``."""
 
     def make_context(
         self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
     ) -> click.Context:
-        """Return the context of ``sweep``, or that of ``sweep merge``."""
+        """Return the context of ``sweep`` or of ``sweep merge``."""
         if args[:1] == [merge_command.name]:
             return merge_command.make_context(f"{info_name} {args[0]}", args[1:], parent=parent, **extra)
         return super().make_context(info_name, args, parent=parent, **extra)
@@ -258,7 +258,11 @@ def command(
 
 
 def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -> None:
-    """Refuse what does not go with a part of a sweep. Raises click.UsageError."""
+    """Refuse options that do not fit a part of a sweep.
+
+    Raises:
+        click.UsageError: There is no store, or output was requested.
+    """
     if shard is None:
         return
     if store is None:
@@ -274,7 +278,13 @@ def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -
 
 
 def _workers(jobs: int | None, dask: str | None, tell: Callable[[str], None]) -> Workers:
-    """Return who trains: threads here, or the workers of a cluster, of which ``tell`` says what is wrong."""
+    """Return threads of this machine, or the workers of a Dask cluster.
+
+    Args:
+        jobs: Number of threads; None: one per core.
+        dask: Address of the scheduler, or None.
+        tell: Called with problems of the cluster.
+    """
     if dask is not None:
         from rl_tui.studies.sweeps.cluster.dask_workers import DaskWorkers
 
@@ -291,7 +301,7 @@ def _complain_below_bar(message: str) -> None:
 def _train(
     plan: SweepPlan, store: Store, shard: Shard, workers: MakeWorkers, *, is_kept: bool
 ) -> SweepProgress:
-    """Train what is not stored, and say how far it has come."""
+    """Train the runs that are not stored yet, with a progress bar."""
     from rl_tui.studies.sweeps.sweep import SweepProgress, run_sweep
 
     latest = SweepProgress(plan.size_of(shard) * plan.runs)
@@ -316,7 +326,6 @@ def _train(
 
 
 def _how_far(now: SweepProgress) -> str:
-    """Return ``1.2k of 3.0k runs, 41M steps/s, 12 s left``."""
     parts = [f"{short_count(now.done)} of {short_count(now.planned)} runs"]
     if now.seconds >= WORTH_A_FORECAST and now.trained and now.done < now.planned:
         parts.append(f"{short_count(int(now.steps / now.seconds))} steps/s")
@@ -335,7 +344,7 @@ def _report(
     again: bool,
     as_json: bool,
 ) -> None:
-    """Train the best cell once more, and print what came of the whole."""
+    """Train the best cells again on fresh seeds, and print the results."""
     from rl_tui.common.files import file_or_stream
     from rl_tui.studies.sweeps.document import best_documents, json_pieces, write_csv
     from rl_tui.studies.sweeps.ranking import standings_of
