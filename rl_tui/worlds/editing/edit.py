@@ -1,4 +1,4 @@
-"""Edits: single changes of a world, written as `world.cell[1,2]=#`."""
+"""Edits: single changes of a world, written as ``world.cell[1,2]=#``."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ _NAME: Final = re.compile(r"world\.([a-z_]+)")
 _BARE: Final = re.compile(r"[^\s,;\[\]\"][^,\[\]\"]*")
 _VALUE: Final = re.compile(r"[^;]*")
 JSON_BEGINS: Final = tuple('{["')
-"""With one of these a value begins that is read as JSON, to its end and no further."""
-# Its value is one character, whichever
+"""A value that starts with one of these is read as JSON."""
+# The value of a cell is any single character
 _CELL: Final = "cell"
 
 
 class Edit(NamedTuple):
-    """One change of a world, as it was written.
+    """One change of a world, as written.
 
-    ``name`` is what changes, ``at`` where: a row and a column of a map, or two ranges ``1:4`` of them (up to
-    but not with the last), a state and an action, the number of an arm; nothing where it is a rule of the
-    whole world. ``value`` is what is put there. What all of it may be is known to the draft that takes it.
+    `name` says what changes. `at` is the place: row and column, two ranges such as ``1:4`` (end excluded),
+    state and action, or the number of an arm. It is empty for rules of the whole world. Only the draft checks
+    the content.
     """
 
     name: str
@@ -39,9 +39,10 @@ class Edit(NamedTuple):
 
 
 def read_edits(text: str) -> tuple[Edit, ...]:
-    """Return what ``text`` says, one edit or more with semicolons between them.
+    """Parse one or more edits, separated by semicolons.
 
-    Raises ValueError, naming what was expected, where it says nothing.
+    Raises:
+        ValueError: The text is not a list of edits.
     """
     edits, at = [], 0
     while True:
@@ -55,7 +56,7 @@ def read_edits(text: str) -> tuple[Edit, ...]:
 
 
 def _read_edit(text: str, start: int) -> tuple[Edit, int]:
-    """Return the edit that begins at ``start``, and where it ends."""
+    """Return the edit that starts at `start`, and its end."""
     name = _NAME.match(text, start)
     if name is None:
         raise ValueError(f"{shown(text[start:])} is not {FORM}, such as world.cell[1,2]=#")
@@ -67,7 +68,7 @@ def _read_edit(text: str, start: int) -> tuple[Edit, int]:
 
 
 def _read_places(text: str, at: int) -> tuple[tuple[str, ...], int]:
-    """Return what stands in brackets at ``at``, nothing without brackets, and where they end."""
+    """Return the places in brackets at `at`, if any, and their end."""
     if not text.startswith("[", at):
         return (), at
     places = []
@@ -107,7 +108,11 @@ def _read_json(text: str, at: int) -> tuple[str, int]:
 
 
 def json_in(text: str) -> str:
-    """Return the JSON that all of ``text`` is, as :func:`as_json` writes it. Raises ValueError."""
+    """Return the JSON in `text`, formatted as by :func:`as_json`.
+
+    Raises:
+        ValueError: The text is not one JSON value.
+    """
     value, end = _read_json(text, 0)
     if text[end:].strip():
         raise ValueError(f"{shown(text[end:])} follows the JSON")
@@ -115,12 +120,12 @@ def json_in(text: str) -> str:
 
 
 def as_json(value: object) -> str:
-    """Return ``value`` as the value of an edit holds it: equal values are equal texts."""
+    """Return `value` as compact JSON. Equal values give equal texts."""
     return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 
 
 def written_edits(edits: Iterable[Edit]) -> str:
-    """Return ``edits`` as :func:`read_edits` reads them."""
+    """Return `edits` as text that :func:`read_edits` can parse."""
     return BETWEEN.join(map(_written, edits))
 
 
@@ -140,12 +145,16 @@ _MOST_DIGITS: Final = 18
 
 
 def named(edit: Edit) -> str:
-    """Return what ``edit`` changes and where, short and safe to print: ``cell[1,2]``."""
+    """Return the name and place of `edit`, short and printable, such as ``cell[1,2]``."""
     return one_line(f"{edit.name}[{','.join(edit.at)}]", _LONGEST_SHOWN)
 
 
 def number_in(edit: Edit) -> float:
-    """Return the number that ``edit`` puts somewhere. Raises UserError where it is none."""
+    """Return the value of `edit` as a number.
+
+    Raises:
+        UserError: It is not a number.
+    """
     value = plain_value(edit)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
         raise UserError(f"{edit.name} is {shown(edit.value)}; expected a number")
@@ -153,7 +162,7 @@ def number_in(edit: Edit) -> float:
 
 
 def plain_value(edit: Edit) -> Any:
-    """Return the value of ``edit``: what JSON reads, else the text as it is."""
+    """Return the value of `edit`, parsed as JSON if possible, else as text."""
     try:
         return json.loads(edit.value, parse_int=_whole_number)
     except (ValueError, RecursionError):
@@ -161,18 +170,26 @@ def plain_value(edit: Edit) -> Any:
 
 
 def _whole_number(digits: str) -> float:
-    """Return the number of these ``digits``; no value of a world is larger than what a float can hold."""
+    """Return the number. Very long ones become floats."""
     return int(digits) if len(digits) <= _MOST_DIGITS else float(digits)
 
 
 def rule_value(edit: Edit) -> Any:
-    """Return the value of ``edit``, which is of the whole world. Raises UserError where it names a place."""
+    """Return the value of an edit of the whole world.
+
+    Raises:
+        UserError: The edit names a place.
+    """
     _check_of_all(edit)
     return plain_value(edit)
 
 
 def rule_number(edit: Edit) -> float:
-    """Return the number that ``edit`` sets for the whole world. Raises UserError where it is none."""
+    """Return the number of an edit of the whole world.
+
+    Raises:
+        UserError: The edit names a place, or its value is not a number.
+    """
     _check_of_all(edit)
     return number_in(edit)
 
@@ -183,14 +200,32 @@ def _check_of_all(edit: Edit) -> None:
 
 
 def place_in(edit: Edit, what: str, count: int) -> range:
-    """Return the one range of lines that ``edit`` is about, of ``count`` that are called ``what``."""
+    """Return the range of lines that `edit` names.
+
+    Args:
+        edit: The edit.
+        what: Name of such a line, for messages.
+        count: Number of existing lines.
+
+    Raises:
+        UserError: The edit does not name one existing range.
+    """
     if len(edit.at) != 1:
         raise UserError(f"{named(edit)}: expected one {what}")
     return _range(edit, edit.at[0], what, count)
 
 
 def places_in(edit: Edit, first: tuple[str, int], second: tuple[str, int]) -> tuple[range, range]:
-    """Return the two ranges that ``edit`` is about: each is called something, and there are so many."""
+    """Return the two ranges that `edit` names.
+
+    Args:
+        edit: The edit.
+        first: Name of the first kind of line, and the number of lines.
+        second: The same for the second kind.
+
+    Raises:
+        UserError: The edit does not name two existing ranges.
+    """
     if len(edit.at) != 2:
         raise UserError(f"{named(edit)}: expected a {first[0]} and a {second[0]}")
     return _range(edit, edit.at[0], *first), _range(edit, edit.at[1], *second)
@@ -208,9 +243,17 @@ def _range(edit: Edit, text: str, what: str, count: int) -> range:
 
 
 def lines_added(edit: Edit, count: int) -> tuple[int, int]:
-    """Return how many of ``count`` lines ``edit`` adds, below 0 takes away, and before which it does so.
+    """Parse the insertion of lines, ``+1@3``, or their removal, ``-2@3`` (two lines from 3 on).
 
-    It is written ``+1@3``, or ``-2@3`` for the two from 3 on. Raises UserError where there is no such line.
+    Args:
+        edit: The edit.
+        count: Number of existing lines.
+
+    Returns:
+        Number of lines to add (negative: to remove), and the line where this happens.
+
+    Raises:
+        UserError: The form is wrong, or the lines do not exist.
     """
     match = _LINES.fullmatch(edit.value)
     if match is None or edit.at or int(match[1]) == 0:
