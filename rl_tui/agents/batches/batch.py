@@ -240,7 +240,6 @@ def compile_batch(algorithm: str, hyperparameters: Hyperparameters, batching: Ba
 def _agent_in(
     space: TabularMDP, algorithm: str, values: Hyperparameters, *, in_turn: bool
 ) -> tuple[Any, Any]:
-    """Return memory and policy rule of a new agent in `space`."""
     module = importlib.import_module(BY_ID[algorithm].module)
     policy = importlib.import_module(POLICY_BY_ID[values.policy].module)
     q = np.full(space.pairs, values.initial_q, dtype=np.float64)

@@ -186,7 +186,6 @@ def _index(indices: IndexArray, place: int) -> int:
 def _sit_down(
     runs: Runs, seats: Seats, tables: Tables, generator: Generator, mark_episodes: IntArray, episodes: int
 ) -> None:
-    """Give the next waiting run a seat."""
     seat, run = seats.taken[0], seats.waiting[0]
     seats.taken[0] += 1
     seats.waiting[0] += 1

@@ -157,6 +157,5 @@ def _seed_pcg64(pool: IntArray, limbs: IntArray, words: WordArray) -> None:
 
 @for_kernels
 def _joined(limbs: IntArray, first: int) -> int:
-    """Return 64 bits made of four of `limbs`."""
     low = limbs[first] | limbs[first + 1] << 16
     return np.uint64(low) | np.uint64(limbs[first + 2] | limbs[first + 3] << 16) << np.uint64(32)  # type: ignore[return-value]

@@ -242,7 +242,6 @@ class BackgroundCompiler:
             self.get(loop)
 
     def _get_from_worker(self, loop: Loop) -> bool:
-        """Let the worker compile `loop`, then read the result. Return False on failure."""
         from rl_tui.agents.compiling.cache_folder import was_compiled
         from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, CodeOrigin
 

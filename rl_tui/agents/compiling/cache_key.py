@@ -90,7 +90,6 @@ def imports(source: bytes) -> set[str]:
 
 
 def _modules(package: Path) -> Iterator[tuple[str, str]]:
-    """Yield the name and file of each module in `package`."""
     for folder, _, names in os.walk(package):
         inside = os.path.relpath(folder, package)
         parts = [NAME] if inside == os.curdir else [NAME, *inside.split(os.sep)]

@@ -153,7 +153,6 @@ def _first_policy(mdp: TabularMDP, hyperparameters: Hyperparameters) -> FloatArr
 
 
 def _limited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wait:
-    """Return the wait with a time limit."""
     nearest = _nearest(exact_model(stopped), tells, policy > 0.0)
     if nearest is None or nearest > stopped.time_limit:
         return Wait(0.0, None, None)
@@ -180,7 +179,6 @@ def _may_time_out_or_end(stopped: TabularMDP, tells: BoolArray, usable: BoolArra
 
 
 def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wait:
-    """Return the wait without a time limit."""
     model, usable, start = exact_model(stopped), policy > 0.0, stopped.start_state
     can_tell = _steps_before(model, tells, usable) >= 0
     if not can_tell[start].any():
@@ -336,7 +334,6 @@ def _best_of(
     episode: int,
     values: Sequence[tuple[str, float | str]],
 ) -> Remedy | None:
-    """Return the value with the shortest wait, or None if no wait is known."""
     best = None
     for setting, value in values:
         changed = hyperparameters.changed(setting, value)

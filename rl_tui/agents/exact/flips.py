@@ -222,7 +222,6 @@ def _between(
 
 
 def _around(model: RationalModel, lower: Fraction, upper: Fraction, guess: Sequence[int]) -> OptimalInterval:
-    """Return the interval around some γ between the bounds."""
     for gamma in _fractions_between(lower, upper):
         policy, values = _optimal_policy(model, gamma, guess)
         advantages = [primitive(values.advantage(pair)) for pair in model.pairs]

@@ -374,7 +374,6 @@ def _chains(mdp: TabularMDP, policies: FloatArray) -> ChainOf:
 
 
 def _within_limit(mdp: TabularMDP, policy: FloatArray) -> _Episode:
-    """Return the figures of an episode with a time limit."""
     visits = expected_visits(mdp, policy, mdp.time_limit)
     total = np.add.reduceat(mdp.probability, mdp.first_outcome[:-1])
     pairs = visits[mdp.pair_state] * policy / total
@@ -383,7 +382,6 @@ def _within_limit(mdp: TabularMDP, policy: FloatArray) -> _Episode:
 
 
 def _unlimited(chain: PolicyChain) -> _Episode:
-    """Return the figures of an episode without a time limit."""
     return _Episode(_if_exact(chain.expected_length), _if_exact(chain.chance_of_ending))
 
 

@@ -139,7 +139,6 @@ def _stretched(given: list[int], by: Fraction) -> list[int]:
 
 
 def _powers(base: int, many: int) -> list[int]:
-    """Return the first powers of `base`, starting with 1."""
     return list(accumulate(repeat(base, many - 1), mul, initial=1))
 
 

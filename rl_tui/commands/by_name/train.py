@@ -132,7 +132,6 @@ def _train_agent(
     curve: CsvTarget,
     as_json: bool,
 ) -> None:
-    """Train the user's own agent and print the results."""
     from rl_tui.commands.line.screen import refuse_where_served
     from rl_tui.commands.reports.training import agent_run, several_runs, update_in_words
     from rl_tui.common.files import file_or_stream

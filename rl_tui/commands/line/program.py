@@ -59,7 +59,6 @@ class Program(click.Group):
         return super().resolve_command(ctx, args)
 
     def _hint(self, name: str) -> str:
-        """Return a suggestion for the unknown command `name`."""
         from rl_tui.commands.line.key_on_screen import key_on_screen
 
         near = get_close_matches(name, self.modules, n=1)

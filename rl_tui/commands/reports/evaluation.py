@@ -50,7 +50,6 @@ def _head(title: str, answer: Mapping[str, Any]) -> str:
 
 
 def _values(world: World, policy: FloatArray, values: Mapping[str, float | None]) -> str:
-    """Return a table with the value of each state and the probability of each action."""
     order, names = shown_order(world), world.space.action_names
     chances = table(world.space, policy)
     pi = "π" if can_print("π") else "pi"

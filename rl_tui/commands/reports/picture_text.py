@@ -105,13 +105,11 @@ class _Cells:
         return f"{MISSING} " if value is None else number_text(value, _DIGITS) + self.mark(row, column)
 
     def number(self, row: int, column: int) -> str:
-        """Return a cell with its number."""
         text = self._number(row, column)
         blanks = " " * (self.width - 1 - cell_len(text))
         return self.tinted(blanks + text, self.atlas.values[row][column])
 
     def tint(self, row: int, column: int) -> str:
-        """Return a cell without its number."""
         value = self.atlas.values[row][column]
         return self.tinted(f"{' ' if value is not None else MISSING}{self.mark(row, column)}", value)
 

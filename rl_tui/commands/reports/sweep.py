@@ -76,7 +76,6 @@ def sensitivity_report(sensitivities: Sequence[Document] | None) -> str:
 
 
 def _cells(plan: SweepPlan, store: Store, standings: Standings, ranking: Ranking) -> str:
-    """Return a table of the best cells of one world."""
     shown = _there(plan, store, standings.first(ranking, SHOWN))
     tells = np.count_nonzero(ranking.compared) > 1
     verdicts = [_LIKE_BEST if tells and ranking.verdict(each.cell.index) else "" for each in shown]
@@ -86,7 +85,6 @@ def _cells(plan: SweepPlan, store: Store, standings: Standings, ranking: Ranking
 
 
 def _worlds(plan: SweepPlan, store: Store, standings: Standings, rankings: Sequence[Ranking]) -> str:
-    """Return a table with the best cell of each world."""
     indexes = [each.best.index for each in rankings[:MOST_WORLDS] if each.best is not None]
     shown = _there(plan, store, indexes)
     alike_each = [

@@ -70,7 +70,6 @@ def one_run(run: Run, figures: Figures) -> str:
 
 
 def _changes(journal: Sequence[Figures]) -> str:
-    """Return a table of the changes during the run."""
     rows = [(f"after {each['step']:,}", str(each["name"]), number(each["value"], ".12g")) for each in journal]
     return columns([("step", "changed", "to"), *rows[:MOST_CHANGES]]) + (
         f"\n... and {len(rows) - MOST_CHANGES:,} more: --json has all" if len(rows) > MOST_CHANGES else ""

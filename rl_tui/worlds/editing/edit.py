@@ -56,7 +56,6 @@ def read_edits(text: str) -> tuple[Edit, ...]:
 
 
 def _read_edit(text: str, start: int) -> tuple[Edit, int]:
-    """Return the edit that starts at `start`, and its end."""
     name = _NAME.match(text, start)
     if name is None:
         raise ValueError(f"{shown(text[start:])} is not {FORM}, such as world.cell[1,2]=#")

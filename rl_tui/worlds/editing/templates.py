@@ -114,7 +114,6 @@ _DRAW: Final[Mapping[str, Draw]] = {LAKE: lake, MAZE: maze}
 
 
 def _random_text(template: str, seed: int, rows: int, columns: int) -> str:
-    """Return the blank map with random lines."""
     import tomlkit
 
     from rl_tui.worlds.editing.saving import map_text

@@ -152,7 +152,6 @@ def _form_findings(text: str) -> Iterator[Finding]:
 
 
 def _shape(raw: Mapping[str, Any], key: str) -> _Shape | None:
-    """Return the size of the map, or None if it cannot be read."""
     if key == "map":
         lines = lines_of(raw["map"])
         return _Shape(len(lines), len(lines[0]), Counter("".join(lines)))

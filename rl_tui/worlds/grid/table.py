@@ -102,7 +102,6 @@ class GridStates:
 
     @cached_property
     def _is_wall(self) -> BoolArray:
-        """True for walls, [rows, columns]."""
         return self._lookup(lambda entry: entry.is_wall, np.bool_)[self.map.codes]
 
     @cached_property

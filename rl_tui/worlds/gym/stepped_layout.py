@@ -255,7 +255,6 @@ def _known_product(name: str, sizes: Sequence[int], names: Sequence[Sequence[str
 
 
 def _map_shape(kwargs: Mapping[str, Any]) -> tuple[int, int] | None:
-    """Return the shape of the lake that `kwargs` request, or None."""
     lines, name = kwargs.get("desc"), kwargs.get("map_name")
     if isinstance(lines, list) and lines and isinstance(lines[0], str):
         return len(lines), len(lines[0])

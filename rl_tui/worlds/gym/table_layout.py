@@ -173,7 +173,6 @@ def _taxi_grid() -> Grid:
 
 
 def _taxi_decoded(state: int) -> tuple[int, int, int, int]:
-    """Return row, column, passenger and destination of a state."""
     rest, destination = divmod(state, len(_DESTINATIONS))
     rest, passenger = divmod(rest, len(_PASSENGER))
     row, column = divmod(rest, _TOWN)

@@ -434,7 +434,6 @@ def _only(arrays: TransitionArrays, kept: BoolArray) -> TransitionArrays:
 def _pairs_by_state(
     states: int, actions: int, transitions: Iterable[Transition]
 ) -> list[dict[int, list[Outcome]]]:
-    """Return state → action → possible outcomes, checked."""
     by_state: list[dict[int, list[Outcome]]] = [{} for _ in range(states)]
     for state, action, outcomes in transitions:
         where = f"state {state}, action {action}"

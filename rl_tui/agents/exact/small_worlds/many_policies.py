@@ -279,7 +279,6 @@ def returns_of(mdp: TabularMDP, policies: FloatArray, chain_of: ChainOf) -> Floa
 
 
 def _writable(policies: FloatArray) -> FloatArray:
-    """Return `policies` as the array type that machine code expects."""
     return np.require(policies, np.float64, ["C", "W"])
 
 

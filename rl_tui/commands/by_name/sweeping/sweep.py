@@ -301,7 +301,6 @@ def _complain_below_bar(message: str) -> None:
 def _train(
     plan: SweepPlan, store: Store, shard: Shard, workers: MakeWorkers, *, is_kept: bool
 ) -> SweepProgress:
-    """Train the runs that are not stored yet, with a progress bar."""
     from rl_tui.studies.sweeps.sweep import SweepProgress, run_sweep
 
     latest = SweepProgress(plan.size_of(shard) * plan.runs)
