@@ -135,9 +135,7 @@ class Learner(LearnerMemory):
             UserError: The learner is not ``rewindable``.
         """
         if not self.rewindable:
-            raise UserError(
-                "an environment that is stepped for real cannot go back: start again and take the same steps"
-            )
+            raise UserError("a simulated environment cannot go back: start again and take the same steps")
         return LearnerState(
             self.space,
             self.algorithm,

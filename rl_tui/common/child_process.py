@@ -34,7 +34,7 @@ def python_process(
         OSError: The process cannot be started.
     """
     if not sys.executable:
-        raise FileNotFoundError("which Python this is is not known")
+        raise FileNotFoundError("the path of the Python interpreter is unknown")
     path = [each for each in sys.path if each]
     return subprocess.Popen(
         [sys.executable, "-P", "-c", _SCRIPT.format(path=path, module=module, arguments=dict(arguments))],

@@ -89,7 +89,7 @@ def why_others_can_write(status: os.stat_result, *, is_above: bool = False) -> s
     if is_above and status.st_mode & stat.S_ISVTX:
         return ""
     if status.st_mode & stat.S_IWOTH:
-        return "anybody can write to {0}; run chmod -R go-w {0}"
+        return "all users can write to {0}; run chmod -R go-w {0}"
     if status.st_mode & stat.S_IWGRP and not _is_private(status.st_gid, status.st_uid):
         return "its group can write to {0}; run chmod -R go-w {0}"
     return ""

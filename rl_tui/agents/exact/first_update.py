@@ -122,15 +122,15 @@ def _check_known(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparamete
     if not agent.updates_own_pair:
         names = [each.name for each in BY_ID.values() if each.updates_own_pair]
         known = f"{', '.join(names[:-1])} and {names[-1]}"
-        raise NoExactAnswer(f"{agent.name} does more than one update by one step; known for {known} only")
+        raise NoExactAnswer(f"{agent.name} does not update one pair per step; known for {known} only")
     if not policy.explores_by_epsilon:
         raise NoExactAnswer(f"the policy is {policy.name}; the wait is known for ε-greedy agents only")
     if hyperparameters.epsilon_schedule != "constant" and hyperparameters.epsilon_decay != 0.0:
         raise NoExactAnswer("ε changes from episode to episode; the wait is known for a constant ε only")
     if mdp.drift_std > 0.0:
-        raise NoExactAnswer("the rewards of this world drift: no two episodes are alike")
+        raise NoExactAnswer("the rewards of this world drift, so episodes differ")
     if hyperparameters.alpha_at(episode) and _falls_to_zero(hyperparameters):
-        raise NoExactAnswer("α falls towards 0: episodes are not alike, and after some of them nothing moves")
+        raise NoExactAnswer("α falls towards 0, so episodes differ, and later ones change nothing")
 
 
 def _falls_to_zero(hyperparameters: Hyperparameters) -> bool:
@@ -194,7 +194,7 @@ def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wai
     error = chain.solve(1.0, can_tell, chances, tells.astype(np.longdouble))
     chance = _representable(stopped.average_at_start(chances))
     if error > _RELATIVE_PRECISION * chance:
-        raise NoExactAnswer("without a time limit so small a chance cannot be told from rounding")
+        raise NoExactAnswer("without a time limit, a chance this small is lost in rounding")
     if chain.always_ends():
         return Wait(chance, 1.0 / chance, _median(chance))
     another = max(0.0, chain.chance_of_ending() - chance)

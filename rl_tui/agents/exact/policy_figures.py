@@ -207,7 +207,7 @@ def policy_of_choices(space: FiniteSpace, choices: Mapping[int, Choice]) -> Floa
         if not all(pair in own for pair in chances):
             raise ValueError(f"state {state}: not all of {list(chances)} are its pairs")
         if not all(chance >= 0.0 for chance in chances.values()) or not abs(total - 1.0) <= SUM_TOLERANCE:
-            raise ValueError(f"state {state}: {list(chances.values())} are no probabilities that sum to 1")
+            raise ValueError(f"state {state}: {list(chances.values())} are not probabilities that sum to 1")
         policy[own.start : own.stop] = 0.0
         for pair, chance in chances.items():
             policy[pair] = chance / total

@@ -95,7 +95,7 @@ def prepare(scenario: str) -> None:
     """
     from rl_tui.commands.serving.app_process import command_line
 
-    click.echo("getting machine code ready: a moment, or half a minute where there is none yet", err=True)
+    click.echo("preparing machine code: a moment, or half a minute the first time", err=True)
     warming = command_line(sys.executable, ["warm", scenario])
     with suppress(OSError, subprocess.TimeoutExpired):  # errors appear in the tabs
         subprocess.run(
@@ -148,7 +148,7 @@ def _check_shipped(scenario: str) -> None:
     shipped = [path.stem for path in shipped_folder().glob("*.toml")]
     if scenario not in shipped:
         near = get_close_matches(scenario.lower(), shipped, n=3, cutoff=0.5)
-        hint = f"did you mean {' or '.join(near)}?" if near else "--no-kiosk plays your own, for you alone"
+        hint = f"did you mean {' or '.join(near)}?" if near else "--no-kiosk allows your own files"
         raise UserError(f"{shown(scenario)} is not a shipped scenario, and a kiosk plays no other: {hint}")
 
 
@@ -166,18 +166,18 @@ def _confirm(
         if kiosk or url is None:
             return
         warning = (
-            f"whoever reaches {url} reads and writes files as you do.\n"
+            f"everyone who reaches {url} can read and write your files.\n"
             "The proxy in front must ask for a password."
         )
     elif not kiosk:
         raise click.UsageError(
-            f"--no-kiosk lets whoever connects read and write your files: not on {host}, only on 127.0.0.1"
+            f"--no-kiosk gives every visitor access to your files: not on {host}, only on 127.0.0.1"
         )
     else:
         where = "every address of this machine" if host in ("0.0.0.0", "::") else host
         warning = (
             f"{where} can be reached from other machines.\n"
-            "There is no password and no encryption: anybody who reaches"
+            "There is no password and no encryption: everyone who reaches"
             f" {'the port' if port == 0 else f'port {port}'} can use rl-tui, {most} at once.\n"
             "Safer: leave it on 127.0.0.1 and put a web server with TLS and a password in front (--url),\n"
             "or come through ssh -L."
@@ -186,7 +186,7 @@ def _confirm(
     if yes:
         return
     if not is_interactive():
-        raise click.UsageError("nobody can be asked here whether that is meant: say so with --yes")
+        raise click.UsageError("cannot ask for confirmation here: add --yes")
     if not click.confirm("Serve it there?", err=True):
         context.exit(FAILED)
 

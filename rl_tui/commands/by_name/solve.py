@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from rl_tui.worlds.world import World
 
 _GREEDY_IS_NOT_ENOUGH: Final = """\
-At γ = 1 it is not enough to be greedy for Q*: by best actions alone one may go round for ever and never
-earn what Q* promises. Of equally good actions the policy has only those that come to an end; left out: {}."""
+At γ = 1 a greedy policy for Q* may circle forever and never earn what Q* promises. Of equally good actions
+the policy contains only those that lead to an end; left out: {}."""
 
 
 @click.command("solve")

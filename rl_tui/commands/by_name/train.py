@@ -87,12 +87,12 @@ def command(
     changed = {name_and_value(entry.change)[0] for entry in changes}
     if runs is not None and TAKE in changed:
         raise click.UsageError(
-            "take and --runs exclude each other: where an agent stands after so many steps is one run's",
+            "take=ACTION works for a single run only: leave out --runs",
             click.get_current_context(),
         )
     if changes and agent is not None:
         raise click.UsageError(
-            "--change and --agent exclude each other: what changes is in your agent",
+            "--change and --agent exclude each other: change your agent's code instead",
             click.get_current_context(),
         )
     from rl_tui.common.files import file_or_stream

@@ -55,7 +55,7 @@ class Program(click.Group):
         """
         name = args[0]
         if name not in self.modules and not name.startswith("-"):
-            raise click.UsageError(f"no command is called {name!r}; {self._hint(name)}", ctx)
+            raise click.UsageError(f"unknown command {name!r}; {self._hint(name)}", ctx)
         return super().resolve_command(ctx, args)
 
     def _hint(self, name: str) -> str:
@@ -118,7 +118,7 @@ class Program(click.Group):
 def _unknown_option(fault: click.NoSuchOption, program: click.Group) -> str:
     """Return an error message that names commands with this option, or a near option."""
     option, context = fault.option_name, fault.ctx
-    said = f"there is no option {option}"
+    said = f"unknown option {option}"
     if context is None:
         return said
     owners = [

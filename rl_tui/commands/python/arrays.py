@@ -51,7 +51,7 @@ def choices_in(space: FiniteSpace, policy: npt.ArrayLike) -> Mapping[int, Choice
     try:
         array = np.asarray(policy)
     except ValueError as fault:  # the rows have different lengths
-        raise UserError("the policy is no array: its rows are of different lengths") from fault
+        raise UserError("the policy is not an array: its rows have different lengths") from fault
     states, actions = space.states, len(space.action_names)
     if array.shape == (states,) and array.dtype.kind in "iu":
         array = array[:, None] == np.arange(actions)[None, :]

@@ -118,7 +118,7 @@ def check_report(recipe: Recipe, world: World, report: WorldReport) -> str:
     states = counted(space.states, "state")
     title = f"{recipe.scenario.title}: {states}, {counted(len(space.action_names), 'action')}"
     if report.is_empty:
-        return f"{title}; there is no table to work anything out from"
+        return f"{title}; no exact results without a transition table"
     listed = rows(report, space, recipe.hyperparameters.gamma)
     figures = [(LABELS[row.field], row.figure, row.remark) for row in listed[:3]]
     texts = [(LABELS[row.field], _in_a_line(row)) for row in listed[3:]]

@@ -75,7 +75,7 @@ def atlas_lines(atlas: AtlasChart, columns: int, depth: Depth) -> Iterator[str]:
             yield from _block(numbers, left, range(first, min(first + at_once, len(atlas.columns))))
     marks = [f"{BEST} the best"] if atlas.best is not None else []
     if numbers.marked:
-        marks.append(f"{ALIKE} not different from the best")
+        marks.append(f"{ALIKE} tied with the best")
     if marks:
         yield "   ".join(marks)
 

@@ -74,7 +74,7 @@ def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:
     drawing = columns([row[left : right + 1] for row in rows[top : bottom + 1]])
     if (top, bottom, left, right) == (0, grid.rows - 1, 0, grid.columns - 1):
         return drawing
-    return f"{drawing}\n({_part(grid, top, bottom, left, right)}; nothing is known of those left out)"
+    return f"{drawing}\n({_part(grid, top, bottom, left, right)}; nothing is known outside)"
 
 
 def _part(grid: Grid, top: int, bottom: int, left: int, right: int) -> str:

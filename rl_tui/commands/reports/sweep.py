@@ -128,20 +128,20 @@ def _notes(standings: Standings, rankings: Sequence[Ranking], failed: int) -> li
     measure = standings.measure
     notes = [f"{measure.id}: {measure.formula}."]
     if measure.may_never_arrive:
-        notes.append("Shown is the mean of min(arrival, episodes), from and to its 95 % interval.")
+        notes.append("Shown: mean of min(arrival, episodes), with its 95 % interval.")
     else:
-        notes.append("Shown is its mean over the runs, from and to the 95 % interval of that.")
+        notes.append("Shown: mean over the runs, with its 95 % interval.")
     if len(rankings) > 1:
-        notes.append("What is earned in one world says nothing of another: the best is told for each.")
+        notes.append("Returns of different worlds are not comparable: each world has its own best.")
     if not any(int(np.count_nonzero(each.compared)) > 1 for each in rankings):
-        notes.append("So few runs, or cells, tell none from another: take --runs 10 or more.")
+        notes.append("Too few runs to compare cells: use --runs 10 or more.")
     elif len(rankings) == 1:
         others, of = int(np.count_nonzero(rankings[0].alike)) - 1, len(rankings[0].indexes) - 1
         notes.append(
-            f"{_LIKE_BEST} cannot be told from the best: {others:,} of {of:,} others ({standings.method})."
+            f"{_LIKE_BEST} tied with the best: {others:,} of {of:,} other cells ({standings.method})."
         )
     if failed:
-        notes.append(f"{counted(failed, 'run')} broke down; a cell with one is not called best.")
+        notes.append(f"{counted(failed, 'run')} failed; cells with a failed run cannot be best.")
     return [fill(each, WIDTH) for each in notes]
 
 

@@ -197,8 +197,8 @@ def _greedy_rows(figures: Figures, best: float | None) -> list[Row]:
     expected, possible = alike([figures["expected_return"], best])
     ends = figures["greedy_ends"]
     return [
-        (TITLES["value_at_start"], f"{value} of {optimum}", "discounted: greedy policy of optimum"),
-        (TITLES["expected_return"], f"{expected} of {possible}", "undiscounted: greedy policy of best"),
+        (TITLES["value_at_start"], f"{value}, optimal {optimum}", "discounted: greedy policy"),
+        (TITLES["expected_return"], f"{expected}, optimal {possible}", "undiscounted: greedy policy"),
         (TITLES["greedy_ends"], "-" if ends is None else f"with probability {number(ends)}", ""),
         (TITLES["max_error"], number(figures["max_error"]), "max |Q - Q*|"),
     ]
@@ -222,10 +222,10 @@ def _bandit_rows(figures: Figures, spent: BanditFigures) -> list[Row]:
     share = "-" if spent.best_arm_rate is None else f"{spent.best_arm_rate:.1%} of the time"
     winnings = f"{spent.winnings:,.1f} of {spent.best_possible:,.1f}"
     return [
-        ("greedy arm", _arms(figures["policy"][0]), "the best by what was seen"),
-        ("its true mean", f"{greedy} of {best}", "greedy arm of best arm"),
+        ("greedy arm", _arms(figures["policy"][0]), "the best estimate"),
+        ("its true mean", f"{greedy}, best {best}", "greedy arm, best arm"),
         ("best arm pulled", share, ""),
-        ("winnings", winnings, "of what the best arm brings on average"),
+        ("winnings", winnings, "of the best arm's average"),
         ("regret", f"{spent.regret:,.1f}", "lost to other arms, counted in true means"),
         (TITLES["max_error"], number(figures["max_error"]), "max |Q - q*|"),
         (_last(figures["episodes"], "pull"), number(figures["return_last_100"]), "mean reward, exploring"),

@@ -113,7 +113,7 @@ class Site:
     async def _only_for_us(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         if not self._doorkeeper.knows(request.host):
             raise web.HTTPForbidden(
-                text="This server does not go by that name. Where a proxy stands in front of it,"
+                text="This server has another name. Behind a proxy,"
                 " start it with rl-tui serve --url and the address that people type.\n"
             )
         return await handler(request)

@@ -31,7 +31,7 @@ _CHARACTERS: Final[Mapping[CellKind, str]] = {
 }
 _STEP: Final = -1.0  # reward of each step and of a fall in Gymnasium's CliffWalking
 _FALL: Final = -100.0
-_STEPPED: Final = "is stepped for real: nobody knows its table"
+_STEPPED: Final = "has no transition table"
 _MAPS: Final = "maps, graphs and bandits of scenario files, lakes and the cliff"
 
 
@@ -66,7 +66,7 @@ def seen_at_once(section: GymnasiumSection, world: World) -> UserError | None:
     if world.mdp is None:
         return _refused(section.id, _STEPPED)
     if not isinstance(world.drawing, Grid) or world.drawing.legend or None in world.drawing.directions:
-        return _refused(section.id, "has states that are no cells to walk about in")
+        return _refused(section.id, "has states that are not cells of a map")
     return None
 
 
@@ -82,11 +82,11 @@ def _same_map(name: str, drawing: Grid, mdp: TabularMDP, world: World) -> GridDr
         same = built.mdp is not None and table_digest(built.mdp) == table_digest(mdp)
         if same and built.drawing == world.drawing:
             return draft
-    raise _refused(name, "does what no map can say")
+    raise _refused(name, "has rules that no map can express")
 
 
 def _refused(name: str, why: str) -> UserError:
-    return UserError(f"{name} {why}, so it cannot be drawn; what can be drawn are {_MAPS}")
+    return UserError(f"{name} {why}, so it cannot be drawn; you can draw {_MAPS}")
 
 
 def _rules(mdp: TabularMDP) -> list[dict[str, Any]]:

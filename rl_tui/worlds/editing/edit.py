@@ -51,7 +51,7 @@ def read_edits(text: str) -> tuple[Edit, ...]:
         if at == len(text):
             return tuple(edits)
         if text[at] != BETWEEN:
-            raise ValueError(f"{shown(text[at:])} follows {FORM}; between two stands {BETWEEN}")
+            raise ValueError(f"{shown(text[at:])} follows {FORM}; separate edits by {BETWEEN}")
         at += 1
 
 
@@ -195,7 +195,7 @@ def rule_number(edit: Edit) -> float:
 
 def _check_of_all(edit: Edit) -> None:
     if edit.at:
-        raise UserError(f"{named(edit)}: {edit.name} is of the whole world: leave the brackets out")
+        raise UserError(f"{named(edit)}: {edit.name} applies to the whole world; leave out the brackets")
 
 
 def place_in(edit: Edit, what: str, count: int) -> range:
@@ -233,7 +233,7 @@ def places_in(edit: Edit, first: tuple[str, int], second: tuple[str, int]) -> tu
 def _range(edit: Edit, text: str, what: str, count: int) -> range:
     match = _PLACE.fullmatch(text)
     if match is None:
-        raise UserError(f"{named(edit)}: {shown(text)} is no {what}, such as 3 or 1:4")
+        raise UserError(f"{named(edit)}: {shown(text)} is not a {what}, such as 3 or 1:4")
     first = int(match[1])
     last = first + 1 if match[2] is None else int(match[2])
     if not 0 <= first < last <= count:
@@ -256,7 +256,9 @@ def lines_added(edit: Edit, count: int) -> tuple[int, int]:
     """
     match = _LINES.fullmatch(edit.value)
     if match is None or edit.at or int(match[1]) == 0:
-        raise UserError(f"{edit.name} is {shown(edit.value)}; expected +1@3, so many more before number 3")
+        raise UserError(
+            f"{edit.name} is {shown(edit.value)}; expected a form such as +1@3, one more before 3"
+        )
     added, at = int(match[1]), int(match[2])
     if at > count or at - min(added, 0) > count:
         raise UserError(f"{edit.name}={edit.value}: there are {edit.name} 0 to {count - 1}")

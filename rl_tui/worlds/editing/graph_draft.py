@@ -84,7 +84,7 @@ def graph_draft(scenario: Scenario, seed: int) -> GraphDraft:
     """
     rules = dict(tables_in(scenario.text)["mdp"])
     if rules.get("seen_as"):
-        raise UserError("states of this world look alike to the agent (seen_as): it cannot be drawn")
+        raise UserError("some states have equal observations (seen_as), so this world cannot be drawn")
     return GraphDraft(tuple(rules.pop("transition")), rules)
 
 
@@ -106,7 +106,7 @@ def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
     transitions = list(draft.transitions)
     if entry is None:
         if index is None:
-            raise UserError(f"{shown(action)} does nothing in {shown(state)}: there is nothing to take away")
+            raise UserError(f"{shown(action)} does nothing in {shown(state)}: there is nothing to remove")
         del transitions[index]
     elif not isinstance(entry, Mapping):
         raise UserError(f'{named(edit)} is {shown(edit.value)}; expected {{"to":…,"reward":…}}')
@@ -141,7 +141,7 @@ def _remove_state(draft: GraphDraft, edit: Edit) -> GraphDraft:
     """Remove a state and everything that leads there. Other outcomes share its chance."""
     (state,) = edit.at if len(edit.at) == 1 else ("",)
     if plain_value(edit) is not None:
-        raise UserError(f"{named(edit)} is {shown(edit.value)}; expected null, which takes it away")
+        raise UserError(f"{named(edit)} is {shown(edit.value)}; expected null, which removes it")
     if state not in draft.states:
         raise UserError(f"there is no state {shown(state)}{near(state, draft.states)}")
     transitions = []

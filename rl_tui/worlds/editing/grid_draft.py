@@ -147,7 +147,7 @@ def drawn_lines(cells: CellMap) -> list[str]:
 
 def _set_cells(draft: GridDraft, edit: Edit) -> GridDraft:
     if not is_character(edit.value):
-        raise UserError(f"{shown(edit.value)} is no character of a map")
+        raise UserError(f"{shown(edit.value)} is not a character of a map")
     rows, columns = draft.cells_in(edit)
     painted = edit.value * len(columns)
     return _with_cells(draft, rows, columns, lambda _: painted)
@@ -181,7 +181,7 @@ def _set_reward(draft: GridDraft, edit: Edit) -> GridDraft:
     for character in sorted(present):
         entry = known.get(character)
         if entry is None or entry.is_wall:
-            raise UserError(f"{shown(character)} pays nothing: nobody enters it")
+            raise UserError(f"{shown(character)} has no reward: it cannot be entered")
         draft, paying[ord(character)] = _character_paying(draft, character, entry, reward)
     return _with_cells(draft, rows, columns, lambda cells: cells.translate(paying))
 
@@ -201,7 +201,7 @@ def _character_paying(
     digit = str(int(reward)) if reward in range(1, 10) else ""
     free = next((each for each in (digit, *_MINTED) if each and each not in taken), None)
     if free is None or len(draft.legend) >= MOST_CHARACTERS:
-        raise UserError("there is no character left for a cell of another reward; use one that is there")
+        raise UserError("no character is left for a cell with another reward; use an existing one")
     raw = wanted.model_dump(mode="json", exclude_defaults=True)
     legend = {**draft._raw_legend, free: raw}
     return replace(draft, rules={**draft.rules, "legend": legend}, minted=draft.minted | {free}), free

@@ -256,12 +256,12 @@ _NOTES: Final = """
 * To keep what you find, write a scenario file with `[gymnasium]`, `id = "{id}"` and your `[defaults]`.
 """
 _BY_TABLE: Final = (
-    "It tells its transition table, so every step is drawn from that, at full speed, and the exact answer is "
-    "known."
+    "It provides its transition table. So steps are drawn from the table, at full speed, and exact values "
+    "are known."
 )
 _STEPPED: Final = (
-    "It has no transition table: it is stepped for real, and nobody knows the exact answer. So there is no "
-    "Q*, no error and no exact return here."
+    "It has no transition table and is simulated. So there are no exact values here: no Q*, no error and no "
+    "exact return."
 )
 
 
@@ -295,7 +295,7 @@ def environment_scenario(name: str) -> Scenario:
 
 
 def _kind(world: World) -> str:
-    return "stepped for real" if world.mdp is None else "by its transition table"
+    return "simulated" if world.mdp is None else "by its transition table"
 
 
 def _notes(id_: str, world: World) -> str:

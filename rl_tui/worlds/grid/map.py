@@ -107,7 +107,7 @@ def entry_findings(
     if entry.is_wall:
         for key in raw:
             if key != "kind":
-                yield Finding((key,), f"{key} in a wall", "nothing but the kind: nobody enters a wall")
+                yield Finding((key,), f"{key} in a wall", "only the kind: a wall cannot be entered")
         return
     if entry.kind is CellKind.START and entry.ends:
         yield Finding(("terminal",), "a start that is terminal", "a start in which something can be done")

@@ -226,8 +226,8 @@ def _jump_findings(
 ) -> Iterator[Finding]:
     count, entry = shape.counts.get(target, 0), legend.get(target)
     if count != 1:
-        found = f"{shown(target)}, which stands {count:,} times on the map" if count else shown(target)
-        yield Finding(where, found, "a character that stands once on the map")
+        found = f"{shown(target)}, which is on the map {count:,} times" if count else shown(target)
+        yield Finding(where, found, "a character that is on the map once")
     elif entry is not None and entry.is_wall:
         yield Finding(where, f"{shown(target)}, a wall", "a cell that one can be in")
 

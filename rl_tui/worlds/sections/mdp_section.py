@@ -157,7 +157,7 @@ def _shared_places(places: Mapping[str, Any]) -> Iterator[Finding]:
         if isinstance(at, list) and all(isinstance(each, int) for each in at):
             holder = taken.setdefault(tuple(at), name)
             if holder != name:
-                yield Finding(("place", name), f"{shown(at)}, where {shown(holder)} stands", "a free place")
+                yield Finding(("place", name), f"{shown(at)}, the place of {shown(holder)}", "a free place")
 
 
 def _unknown_destinations(arrows: Sequence[Arrows], places: Mapping[str, Any]) -> Iterator[Finding]:
@@ -226,7 +226,7 @@ def _seen_findings(arrows: Sequence[Arrows], looks: Mapping[str, Any]) -> Iterat
             yield Finding(
                 ("seen_as", name if name in looks else other),
                 f"{shown(look)} with the actions {here}, but {there} where it is {shown(other)}",
-                "the same actions in all states that look alike",
+                "the same actions in all states with equal observations",
             )
     for name in looks:
         if name not in mentioned:

@@ -15,7 +15,7 @@ from rl_tui.commands.options.run import Real, Whole, allow_module_option, json_o
 MOST: int = 10**15
 MOST_SEEDS: int = 10_000
 WARNING = (
-    "This is no sandbox: {what} can read, write and send what you can. Grade only what you would run "
+    "Not a sandbox: {what} can read, write and send anything you can. Grade only what you would run "
     "yourself, or grade where there is nothing to lose."
 )
 
@@ -101,7 +101,7 @@ def command(
     share_of_optimal = grading.yardstick.share(grading.yardstick.of_optimal)
     if share_of_optimal is not None and share_of_optimal < threshold:
         complain(
-            f"the optimal policy for γ = {recipe.hyperparameters.gamma:g} has itself only "
+            f"the optimal policy for γ = {recipe.hyperparameters.gamma:g} has only "
             f"{share_of_optimal:.4f} of the best return in {recipe.scenario.id}: a --threshold above that is "
             "too much to ask"
         )

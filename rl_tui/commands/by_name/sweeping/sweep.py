@@ -110,7 +110,7 @@ class SchedulerValue(OptionValue):
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """Return the address, or fail with an example."""
         if not _ADDRESS.fullmatch(str(value)):
-            self.fail(f"{value} is no address of a Dask scheduler, such as tcp://node1:8786", param, ctx)
+            self.fail(f"{value} is not the address of a Dask scheduler, such as tcp://node1:8786", param, ctx)
         return str(value)
 
 
@@ -134,9 +134,7 @@ def merge_command(out: Path, stores: tuple[Path, ...]) -> None:
         merged = merge(out, stores, bar)
     click.echo(f"{out}: {counted(merged.new, 'new run')}, {merged.same:,} that were there already")
     if merged.kept:
-        complain(
-            f"{counted(merged.kept, 'run')} came to other figures on another kind of machine: the first stay"
-        )
+        complain(f"{counted(merged.kept, 'run')} differ from another machine's; the first results are kept")
 
 
 class SweepCommand(SectionedCommand):
@@ -272,7 +270,7 @@ def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -
         )
     if has_output:
         raise click.UsageError(
-            "--shard trains a part: print what came of all parts after sweep merge, without it",
+            "--shard trains one part and prints no results: merge all parts first, then leave it out",
             click.get_current_context(),
         )
 
