@@ -52,7 +52,7 @@ class RlTui(Program):
 def program(context: click.Context, /, **display: object) -> None:
     """Watch a tabular reinforcement-learning agent learn, in the terminal.
 
-    Without a command it opens the catalogue of scenarios.
+    Without a command it opens the start screen.
     """
     enter_kiosk(context.invoked_subcommand)
     leave_out_bad_threads()

@@ -32,24 +32,24 @@ _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[ser
 
 @click.command("serve")
 @click.argument("scenario", metavar="[SCENARIO]", required=False)
-@click.option("--host", default="127.0.0.1", show_default=True, help="the address to listen on")
+@click.option("--host", default="127.0.0.1", show_default=True, help="address to listen on")
 @click.option(
     "--port",
     type=Whole(0, 65535),
     default=8000,
     show_default=True,
-    help="the port to listen on; 0: a free one",
+    help="port to listen on; 0: any free port",
 )
-@click.option("--url", help="what people type where a proxy stands in front: https://lab.example.org")
+@click.option("--url", help="address that people type, behind a proxy: https://lab.example.org")
 @click.option(
     "--most",
     type=Whole(1, 1000),
     default=8,
     show_default=True,
-    help="how many people at once: a process each",
+    help="number of people at once, each with a process",
 )
-@click.option("--no-kiosk", is_flag=True, help="let the browser read and write your files, as play does")
-@click.option("--yes", is_flag=True, help="do not ask before other machines are let in")
+@click.option("--no-kiosk", is_flag=True, help="let the browser read and write your files, like play")
+@click.option("--yes", is_flag=True, help="do not ask before other machines get access")
 @display_options
 @click.pass_context
 def command(
@@ -64,10 +64,10 @@ def command(
     yes: bool,
     **display: Any,
 ) -> None:
-    """Serve rl-tui to browsers: every tab is a run of its own.
+    """Serve rl-tui to browsers: every tab is its own run.
 
-    Without a scenario it opens the catalogue. It is a kiosk: nobody can read or write files through it. Only
-    this machine can reach it, unless you give another address.
+    Without a scenario it opens the start screen. It runs in kiosk mode, without access to files. Only this
+    machine can reach it, unless you give another address.
     """
     if find_spec("textual_serve") is None or find_spec("aiohttp") is None:
         raise UserError(_MISSING)

@@ -28,14 +28,14 @@ the policy contains only those that lead to an end; left out: {}."""
 @click.command("solve")
 @scenario_argument
 @parameter_option("gamma", "  [default: the scenario's]")
-@click.option("--flips", is_flag=True, help="also every γ at which the best actions change, exactly")
+@click.option("--flips", is_flag=True, help="also every γ at which the optimal actions change, exactly")
 @seed_option
 @allow_module_option
 @json_option
 def command(scenario: str, gamma: float | None, flips: bool, seed: int, as_json: bool) -> None:
     """Print the optimal values and policy, exact to 1e-9.
 
-    The seed counts only where the world depends on it: the arms of a bandit, a random map.
+    The seed matters only if the world is random, such as the arms of a bandit or a random map.
     """
     from rl_tui.agents.exact.solve import solve
     from rl_tui.common.errors import UserError

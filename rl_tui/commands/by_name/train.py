@@ -39,11 +39,11 @@ MOST_RUNS: Final = 100_000
 
 @click.command("train", cls=SectionedCommand)
 @scenario_argument
-@click.option("--episodes", type=Whole(1, MOST), help="train so many episodes  [default: the scenario's]")
-@click.option("--steps", type=Whole(1, MOST), help="train so many steps instead")
 @click.option(
-    "--runs", type=Whole(1, MOST_RUNS), help="train so often, with the seed and those that follow it"
+    "--episodes", type=Whole(1, MOST), help="number of episodes to train  [default: the scenario's]"
 )
+@click.option("--steps", type=Whole(1, MOST), help="number of steps to train, instead of episodes")
+@click.option("--runs", type=Whole(1, MOST_RUNS), help="number of runs, with consecutive seeds")
 @csv_option
 @curve_option
 @click.option(
@@ -51,9 +51,9 @@ MOST_RUNS: Final = 100_000
     "changes",
     type=ChangeValue(),
     multiple=True,
-    help="after STEP steps set a hyper-parameter, algorithm=NAME, take=ACTION in place of the agent, or "
-    "sweep=evaluation or sweep=improvement of policy iteration; or change the world, such as "
-    "world.cell[1,2]=#; may be given several times",
+    help="after STEP steps, change a setting, algorithm=NAME, take=ACTION instead of the agent, "
+    "sweep=evaluation or sweep=improvement for policy iteration, or the world, such as "
+    "world.cell[1,2]=#; may be repeated",
 )
 @agent_option
 @allow_module_option
@@ -75,7 +75,7 @@ def command(
 ) -> None:
     """Train an agent, and print what it has learned.
 
-    It is the same run as on screen, held against the exact answer. An example:
+    It is the same run as on screen, compared with the exact values. An example:
 
     rl-tui train student --runs 50 --curve student.csv
     """

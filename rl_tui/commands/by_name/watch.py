@@ -30,9 +30,9 @@ _LONGEST_ERROR: Final = 500
 @click.command("watch", context_settings={"ignore_unknown_options": True})
 @click.argument("script", metavar="SCRIPT.py")
 @click.argument("arguments", metavar="[ARGS]...", nargs=-1, type=click.UNPROCESSED)
-@click.option("--table", metavar="NAME", help="which variable is the table  [default: it is looked for]")
+@click.option("--table", metavar="NAME", help="variable that holds the table  [default: found automatically]")
 @seed_option
-@click.option("--steps", type=Whole(1, MOST), help="end the script after so many steps")
+@click.option("--steps", type=Whole(1, MOST), help="number of steps after which the script ends")
 @json_option
 @big_option
 @display_options
@@ -47,11 +47,11 @@ def command(
 ) -> None:
     """Watch your own Gymnasium script learn, unchanged.
 
-    It runs in a process of its own, and stops and goes on with the screen. Arguments that are none of these
-    options go to the script, and so does all that follows --. With --json there is no screen: it prints what
-    the script does to its table, and what is wrong with it.
+    It runs in its own process, which stops and continues with the screen. Unknown arguments go to the script,
+    and so does everything after --. With --json there is no screen: you get a report on the script's table
+    and its bugs.
 
-    It is not a sandbox: the script can do all that you can.
+    It is not a sandbox: the script can do everything you can.
     """
     from rl_tui.commands.line.screen import require_terminal
     from rl_tui.programs.watched.child.script import check_script

@@ -24,7 +24,7 @@ agent_option: Final = click.option(
     "--agent",
     metavar="FILE.py[:NAME]",
     callback=_agent_name,
-    help="your own agent learns: a class or function in a file, which runs with all your rights",
+    help="train your own agent, a class or function in a file; it runs with all your rights",
 )
 
 

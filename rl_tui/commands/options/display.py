@@ -13,7 +13,7 @@ from rl_tui.screen.app.display import Colours, Display
 
 _DEFAULT: Final = Display()
 _FPS: Final = Parameter(
-    "fps", "fps", "most frames drawn a second; fewer suit a slow link", Range(0, 60, open_low=True)
+    "fps", "fps", "frames per second at most; fewer for slow connections", Range(0, 60, open_low=True)
 )
 _OPTIONS: Final = (
     click.option(
@@ -24,13 +24,13 @@ _OPTIONS: Final = (
         type=click.Choice(get_args(Colours)),
         default=_DEFAULT.colors,
         show_default=True,
-        help="how many colours the terminal shows",
+        help="number of colours of the terminal",
     ),
     click.option("--no-color", is_flag=True, help="the same as --colors none"),
     click.option("--ascii", is_flag=True, help="draw with ASCII characters only"),
     click.option("--fps", type=ParameterValue(_FPS), default=_DEFAULT.fps, show_default=True, help=_FPS.help),
-    click.option("--no-mouse", is_flag=True, help="leave the mouse alone"),
-    click.option("--reduced-motion", is_flag=True, help="show each step at once, without motion"),
+    click.option("--no-mouse", is_flag=True, help="do not use the mouse"),
+    click.option("--reduced-motion", is_flag=True, help="show steps without animation"),
 )
 DISPLAY_OPTIONS: Final = ("theme", "colors", "no_color", "ascii", "fps", "no_mouse", "reduced_motion")
 
@@ -58,10 +58,9 @@ panels_option: Final = click.option(
     "--panels",
     type=PanelNames(),
     metavar="few|all|NAME,…",
-    help="the panels to begin with; of few the others come once they mean something"
-    "  [default: those of the scenario]",
+    help="panels at the start; with few, others appear when they are useful  [default: the scenario's]",
 )
-big_option: Final = click.option("--big", is_flag=True, help="begin with the world on the whole screen (f)")
+big_option: Final = click.option("--big", is_flag=True, help="start with the world in full screen (f)")
 
 
 def display_options(command: Command) -> Command:

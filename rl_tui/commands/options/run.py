@@ -140,7 +140,7 @@ class PictureFile(OptionValue):
 
 
 out_option: Final = click.option(
-    "--out", type=PictureFile(), help='write the picture there; a PNG takes pip install "rl-tui[plot]"'
+    "--out", type=PictureFile(), help='picture file to write; PNG needs pip install "rl-tui[plot]"'
 )
 
 
@@ -151,7 +151,7 @@ Command = Callable[..., Any]
 
 scenario_argument: Final = click.argument("scenario", metavar="SCENARIO|FILE.toml|gym:ENV_ID")
 seed_option: Final = click.option(
-    "--seed", type=Whole(0), default=0, show_default=True, help="where all randomness comes from"
+    "--seed", type=Whole(0), default=0, show_default=True, help="seed of all randomness"
 )
 
 
@@ -170,7 +170,7 @@ allow_module_option: Final = click.option(
     is_eager=True,
     expose_value=False,
     callback=_allow_modules,
-    help="let environments be called MODULE:ID, which imports MODULE: whatever it does, it does here",
+    help="allow environments named MODULE:ID, which import MODULE and run its code",
 )
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="print one JSON document")
 CsvTarget = Path | TextIO | None
@@ -199,11 +199,9 @@ def target_option(option: str, text: str) -> Callable[[Command], Command]:
     )
 
 
-csv_option: Final = target_option(
-    "--csv", "raw rows, one an episode: run, episode, return (undiscounted), length"
-)
+csv_option: Final = target_option("--csv", "one row per episode: run, episode, return (undiscounted), length")
 curve_option: Final = target_option(
-    "--curve", "the mean curve of the run or runs, a row for each of at most 200 bins of episodes"
+    "--curve", "the mean curve of all runs, one row for each of at most 200 bins of episodes"
 )
 
 

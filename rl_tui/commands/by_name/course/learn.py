@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     "--variant",
     type=Whole(1),
     metavar="N",
-    help="which of the lesson's variants, where it has some: the same with other numbers",
+    help="variant of the lesson, with other numbers, if there is one",
 )
-@click.option("--again", is_flag=True, help="begin anew; what was done until now stays among the sessions")
-@click.option("--list", "is_list", is_flag=True, help="print the lessons there are, in their order")
+@click.option("--again", is_flag=True, help="start again; your earlier session is kept")
+@click.option("--list", "is_list", is_flag=True, help="print all lessons in order")
 @json_option
 @kiosk_option
 @allow_module_option
@@ -39,8 +39,8 @@ def command(
 ) -> None:
     """Learn step by step: lessons that ask first, and watch what you do.
 
-    Without a name it is the list of lessons. A lesson goes on where you left it; one that you have finished
-    opens at its first page, as a reference. A FILE.toml is a lesson that somebody wrote.
+    Without a name you get the list of lessons. A lesson continues where you left it. A finished one opens at
+    its first page, as a reference. FILE.toml is a lesson in your own file.
     """
     context = click.get_current_context()
     if is_list:

@@ -121,10 +121,10 @@ class SchedulerValue(OptionValue):
 @click.argument("out", metavar="OUT.sqlite", type=_STORE)
 @click.argument("stores", metavar="IN.sqlite...", type=_STORE, nargs=-1, required=True)
 def merge_command(out: Path, stores: tuple[Path, ...]) -> None:
-    """Put the runs of several stores into one.
+    """Merge the runs of several stores into one.
 
-    A run that stands in two of them is kept once. Where its figures differ though both come from the same
-    kind of machine, that is an error; from different kinds the first is kept. An example:
+    A run that is in two stores is kept once. Different results of the same run are an error, if both stores
+    come from the same kind of machine. From different kinds, the first is kept. An example:
 
     rl-tui sweep merge all.sqlite part1.sqlite part2.sqlite part3.sqlite
     """
@@ -157,35 +157,38 @@ class SweepCommand(SectionedCommand):
     type=VariationValue(),
     multiple=True,
     required=True,
-    help="what varies: a hyper-parameter, algorithm, policy, scenario, or a parameter of the world such as "
-    "world.noise; so many values at equal distances, with log at equal ratios, or those listed; may be given "
-    "several times, for all combinations",
+    help="vary a setting, algorithm, policy, scenario or world.KEY: COUNT values from FROM to TO (log: "
+    "geometric), or a list; repeat it for all combinations",
 )
 @click.option(
     "--runs",
     type=Whole(1, MOST_SWEEP_RUNS),
     default=10,
     show_default=True,
-    help="train each combination so often, with the seed and those that follow it",
+    help="number of runs per combination, with consecutive seeds",
 )
-@click.option("--random", type=Whole(1, MOST_SWEEP_CELLS), help="draw so many combinations in place of all")
 @click.option(
-    "--episodes", type=Whole(1, MOST_SWEEP_EPISODES), help="train so many episodes  [default: the scenario's]"
+    "--random", type=Whole(1, MOST_SWEEP_CELLS), help="number of random combinations, instead of all"
 )
-@click.option("--store", type=_STORE, help="keep the runs in FILE.sqlite, and train only those not there yet")
-@click.option("--jobs", type=Whole(1, 4096), help="train so many at once  [default: one a core]")
+@click.option(
+    "--episodes",
+    type=Whole(1, MOST_SWEEP_EPISODES),
+    help="number of episodes to train  [default: the scenario's]",
+)
+@click.option("--store", type=_STORE, help="store the runs in FILE.sqlite, and train only missing ones")
+@click.option("--jobs", type=Whole(1, 4096), help="number of runs trained at once  [default: one per core]")
 @click.option(
     "--dask",
     type=SchedulerValue(),
     help="train on the workers of the Dask scheduler at tcp://HOST:PORT; never in a network that you do not "
-    "trust: Dask unpickles, and so runs, whatever it is sent",
+    "trust: Dask unpickles, and so executes, everything it receives",
 )
-@click.option("--shard", type=ShardValue(), help="do part I of N only, as other machines do the others")
 @click.option(
-    "--measure", type=MeasureValue(), help="compare by this figure of a run, such as area or arrival"
+    "--shard", type=ShardValue(), help="train only part I of N, while other machines train the rest"
 )
-@click.option("--no-again", is_flag=True, help="do not train the best once more with fresh seeds")
-@target_option("--csv", "one row a run: settings, seed and figures")
+@click.option("--measure", type=MeasureValue(), help="compare by this metric, such as area or arrival")
+@click.option("--no-again", is_flag=True, help="do not train the best again with fresh seeds")
+@target_option("--csv", "one row per run: settings, seed and metrics")
 @allow_module_option
 @run_options
 @seed_option
@@ -207,14 +210,14 @@ def command(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Train with every combination of settings, each under the same seeds, and say which is best.
+    """Train every combination of settings under the same seeds, and find the best.
 
-    With a store, a sweep that was interrupted goes on where it stopped, and one that is extended trains only
-    what is new. An example:
+    With a store, an interrupted sweep continues where it stopped, and an extended one trains only what is
+    new. An example:
 
     rl-tui sweep cliff --vary alpha=0.05:1:20 --vary algorithm=q-learning,sarsa --store cliff.sqlite
 
-    To put stores of several machines together: rl-tui sweep merge --help
+    To merge stores of several machines: rl-tui sweep merge --help
     """
     check_targets({"--csv": csv, "--store": store}, as_json)
     for each in variations:
