@@ -175,7 +175,7 @@ def test_every_hyper_parameter_can_be_given() -> None:
         (lambda: rl_tui.evaluate("cliff", "optimal", alpha=0.1), 'alpha needs the policy "greedy"'),
         (lambda: rl_tui.evaluate("cliff", "optimal", epsilon=2), "epsilon is 2; expected"),
         (lambda: rl_tui.evaluate("cliff", np.zeros(3)), "the policy is an array"),
-        (lambda: rl_tui.evaluate("cliff", [[1], [1, 0]]), "the policy is no array"),
+        (lambda: rl_tui.evaluate("cliff", [[1], [1, 0]]), "the policy is not an array"),
         (lambda: rl_tui.evaluate("cliff", None), "the policy is an array"),
         (lambda: rl_tui.evaluate("student", [4, 0, 4, 0]), "the policy in state 0"),
         (lambda: rl_tui.evaluate("cliff", np.full((48, 4), 0.3)), "that sum to 1"),

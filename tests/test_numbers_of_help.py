@@ -37,8 +37,8 @@ ELSEWHERE: Final = (
     "after some 1,300 steps the panel reports a bug",  # test_watched_lake.py
     "exact to 1e-9.",  # test_exact.py
     "2.2 is the ten-armed testbed,",  # tests/studies/book_figures, as the next
-    "by their step size, 8.2 planning in the Dyna maze.",
-    "the 95 % interval of the mean;",  # tests/studies/statistics
+    "by step size, 8.2 planning in the Dyna maze.",
+    "the 95 % interval of the mean.",  # tests/studies/statistics
     "An example: rl-tui train cliff --runs 50 --json > cliff.json",  # a choice
     "rl-tui sweep cliff --vary alpha=0.05:1:8 --vary algorithm=q-learning,sarsa --runs 30",  # a choice
     "under the same 30 seeds",  # that one

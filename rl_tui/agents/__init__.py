@@ -1,4 +1,3 @@
-"""Who learns: algorithms, action rules and planners, their compiled loops, and the exact answers.
-
-It imports worlds, and common.
+"""Learning: algorithms, policies and planners, their compiled loops, and exact answers. This package imports
+worlds and common.
 """

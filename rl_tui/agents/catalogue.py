@@ -1,6 +1,6 @@
-"""The algorithms and policies, a row each, with the symbols of their updates.
+"""The tables of algorithms and policies, with the symbols of their updates.
 
-It imports no numba, so that lists and help are quick.
+It does not import numba, so lists and help stay fast.
 """
 
 from __future__ import annotations
@@ -13,24 +13,30 @@ from typing import Final, Literal
 
 
 class Lookup(Enum):
-    """Which estimates of the next state an update looks up."""
+    """The estimates of the next state that an update uses."""
 
     BEST = auto()  # the greatest
-    NEXT = auto()  # that of the action taken next
+    NEXT = auto()  # the next action's
     MEAN = auto()  # all, weighted by the policy
-    OTHER = auto()  # that of the best action, in the other of two tables
-    POLICY = auto()  # those of the policy that a planner keeps
+    OTHER = auto()  # the best action's, in the other of two tables
+    POLICY = auto()  # of the planner's policy
 
 
 @dataclass(frozen=True, slots=True)
 class UpdateTerms:
-    """The symbols of target = gathered + discount · bootstrap, and the words around an update.
+    """Symbols of target = gathered + discount · bootstrap, and words about an update.
 
-    The defaults are those of Q-learning. ``bootstrap`` is empty where nothing is estimated; in it ``{next}``
-    stands for the next state, ``{own}`` and ``{other}`` for the table that moved and the one beside it.
-    ``others`` says where further updates of the same step came from, behind their number, and ``waiting`` why
-    there was no update yet. ``lookup`` says which estimates the bootstrap comes from, and ``one_step`` that
-    they are those of the state one step further.
+    The defaults are those of Q-learning.
+
+    Args:
+        gathered: Symbol of the sum of rewards.
+        discount: Symbol of the discount.
+        bootstrap: Symbol of the estimate, empty without one. ``{next}`` is the next state, ``{own}`` and
+            ``{other}`` are the updated table and the other one.
+        others: Origin of further updates of the same step, shown after their number.
+        waiting: Reason why nothing was updated yet.
+        lookup: Estimates that the bootstrap uses.
+        one_step: True if they belong to the state one step later.
     """
 
     gathered: str = "r"
@@ -48,15 +54,22 @@ _TD: Final = (*_STEP_SIZE, "gamma", "policy", "initial_q")
 
 @dataclass(frozen=True, slots=True)
 class Algorithm:
-    """One algorithm as people see it and where its code is.
+    """One algorithm: its texts, and the location of its code.
 
-    ``module`` holds its memory and update rule; ``parameters`` names its hyper-parameters in the order of the
-    controls panel, those of the policy apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
-    follows. A planner takes no steps in the world: it backs up one state after the other with the model.
-    ``update`` says how its update is written. ``counts_updates``: a sample average is over its own updates,
-    which come later than the step or in one of several tables. ``updates_own_pair``: each step updates the
-    estimate of its own pair, at once and by one step, and no other. ``takes_orders``: which sweep is next,
-    evaluation or improvement, can be ordered; its module has ``phase_of``, ``order`` and ``ordered``.
+    Args:
+        id: Its id.
+        name: Its name.
+        summary: What it does.
+        equation: Its update.
+        source: Its place in Sutton & Barto (2nd ed.).
+        module: Module with its memory and update rule.
+        parameters: Its hyper-parameters in the order of the settings panel, without the policy's.
+        planner: True if it takes no steps, but backs up states with the model.
+        update: Symbols of its update.
+        counts_updates: True if a sample average counts its own updates, which come later or in two tables.
+        updates_own_pair: True if each step updates exactly its own pair, immediately and by one step.
+        takes_orders: True if a user can order evaluation or improvement. The module then has ``phase_of``,
+            ``order`` and ``ordered``.
     """
 
     id: str
@@ -224,34 +237,42 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
 )
 
 BY_ID: Final = {algorithm.id: algorithm for algorithm in _ALGORITHMS}
-"""The algorithms by their ids, in the order in which people see them."""
+"""All algorithms by id, in display order."""
 
 OWN_PROGRAM: Final = Algorithm(
     id="own-program",
     name="your program",
-    summary="what somebody's own program does, where its update is not known",
+    summary="the learning of your own program, while its update is unknown",
     equation="",
     source="",
     module="",
     parameters=(),
     update=UpdateTerms(bootstrap="", waiting="your program changed nothing"),
 )
-"""What stands for the algorithm of a program of somebody else's; nobody can choose it."""
+"""The row for a user's own program, which cannot be chosen as an algorithm."""
 
 
 def algorithm_row(algorithm: str) -> Algorithm:
-    """Return the row of the algorithm with this id, be it that of somebody's own program."""
+    """Return the row of an algorithm, or of a user's own program."""
     return OWN_PROGRAM if algorithm == OWN_PROGRAM.id else BY_ID[algorithm]
 
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """One way of choosing actions as people see it, and where its code is.
+    """One policy: its texts, and the location of its code.
 
-    ``bandits_only``: it works in one state only. ``explores_by_epsilon``: with probability ε it takes any
-    action at random, else a greedy one; another policy may mean something else by its ε.
-    ``needs_step_size``: it cannot do with the sample average. ``counts_visits``: it reads how often each pair
-    was taken, N(s, a).
+    Args:
+        id: Its id.
+        name: Its name.
+        summary: What it does.
+        equation: Its rule.
+        source: Its place in Sutton & Barto (2nd ed.).
+        module: Module with its code.
+        parameters: Its hyper-parameters.
+        bandits_only: True if it works in a single state only.
+        explores_by_epsilon: True if it takes a random action with probability ε, else a greedy one.
+        needs_step_size: True if it cannot use the sample average.
+        counts_visits: True if it reads the visits N(s, a).
     """
 
     id: str
@@ -321,18 +342,22 @@ _POLICIES: Final[tuple[Policy, ...]] = (
 )
 
 POLICY_BY_ID: Final = {policy.id: policy for policy in _POLICIES}
-"""The policies by their ids, in the order in which people see them."""
+"""All policies by id, in display order."""
 
 
 def algorithm_of(algorithm: str) -> Algorithm:
-    """Return the algorithm of that id; raises ValueError, naming those there are, if there is none."""
+    """Return the algorithm with this id.
+
+    Raises:
+        ValueError: There is none. The message lists all ids.
+    """
     if algorithm not in BY_ID:
         raise ValueError(f"there is no algorithm {algorithm}; expected one of {', '.join(BY_ID)}")
     return BY_ID[algorithm]
 
 
 def parameters_of(algorithm: str, policy: str) -> tuple[str, ...]:
-    """Return the names of all hyper-parameters that count, in the order of the controls panel."""
+    """Return the hyper-parameters of an algorithm with a policy, in the order of the settings panel."""
     own = algorithm_row(algorithm).parameters
     if "policy" not in own:
         return own
@@ -346,4 +371,4 @@ def parameters_of(algorithm: str, policy: str) -> tuple[str, ...]:
 SweepPhase = Literal["evaluation", "improvement"]
 
 SWEEP_PHASES: Final[tuple[SweepPhase, ...]] = ("evaluation", "improvement")
-"""All of them; kernels number them by their places."""
+"""All phases. Kernels use their indices."""

@@ -1,4 +1,4 @@
-"""Which algorithm and policy can work in which world."""
+"""Checks which algorithms and policies work in a world."""
 
 from __future__ import annotations
 
@@ -12,16 +12,22 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def is_bandit(space: FiniteSpace) -> bool:
-    """Return True if every step of ``space`` is taken in the same state and ends the episode."""
+    """Return True if every step starts in the same state and ends the episode."""
     if not isinstance(space, TabularMDP) or not space.terminated.all():
         return False
     return int(np.count_nonzero(np.diff(space.first_pair))) == 1
 
 
 def incompatibility(space: FiniteSpace, algorithm: str, hyperparameters: Hyperparameters) -> str:
-    """Return why ``algorithm`` cannot work in ``space`` and what to take instead; empty where it can.
+    """Return why `algorithm` cannot work in `space`, with an alternative. Empty if it can.
 
-    Raises ValueError if there is no algorithm of that id.
+    Args:
+        space: The world.
+        algorithm: Id of the algorithm.
+        hyperparameters: Settings, which name the policy.
+
+    Raises:
+        ValueError: There is no such algorithm.
     """
     chosen = algorithm_of(algorithm)
     if chosen.planner:
@@ -41,9 +47,16 @@ def incompatibility(space: FiniteSpace, algorithm: str, hyperparameters: Hyperpa
 
 
 def check_compatible(space: FiniteSpace, algorithm: str, hyperparameters: Hyperparameters) -> None:
-    """Raise UserError, saying what to take instead, where ``algorithm`` cannot work in ``space``.
+    """Check that `algorithm` can work in `space`.
 
-    Raises ValueError if there is no algorithm of that id.
+    Args:
+        space: The world.
+        algorithm: Id of the algorithm.
+        hyperparameters: Settings, which name the policy.
+
+    Raises:
+        UserError: It cannot. The message names an alternative.
+        ValueError: There is no such algorithm.
     """
     refused = incompatibility(space, algorithm, hyperparameters)
     if refused:

@@ -1,4 +1,4 @@
-"""The hyper-parameters: their names, ranges and defaults, and which have no effect."""
+"""The hyper-parameters: names, ranges, defaults, and which have no effect."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_STEPS: Final = 1_000
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """An interval of real numbers; ``open_low`` leaves its lower end out."""
+    """An interval of real numbers. `open_low` excludes the lower end."""
 
     low: float
     high: float = math.inf
@@ -55,7 +55,7 @@ def _for_people(value: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Slide:
-    """What a slider spans of a range: the part that people try; ``logarithmic`` in equal ratios."""
+    """The part of a range that a slider covers, on a logarithmic scale if `logarithmic`."""
 
     low: float = 0.0
     high: float = 1.0
@@ -64,11 +64,17 @@ class Slide:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One hyper-parameter as people see it.
+    """One hyper-parameter as shown to users.
 
-    ``words`` are what it accepts besides numbers in ``range``; without a range it takes words only. ``whole``
-    numbers have no fraction. ``slide`` is what its slider spans, None where it has none. ``schedule`` says
-    that it only says how another one changes from episode to episode.
+    Args:
+        name: Its name.
+        symbol: Its symbol.
+        help: Its meaning.
+        range: Allowed numbers, or None.
+        words: Allowed words.
+        whole: True if only integers are allowed.
+        slide: Range of its slider, or None.
+        schedule: True if it only describes how another one changes per episode.
     """
 
     name: str
@@ -82,19 +88,19 @@ class Parameter:
 
     @property
     def short_name(self) -> str:
-        """What it is in a word or two, ``step size``: its help up to the colon."""
+        """Its meaning in a word or two, such as ``step size``: the help up to the colon."""
         return self.help.partition(":")[0]
 
     @property
     def expected(self) -> str:
-        """What it takes, for messages: ``a number in (0, 1] or sample-average``."""
+        """Allowed values for messages: ``a number in (0, 1] or sample-average``."""
         kind = "a whole number" if self.whole else "a number"
         numbers = [f"{kind} in {self.range}"] if self.range else []
         return " or ".join([*numbers, *self.words])
 
     @property
     def expected_in_words(self) -> str:
-        """The same for people: ``a number above 0, at most 1, or sample-average``."""
+        """Allowed values in words: ``a number above 0, at most 1, or sample-average``."""
         kind = "a whole number" if self.whole else "a number"
         words = " or ".join(self.words)
         if self.range is None:
@@ -104,16 +110,16 @@ class Parameter:
 
     @property
     def field(self) -> str:
-        """The attribute of :class:`Hyperparameters` that holds it: its name, were it not a word of Python."""
+        """Attribute of :class:`Hyperparameters`: its name, except for Python's keyword ``lambda``."""
         return "lambda_" if self.name == "lambda" else self.name
 
     def accepts(self, value: object) -> bool:
-        """Return True if ``value`` is one of its words or a finite number within its range."""
+        """Return True if `value` is an allowed word, or a finite number in the range."""
         if isinstance(value, str):
             return value in self.words
         if isinstance(value, bool) or not isinstance(value, (int, float)) or self.range is None:
             return False
-        # the range first: a whole number beyond all floats has no place in isfinite
+        # range first, since isfinite fails for huge integers
         return value in self.range and math.isfinite(value) and (not self.whole or value == int(value))
 
 
@@ -198,11 +204,11 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
 
 @dataclass(frozen=True, slots=True)
 class Hyperparameters:
-    """The hyper-parameters of a learner; :data:`PARAMETERS` gives the ranges.
+    """The hyper-parameters of a learner. :data:`PARAMETERS` has the ranges.
 
-    In episode n (from 0) a schedule that is exponential makes ε_min + (ε − ε_min)·exp(−decay·n) of ε, a
-    linear one ε − decay·n down to ε_min; with a decay of 0 it is ε, and so it is where the schedule is
-    constant. The same goes for α, unless the step size is the sample average 1/N(s, a).
+    In episode n (from 0) an exponential schedule turns ε into ε_min + (ε − ε_min)·exp(−decay·n). A linear one
+    gives ε − decay·n, at least ε_min. With a decay of 0 or a constant schedule, ε stays. The same holds for
+    α, unless the step size is the sample average 1/N(s, a).
     """
 
     alpha: StepSize = 0.1
@@ -230,7 +236,8 @@ class Hyperparameters:
     def changed(self, name: str, value: object) -> Hyperparameters:
         """Return a copy with one value changed.
 
-        Raises ValueError naming the range if it does not fit, or all parameters if none has that name.
+        Raises:
+            ValueError: The name is unknown, or the value is not allowed.
         """
         if name not in PARAMETERS:
             raise ValueError(f"there is no parameter {name}; expected one of {', '.join(PARAMETERS)}")
@@ -242,7 +249,7 @@ class Hyperparameters:
         return replace(self, **changes)
 
     def value(self, name: str) -> float | str:
-        """Return the value of the parameter of that name."""
+        """Return the value of the parameter `name`."""
         found: float | str = getattr(self, PARAMETERS[name].field)
         return found
 
@@ -252,23 +259,23 @@ class Hyperparameters:
 
     @property
     def sample_average(self) -> bool:
-        """Whether the step size is 1/N(s, a). α or its schedule may say so, as it was written: ask here."""
+        """True if the step size is 1/N(s, a). Either α or its schedule can set this."""
         return SAMPLE_AVERAGE in (self.alpha, self.step_size_schedule)
 
     def without_average(self) -> Hyperparameters:
-        """Return a copy whose step size is a number: the defaults in place of the sample average."""
+        """Return a copy with a numeric step size: defaults replace the sample average."""
         usual = Hyperparameters()
         fields = [name for name in ("alpha", "step_size_schedule") if getattr(self, name) == SAMPLE_AVERAGE]
         return replace(self, **{name: getattr(usual, name) for name in fields})
 
     def alpha_at(self, episode: int) -> float | None:
-        """Return the step size in force in episode ``episode``, counted from 0; None: the sample average."""
+        """Return the step size in `episode`, counted from 0, or None for the sample average."""
         if self.sample_average or isinstance(self.alpha, str):
             return None
         return _scheduled(self.step_size_schedule, self.alpha, self.alpha_min, self.alpha_decay, episode)
 
     def epsilon_at(self, episode: int) -> float:
-        """Return the exploration probability in force in episode ``episode``, counted from 0."""
+        """Return the exploration probability in `episode`, counted from 0."""
         return _scheduled(self.epsilon_schedule, self.epsilon, self.epsilon_min, self.epsilon_decay, episode)
 
 
@@ -293,9 +300,13 @@ _LOOKS_AHEAD: Final = {
 
 
 def why_idle(name: str, algorithm: str, values: Hyperparameters, *, is_bandit: bool) -> str:
-    """Return why the parameter ``name``, one of those of ``algorithm``, changes nothing; empty if it does.
+    """Return why a parameter has no effect. Empty if it has one.
 
-    ``is_bandit``: every step ends its episode.
+    Args:
+        name: A parameter of the algorithm.
+        algorithm: Id of the algorithm.
+        values: Current settings.
+        is_bandit: True if every step ends its episode.
     """
     if is_bandit and not algorithm_row(algorithm).planner and name in _LOOKS_AHEAD:
         return _LOOKS_AHEAD[name]

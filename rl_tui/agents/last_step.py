@@ -1,4 +1,4 @@
-"""The last step of a run, with every number that went into its update."""
+"""The last step of a run, with every number in its update."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ NOTHING: Final = -1
 
 
 class Author(NamedTuple):
-    """Who took the last step: the algorithm and the hyper-parameters that were in force then."""
+    """The algorithm and the settings that took the last step."""
 
     algorithm: str
     hyperparameters: Hyperparameters
@@ -19,27 +19,37 @@ class Author(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class LastStep:
-    """One turn of the agent–environment loop and the update that followed.
+    """One turn of the agent–environment loop, with its update.
 
-    ``step`` and ``episode`` count from 1. ``outcome`` indexes the outcomes of the MDP: the pair's action is
-    what was meant, outcome_action[outcome] what happened; it is −1 where the environment was stepped for
-    real. ``epsilon`` is the ε of its episode, which means nothing to some policies. ``explored`` says of
-    ε-greedy that the action was drawn at random (it may be the greedy one all the same), of other policies
-    that it was not a greedy one.
+    The target of the update is gathered + discount · bootstrap, and after = before + step_size · (target −
+    before).
 
-    ``episode_step`` counts the steps of its episode, this one included. ``by_hand`` says that a person chose
-    the action.
-
-    A planner takes no step in the world: then ``pair`` is −1 as well, ``state`` is the one it backed up, and
-    ``episode`` its sweep.
-
-    The update moved ``updated_pair`` from ``before`` to ``after`` = before + step_size·(target − before), the
-    target being gathered + discount·bootstrap: one-step methods gather the ``reward`` and discount by
-    ``gamma``. The bootstrap is 0 after a terminated step, not after a truncated one. ``bootstrap_state`` is
-    the state whose estimates it was read from, −1 for none and for a planner, which reads those of all that
-    may follow. ``updated_pair`` is −1 where nothing was learned yet (n-step methods, Monte Carlo). ``others``
-    counts further updates of the same step (traces, planning); ``table`` says which of two tables moved, 0
-    where there is one.
+    Args:
+        step: Number of the step, from 1.
+        episode: Number of the episode, from 1. For a planner: of the sweep.
+        state: State before the step. For a planner: the state backed up.
+        pair: Pair taken; −1 for a planner.
+        explored: True if the action was drawn at random (ε-greedy; it may still be greedy) or was not greedy
+            (other policies).
+        epsilon: ε of the episode. Some policies ignore it.
+        outcome: Index of the outcome in the MDP; −1 without a transition table.
+        reward: The reward.
+        next_state: State after the step.
+        terminated: True if the episode ended in a terminal state.
+        truncated: True if the time limit stopped the episode.
+        updated_pair: Updated pair; −1 if nothing was updated yet (n-step methods, Monte Carlo).
+        others: Number of further updates of the same step (traces, planning).
+        table: Updated table, 1 or 2; 0 for algorithms with one table.
+        before: Estimate before the update.
+        step_size: Step size of the update.
+        gamma: Discount γ.
+        gathered: Sum of rewards in the target; the reward for one-step methods.
+        discount: Factor of the bootstrap; γ for one-step methods.
+        bootstrap: Estimate in the target; 0 after a terminated step, but not after a truncated one.
+        after: Estimate after the update.
+        episode_step: Number of the step in its episode, from 1.
+        by_hand: True if a person chose the action.
+        bootstrap_state: State of the bootstrap; −1 for none, and for planners, which read several.
     """
 
     step: int
@@ -69,25 +79,25 @@ class LastStep:
 
     @property
     def planned(self) -> bool:
-        """Whether a planner took it, in its model and not in the world."""
+        """True if a planner took the step in its model."""
         return self.pair == NOTHING
 
     @property
     def learned(self) -> bool:
-        """Whether an estimate was updated."""
+        """True if an estimate was updated."""
         return self.updated_pair != NOTHING
 
     @property
     def target(self) -> float:
-        """What the update aims at: gathered + discount·bootstrap."""
+        """Target of the update: gathered + discount · bootstrap."""
         return self.gathered + self.discount * self.bootstrap
 
     @property
     def td_error(self) -> float:
-        """δ: target − estimate before."""
+        """TD error δ: target − estimate before."""
         return self.target - self.before
 
     @property
     def error_sign(self) -> int:
-        """1 where the update raised the estimate, −1 where it lowered it, else 0."""
+        """1 if the estimate rose, −1 if it fell, else 0."""
         return (self.after > self.before) - (self.after < self.before)

@@ -1,4 +1,4 @@
-"""A learner: one declared set of arrays, two random streams, and its position."""
+"""A learner: an algorithm at work in a world, with all its state."""
 
 from __future__ import annotations
 
@@ -21,16 +21,18 @@ _FOR_GOOD: Final = (Stop.DIVERGED, Stop.ENDLESS_EPISODE, Stop.MEMORY_FULL, Stop.
 
 
 class Learner(LearnerMemory):
-    """An algorithm at work in a world: see :class:`LearnerMemory` for what it has.
+    """An algorithm at work in a world. :class:`LearnerMemory` describes its attributes.
 
-    Equal arguments give equal bits, however the work is cut into calls.
+    Equal arguments give equal bits, however the work is split into calls.
     """
 
     def take(self, pair: int) -> Stop:
-        """Take one step with ``pair`` in place of the agent's choice; it learns from it as from its own.
+        """Take one step with `pair` instead of the agent's choice. The agent learns as usual.
 
-        The choice draws nothing. Returns what :meth:`advance` returns for one step. Raises UserError for a
-        planner, and where ``pair`` is not one of the state in which the step starts.
+        No random number is drawn for the choice. Returns the same as :meth:`advance` for one step.
+
+        Raises:
+            UserError: The learner is a planner, or `pair` does not belong to the current state.
         """
         if self.plans:
             raise UserError(
@@ -49,12 +51,14 @@ class Learner(LearnerMemory):
             self._position.forced[0] = NOT_FORCED
 
     def advance(self, steps: int, episodes: int = UNLIMITED) -> Stop:
-        """Take ``steps`` steps or finish ``episodes`` more episodes, whichever comes first.
+        """Take up to `steps` steps or `episodes` episodes, whichever comes first.
 
-        Stops early with ``Stop.NOTICED`` after a step that brought something watched, with
-        ``Stop.EPISODES_FULL`` when :meth:`drain_episodes` is due (where it is both, the next call tells),
-        with ``Stop.CONVERGED`` when a planner is done, and for good on a runaway. For a planner a step is the
-        backup of one state, an episode a sweep over all.
+        For a planner, a step backs up one state and an episode is a sweep over all states.
+
+        Returns:
+            The reason to stop. ``Stop.NOTICED``: a watched event happened. ``Stop.EPISODES_FULL``: call
+            :meth:`drain_episodes`; if both apply, the next call reports this. ``Stop.CONVERGED``: a planner
+            has finished. Others are final, such as ``Stop.DIVERGED``.
         """
         forget(self._watch)
         if self._stop in _FOR_GOOD or self._stop is Stop.CONVERGED:
@@ -63,7 +67,7 @@ class Learner(LearnerMemory):
             return Stop.EPISODES_FULL
         before = self.step
         stop = Stop(self._advance(steps, episodes, compiled=self.is_compiled))
-        # What is watched must leave no trace in where it stands
+        # Watching must not change the state of the learner
         self._stop = Stop.DONE if stop is Stop.NOTICED else stop
         if self.step > before:
             self.author = Author(self.algorithm, self.hyperparameters)
@@ -71,9 +75,9 @@ class Learner(LearnerMemory):
         return stop
 
     def set_time_budget(self, seconds: float) -> None:
-        """Let :meth:`advance` come back once so many are over, where a step may take any time.
+        """Let :meth:`advance` return after `seconds` if environment steps may be slow.
 
-        It then has taken fewer steps than it was asked for, but at least one.
+        It then took fewer steps than requested, but at least one.
         """
         if self._stepped is not None:
             self._stepped.time_budget = seconds
@@ -98,7 +102,7 @@ class Learner(LearnerMemory):
         return stop
 
     def _tables_now(self) -> Tables:
-        """Return the tables as planners know them: with rewards where they have drifted to."""
+        """Return the tables as planners know them, with drifted rewards."""
         mdp = self.mdp
         if mdp is None or mdp is self.space:
             return self._tables
@@ -106,33 +110,32 @@ class Learner(LearnerMemory):
 
     @property
     def loop(self) -> Loop:
-        """Which loop it runs: each has machine code of its own."""
+        """Key of the loop that runs. Each loop has its own machine code."""
         policy = "" if self.plans else self.hyperparameters.policy
         return Loop(self.algorithm, policy, self._stepped is not None)
 
     @property
     def is_compiled(self) -> bool:
-        """Whether it runs as machine code; else it is interpreted, with the same bits but far more slowly."""
+        """True if it runs as machine code. Interpreted it has the same bits, but is far slower."""
         return self.loop in COMPILED_LOOPS
 
     def compile(self) -> None:
         """Compile the loop, or read it from the cache, without taking a step.
 
-        It holds for all learners of this process that run the same loop.
+        This serves all learners of this process with the same loop.
         """
         use_machine_code(sweep if self.plans else advance)
         self._advance(0, UNLIMITED, compiled=True)
         COMPILED_LOOPS.add(self.loop)
 
     def checkpoint(self) -> LearnerState:
-        """Return all there is to come back to; episodes must have been drained.
+        """Return a copy of the complete state. Drain the episodes first.
 
-        Raises UserError where the learner is not ``rewindable``.
+        Raises:
+            UserError: The learner is not ``rewindable``.
         """
         if not self.rewindable:
-            raise UserError(
-                "an environment that is stepped for real cannot go back: start again and take the same steps"
-            )
+            raise UserError("a simulated environment cannot go back: start again and take the same steps")
         return LearnerState(
             self.space,
             self.algorithm,
@@ -151,13 +154,17 @@ class Learner(LearnerMemory):
         )
 
     def _checkpoint_arrays(self) -> tuple[Any, ...]:
-        """Return the memory, of its arrays only the beginning where the algorithm reads no further."""
+        """Return the arrays of the memory, shortened to the used part."""
         if hasattr(self._module, "checkpoint_arrays"):
             return tuple(self._module.checkpoint_arrays(self._memory))
         return tuple(self._memory)
 
     def restore(self, state: LearnerState) -> None:
-        """Go back to ``state``, bit for bit. Raises ValueError where it is one of another world."""
+        """Return to `state`, bit for bit.
+
+        Raises:
+            ValueError: `state` belongs to another world.
+        """
         if not is_same_table(state.space, self.space):
             raise ValueError("this checkpoint is one of another world: enter that first")
         if state.hyperparameters != self.hyperparameters:

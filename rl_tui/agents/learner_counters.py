@@ -1,4 +1,4 @@
-"""The progress of a learner in numbers, to be read between the calls that advance it."""
+"""The progress of a learner in numbers, to read between calls that advance it."""
 
 from __future__ import annotations
 
@@ -18,46 +18,48 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Counters:
-    """How far a learner has come, and the episode that its last step belongs to.
+    """Progress of a learner, and the episode of its last step.
 
-    For a planner a step is the backup of one state, an episode a sweep over all of them.
+    For a planner, a step backs up one state and an episode is a sweep over all states.
     """
 
     state: int
-    """Where the agent is, of a planner the state backed up last. After the last step of an episode it is the
-    state in which the episode ended, unless the beginning of the next one is shown."""
+    """Current state; for a planner, the state backed up last. After an episode it is its final state, unless
+    the next start is shown.
+    """
     step_from: int | None = None
-    """The state in which the next step starts: another one if an episode has ended; None: no learner yet."""
+    """Start of the next step, which differs after the end of an episode. None without a learner."""
     step: int = 0
     """Steps taken."""
     episodes: int = 0
     """Finished episodes."""
     episode_step: int = 0
-    """Steps taken in the episode under way; 0 when one has just ended."""
+    """Steps of the current episode; 0 just after an end."""
     episode_return: float = 0.0
-    """Undiscounted return so far in the episode under way."""
+    """Undiscounted return of the current episode so far."""
     rewards: FloatArray = field(default_factory=lambda: np.empty(0))
-    """[N], the rewards of the last step's episode, oldest first, at most the last 256; none for a planner."""
+    """Rewards of the last step's episode, oldest first, at most 256, [N]. Empty for a planner."""
     discounted_return: float = 0.0
-    """Σ γᵏ r of the last step's episode from its start, with the γ in force at each step; 0 for a planner."""
+    """Σ γᵏ r of the last step's episode, with the γ of each step; 0 for a planner."""
     td_errors: FloatArray = field(default_factory=lambda: np.empty(0))
-    """[U], the TD errors of the last updates, oldest first, at most 256; none before the first. A step counts
-    with the one update that :class:`LastStep` tells of, or with none where nothing was learned."""
+    """TD errors of recent updates, oldest first, at most 256, [U]. A step contributes at most the one update
+    in :class:`LastStep`.
+    """
     updated_pairs: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
-    """[U], the pairs that those updates moved."""
+    """Pairs of these updates, [U]."""
     last_step: LastStep | None = None
-    """The last step with all its numbers; None before the first."""
+    """The last step with all its numbers, or None before the first."""
     is_at_beginning: bool = False
-    """Whether ``state`` is where the next episode begins, after one has ended."""
+    """True if `state` is the start of the next episode, after an end."""
 
     @property
     def has_just_ended(self) -> bool:
-        """Whether the last step ended its episode, or its sweep; one that was given up has not ended."""
+        """True if the last step ended its episode or sweep. An abandoned episode has not ended."""
         last = self.last_step
         return last is not None and last.episode == self.episodes and not self.episode_step
 
     def at_beginning(self) -> Counters:
-        """Return these with the agent where the next episode begins, if one has just ended."""
+        """Return a copy at the start of the next episode, if one has just ended."""
         if self.step_from is None or not self.has_just_ended:
             return self
         return replace(self, state=self.step_from, is_at_beginning=True)
@@ -71,14 +73,16 @@ Number = TypeVar("Number", np.float64, np.int64)
 
 
 def newest(ring: npt.NDArray[Number], count: int) -> npt.NDArray[Number]:
-    """Return the last of ``count`` numbers, oldest first: number k is in ``ring`` at k modulo its room."""
+    """Return the last of `count` numbers, oldest first, from the ring buffer `ring`."""
     room = len(ring)
     return ring[np.arange(max(0, count - room), count) % room]
 
 
 class Episodes(NamedTuple):
-    """Finished episodes, oldest first, [n] each: undiscounted return, length in steps, and whether the last
-    pair was the best arm of a bandit.
+    """Finished episodes, oldest first, [n] each.
+
+    They have an undiscounted return, a length in steps, and whether the last pair was the best arm of a
+    bandit.
     """
 
     returns: FloatArray
@@ -87,18 +91,18 @@ class Episodes(NamedTuple):
 
 
 class LearnerCounters:
-    """The counters, the last step and the episode under way of a learner."""
+    """Counters, last step and current episode of a learner."""
 
     def __init__(self) -> None:
         self.algorithm: str
-        """The id of the algorithm."""
+        """Id of the algorithm."""
         self.plans: bool
-        """Whether that is a planner, which takes no steps in the world."""
+        """True for a planner, which takes no steps in the world."""
         self._position = new_position(0)
         self._log = new_episode_log(EPISODES_LOGGED)
         self._record = new_record()
         self.world_since = 0
-        """After how many steps the world last became another one."""
+        """Number of steps at the last change of the world."""
 
     @property
     def step(self) -> int:
@@ -112,37 +116,37 @@ class LearnerCounters:
 
     @property
     def state(self) -> int:
-        """The state in which the next step starts."""
+        """Start of the next step."""
         return int(self._position.state[0])
 
     @property
     def episode_step(self) -> int:
-        """Steps taken in the episode under way."""
+        """Steps of the current episode."""
         return int(self._position.episode_step[0])
 
     @property
     def first_reward_episode(self) -> int:
-        """The first episode (from 1) with a non-zero reward, 0 while there is none."""
+        """First episode (from 1) with a non-zero reward, or 0."""
         return int(self._position.first_reward_episode[0])
 
     @property
     def last_step(self) -> LastStep | None:
-        """The last step with all its numbers, None before the first in this world."""
+        """The last step with all its numbers, or None before the first in this world."""
         last = read_record(self._record)
         return None if last is None or last.step <= self.world_since else last
 
     @property
     def begins_episode(self) -> bool:
-        """Whether an episode or a sweep has just ended, or nothing has happened yet.
+        """True if an episode or sweep has just ended, or nothing has happened yet.
 
-        Where one was given up in the middle, none has ended.
+        An abandoned episode has not ended.
         """
         last = read_record(self._record)
         return last is None or last.episode == self.episodes
 
     @property
     def counters(self) -> Counters:
-        """A frozen copy of the counters, with the last step and the rewards and updates up to it."""
+        """A frozen copy of the counters, with last step, recent rewards and updates."""
         position, record, last = self._position, self._record, self.last_step
         rewards = 0 if last is None or last.planned or self.plans else last.episode_step
         updates = int(record.updates[0])
@@ -161,10 +165,10 @@ class LearnerCounters:
         )
 
     def _shown_state(self, last: LastStep | None) -> int:
-        """Return where the agent is: after an episode's last step still where that step led.
+        """Return the displayed state. After the last step of an episode it is the final state.
 
-        Of a planner it is the state backed up last. Where a planner has taken over from an agent, or the
-        other way round, the last step tells nothing about that.
+        For a planner it is the state backed up last. After a switch between agent and planner, the last step
+        is ignored.
         """
         if last is not None and self.plans:
             is_under_way = self.episode_step > 0 or self.episodes == last.episode
@@ -174,7 +178,7 @@ class LearnerCounters:
         return last.next_state if last.terminated or last.truncated else self.state
 
     def drain_episodes(self) -> Episodes:
-        """Return copies of the episodes finished since the last call, and forget them."""
+        """Return copies of the episodes finished since the last call, and clear them."""
         count = int(self._log.finished[0])
         self._log.finished[0] = 0
         return Episodes(

@@ -1,4 +1,4 @@
-"""The memory of a learner: what it holds, how to change, copy and restore it, and why it stops for good."""
+"""The memory of a learner: content, changes, copies, and final stops."""
 
 from __future__ import annotations
 
@@ -40,9 +40,14 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def breakdown(stop: Stop, algorithm: str, last: LastStep, space: FiniteSpace, q: FloatArray) -> str:
-    """Return why ``algorithm`` stopped for good after the step ``last``, as a sentence; empty if it did not.
+    """Return why a learner stopped for good, as a sentence. Empty if it did not.
 
-    ``q``, [P], are its estimates.
+    Args:
+        stop: Reason of the loop.
+        algorithm: Id of the algorithm.
+        last: The last step.
+        space: States and actions.
+        q: Estimates, [P].
     """
     if stop is Stop.DIVERGED:
         pair = int(np.argmax(np.nan_to_num(np.abs(q), nan=np.inf)))
@@ -70,7 +75,7 @@ Arrays = tuple[Any, ...]
 
 
 class Planned(NamedTuple):
-    """How many of the steps and of the episodes so far were a planner's: backups and sweeps."""
+    """Number of steps and episodes that were a planner's backups and sweeps."""
 
     steps: int
     sweeps: int
@@ -78,9 +83,9 @@ class Planned(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LearnerState:
-    """All that a learner is at one step; the arrays are copies, but for those of the world, ``space``.
+    """A copy of the complete state of a learner. `space` is not copied.
 
-    Of an array of the memory only the beginning may be there: see :func:`put_back`.
+    Arrays of the memory may be shortened; see :func:`put_back`.
     """
 
     space: FiniteSpace
@@ -100,23 +105,23 @@ class LearnerState:
 
     @property
     def nbytes(self) -> int:
-        """How much memory the copies take."""
+        """Memory of the copies in bytes."""
         parts = (self.memory, self.rule, self.drift, self.position, self.record)
         return sum(array.nbytes for part in parts for array in part)
 
 
 def arrays_of(parts: Iterable[Any]) -> Arrays:
-    """Return those of ``parts`` that are arrays: what a policy has learned."""
+    """Return the arrays in `parts`, for example what a policy has learned."""
     return tuple(part for part in parts if isinstance(part, np.ndarray))
 
 
 def copies(arrays: Iterable[Any]) -> Arrays:
-    """Return copies of ``arrays``."""
+    """Return copies of `arrays`."""
     return tuple(array.copy() for array in arrays)
 
 
 def put_back(arrays: Iterable[Any], kept: Arrays) -> None:
-    """Write the ``kept`` beginning back into each of ``arrays``, [n]; the rest of it is not in use."""
+    """Write the stored beginning back into each of `arrays`, [n]. The rest is unused."""
     for array, copy in zip(arrays, kept, strict=True):
         array[: len(copy)] = copy
 
@@ -125,11 +130,20 @@ def put_back(arrays: Iterable[Any], kept: Arrays) -> None:
 
 
 class LearnerMemory(LearnerCounters):
-    """All that a learner has: a world, an algorithm, settings, estimates, and what it watches for.
+    """The complete state of a learner: world, algorithm, settings, estimates, and breakpoints.
 
-    ``q`` (float64) and ``visits`` (int64), both [P], are the live arrays: read them between calls that move
-    it, never during one. ``environment`` is stepped where ``space`` is no table. Raises UserError where the
-    algorithm or the policy cannot work in ``space``.
+    `q` (float64) and `visits` (int64), both [P], are live arrays. Read them only between calls that advance
+    the learner.
+
+    Args:
+        space: The world: a TabularMDP, or a space without a transition table.
+        algorithm: Id of the algorithm.
+        hyperparameters: Settings.
+        streams: Random streams of world and learner.
+        environment: Environment to simulate, if `space` has no transition table.
+
+    Raises:
+        UserError: The algorithm or policy cannot work in `space`.
     """
 
     def __init__(
@@ -147,15 +161,15 @@ class LearnerMemory(LearnerCounters):
             None if environment is None else SteppedLoop(environment, streams.world, space.pair_action)
         )
         self.rewindable = environment is None
-        """Whether it can go back to a checkpoint: an environment that is stepped cannot."""
+        """True if it can return to a checkpoint, which a simulated environment cannot."""
         self.planned = Planned(0, 0)
-        """What part of the work was a planner's, and so not in the world."""
+        """The planner's part of all steps and episodes."""
         self.author = Author(algorithm, hyperparameters)
-        """Who took the last step; before the first, who will."""
+        """Algorithm and settings of the last step, or of the first one before it."""
         self.came_to_rest = False
-        """Whether the last step was a planner's last: it had converged, whatever has been changed since."""
+        """True if a planner had converged in the last step, whatever changed since."""
         self.rule: Any
-        """The policy in force, with what it has learned in live arrays, as those of ``q`` are."""
+        """Current rule of the policy, with live arrays of what it has learned."""
         self._memory: Any
         self._stop = Stop.DONE
         self._watching: Watching | None = None
@@ -164,14 +178,16 @@ class LearnerMemory(LearnerCounters):
         self._begin_anew()
 
     def configure(self, hyperparameters: Hyperparameters) -> None:
-        """Take these hyper-parameters from the next step on; ``initial_q`` only counts in the constructor.
+        """Use new settings from the next step on. ``initial_q`` does not affect existing pairs.
 
-        What a policy has learned is kept while the policy stays the same. Raises UserError where they cannot
-        work here.
+        What a policy has learned is kept while the policy stays the same.
+
+        Raises:
+            UserError: The settings cannot work here.
         """
         other_policy = hyperparameters.policy != self.hyperparameters.policy
         other_ties = hyperparameters.ties != self.hyperparameters.ties
-        if other_policy or hyperparameters.sample_average:  # nothing else can make an agent incompatible
+        if other_policy or hyperparameters.sample_average:  # other changes cannot make an agent incompatible
             check_compatible(self.space, self.algorithm, hyperparameters)
         learned = () if other_policy else arrays_of(self.rule)
         self._take_rule(hyperparameters)
@@ -179,17 +195,19 @@ class LearnerMemory(LearnerCounters):
             put_back(arrays_of(self.rule), learned)
         if other_ties:
             noticed = self._watch.noticed.copy()
-            self.watch(self._watching)  # the new tie rule says what was greedy before
+            self.watch(self._watching)  # the new tie rule redefines the former greedy policy
             self._watch.noticed[:] = noticed
         self._go_on_planning()
 
     def switch(self, algorithm: str) -> None:
-        """Let another algorithm go on with the same estimates and visits; the rest of its memory is new.
+        """Continue with another algorithm and the same estimates and visits.
 
-        It goes on with the episode under way as well; but from an agent to a planner or back the one under
-        way is given up, unfinished, and another episode or sweep begins.
+        The rest of the memory is new. The current episode continues. Between agent and planner, it is
+        abandoned and a new episode or sweep begins.
 
-        Raises ValueError if there is no algorithm of that id, UserError where it cannot work here.
+        Raises:
+            ValueError: There is no such algorithm.
+            UserError: The algorithm cannot work here.
         """
         check_compatible(self.space, algorithm, self.hyperparameters)
         planned = self.plans
@@ -199,21 +217,28 @@ class LearnerMemory(LearnerCounters):
         self._go_on_planning()
 
     def enter(self, space: FiniteSpace) -> None:
-        """Go to another world, in which nothing is known yet, for :meth:`restore` to come back to it."""
+        """Enter another world with empty memory, so that :meth:`restore` can return to it."""
         self._watching = None
         self._take_space(space, self.hyperparameters)
         self._take_algorithm(self.algorithm)
 
     def change_world(self, space: FiniteSpace, carried: Carried) -> bool:
-        """Go on in another world, with all that was learned of what is in both, as ``carried`` says.
+        """Continue in another world, with everything learned about the common part.
 
-        A pair that is new begins at ``initial_q``, without visits. The rest of the memory is new, as where
-        the algorithm is switched. An episode is given up, unfinished, where the state of the agent is gone or
-        has become an end, or the time limit is over; another then begins, and so it does where none had begun
-        and the agent stood at what is no start any more. A planner begins a sweep. Returns whether an episode
-        was given up.
+        New pairs start at ``initial_q`` without visits. The rest of the memory is new. The current episode is
+        abandoned if its state is gone or terminal, or if the new time limit has passed. Then another begins;
+        also if no episode had begun and the agent was in a state that is no longer a start. A planner begins
+        a sweep.
 
-        Raises UserError where the agent cannot work in ``space``; nothing then has changed.
+        Args:
+            space: The new world.
+            carried: Former numbers of its states and pairs.
+
+        Returns:
+            True if an episode was abandoned.
+
+        Raises:
+            UserError: The agent cannot work in `space`. Nothing has changed then.
         """
         check_compatible(space, self.algorithm, self.hyperparameters)
         state, watching = carried_state(carried, self.state), carried_watching(carried, self._watching)
@@ -261,7 +286,7 @@ class LearnerMemory(LearnerCounters):
         self._memory = self._module.new_memory(self.q, self.visits, self.space)
 
     def _begin_anew(self) -> None:
-        """Stand where an episode or a sweep begins; one under way is given up."""
+        """Start an episode or sweep, and abandon the current one."""
         if self.plans:
             start = int(np.argmax(np.diff(self.space.first_pair) > 0))
         elif self._stepped is None:
@@ -273,37 +298,38 @@ class LearnerMemory(LearnerCounters):
         self._position.episode_return[0] = 0.0
 
     def _go_on_planning(self) -> None:
-        """Let a planner that was done look again: what was changed may have given it something to do."""
+        """Let a finished planner check again, since a change may have given it new work."""
         if self._stop is Stop.CONVERGED:
             self._stop = Stop.DONE
 
     @property
     def nbytes(self) -> int:
-        """How many bytes all that it remembers takes: estimates, visits, traces, a model."""
+        """Memory in bytes: estimates, visits, traces, model."""
         return sum(array.nbytes for array in arrays_of((*self._memory, *self.rule)))
 
     @property
     def planning(self) -> str:
-        """How a planner is getting on, in words; empty before its first step, and for an agent."""
+        """Progress of a planner as text. Empty before its first step, and for an agent."""
         return str(self._module.describe(self._memory)) if self.plans else ""
 
     @property
     def phase(self) -> SweepPhase | None:
-        """What the sweep under way, or the last one, does to the policy; None before the first.
+        """Phase of the current or last sweep, or None before the first.
 
-        It is None too where sweeps are all alike, and for an agent.
+        It is also None for an agent, and for planners with only one kind of sweep.
         """
         return self._module.phase_of(self._memory) if self._row.takes_orders else None
 
     @property
     def ordered(self) -> SweepPhase | None:
-        """What is ordered for the next sweep; None where nothing is."""
+        """Phase ordered for the next sweep, or None."""
         return self._module.ordered(self._memory) if self._row.takes_orders else None
 
     def order(self, phase: SweepPhase) -> None:
-        """Let the next sweep be one of ``phase``, whatever is due by itself, be it that nothing is.
+        """Make the next sweep one of `phase`, even if the planner has finished.
 
-        Raises UserError where the algorithm in force has no such sweeps.
+        Raises:
+            UserError: The algorithm has no such sweeps.
         """
         if not self._row.takes_orders:
             able = " or ".join(each.id for each in BY_ID.values() if each.takes_orders)
@@ -313,19 +339,19 @@ class LearnerMemory(LearnerCounters):
 
     @property
     def mdp(self) -> TabularMDP | None:
-        """The transition table as it is now, with rewards where they have drifted to; None without one."""
+        """The current transition table, with drifted rewards, or None."""
         if not isinstance(self.space, TabularMDP) or not len(self._drift.offset):
             return self.space if isinstance(self.space, TabularMDP) else None
         return replace(self.space, reward=self.space.reward + self._drift.offset[self.space.outcome_pair])
 
     @property
     def drifted(self) -> Drifted | None:
-        """How the pulls of a bandit were spent whose means drift; None elsewhere."""
+        """Regret figures of a bandit with drifting means, else None."""
         return drifted_by(self._drift)
 
     @property
     def stop_reason(self) -> str:
-        """Why the learner will not go on, as a sentence; empty while it will."""
+        """Why the learner stopped for good, as a sentence. Empty while it can continue."""
         last = self.last_step
         if self._stop is Stop.WORLD_FAILED and self._stepped is not None:
             return self._stepped.failure
@@ -333,20 +359,22 @@ class LearnerMemory(LearnerCounters):
 
     @property
     def converged(self) -> bool:
-        """Whether a planner is done: no estimate moves any more."""
+        """True if a planner has finished."""
         return self._stop is Stop.CONVERGED
 
     def remembered(self, *names: str) -> tuple[FloatArray, ...]:
-        """Return copies of these arrays of the algorithm's own memory; none where it keeps none so named."""
+        """Return copies of these arrays of the algorithm's memory. Empty if one is missing."""
         if not all(hasattr(self._memory, name) for name in names):
             return ()
         return tuple(getattr(self._memory, name).copy() for name in names)
 
     def watch(self, watching: Watching | None) -> None:
-        """Stop after a step that brings any of ``watching``, from the estimates as they are; None: no more.
+        """Stop after steps with these events, starting from current estimates; None: never.
 
-        It changes nothing in what is learned, and is no part of a checkpoint. Raises ValueError where a state
-        or a pair is unknown.
+        Learning is not affected, and checkpoints do not contain it.
+
+        Raises:
+            ValueError: A state or pair does not exist.
         """
         if watching is None and self._watching is None:
             forget(self._watch)
@@ -357,5 +385,5 @@ class LearnerMemory(LearnerCounters):
 
     @property
     def noticed(self) -> WatchedEvents:
-        """What the last step of the last :meth:`advance` or :meth:`take` brought of what is watched."""
+        """Watched events of the last step of the last :meth:`advance` or :meth:`take`."""
         return noticed_by(self._watch)

@@ -1,4 +1,4 @@
-"""What a learner keeps where the world becomes another one."""
+"""The part of a learner that survives a change of the world."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def carry_over(now: npt.NDArray[Any], before: npt.NDArray[Any], pairs: IntArray) -> None:
-    """Write into ``now``, [P], what ``before``, [P before], has of each of ``pairs``; the rest stays."""
+    """Copy values of common pairs from `before`, [P before], to `now`, [P].
+
+    `pairs`, [P], holds the former number of each pair, or NEW.
+    """
     known = pairs != NEW
     now[known] = before[pairs[known]]
 
 
 def carry_drift(now: Drift, before: Drift, pairs: IntArray) -> None:
-    """Let the means of arms that stay be as far away from where they began as they had drifted.
-
-    The sums over pulls are those of one world: they begin anew.
-    """
+    """Keep the drift of the means of common arms. Sums over pulls restart."""
     if not len(now.offset) or not len(before.offset):
         return
     carry_over(now.offset, before.offset, pairs)
@@ -35,13 +35,13 @@ def carry_drift(now: Drift, before: Drift, pairs: IntArray) -> None:
 
 
 def carried_state(carried: Carried, state: int) -> int:
-    """Return what ``state`` of the world before is now, NEW where it is gone."""
+    """Return the new number of the former `state`, or NEW if it is gone."""
     there = np.flatnonzero(carried.states == state)
     return int(there[0]) if len(there) else NEW
 
 
 def carried_watching(carried: Carried, watching: Watching | None) -> Watching | None:
-    """Return what is watched for, by the numbers that states and pairs have now; what is gone is left out."""
+    """Return the watched events with new numbers of states and pairs, without removed ones."""
     if watching is None:
         return None
     cell = carried.pairs_now(() if watching.cell is None else (watching.cell,))
@@ -54,18 +54,18 @@ def carried_watching(carried: Carried, watching: Watching | None) -> Watching | 
 
 
 def goes_on(space: FiniteSpace, state: int, episode_step: int) -> bool:
-    """Return whether an episode of so many steps can go on in ``state``, or NEW for a state that is gone."""
+    """Return True if an episode of `episode_step` steps can continue in `state` (NEW: a removed state)."""
     is_over = bool(space.time_limit) and episode_step >= space.time_limit
     return state != NEW and len(space.pairs_of(state)) > 0 and not is_over
 
 
 def starts_in(space: FiniteSpace, state: int) -> bool:
-    """Return whether an episode may start in ``state``."""
+    """Return True if an episode may start in `state`."""
     return isinstance(space, TabularMDP) and bool(np.isin(state, space.start_state))
 
 
 def is_same_table(one: FiniteSpace, other: FiniteSpace) -> bool:
-    """Return whether two spaces are the same, bit for bit; without tables only where they are one."""
+    """Return True if two transition tables are equal, bit for bit. Other spaces must be identical."""
     if one is other or not (isinstance(one, TabularMDP) and isinstance(other, TabularMDP)):
         return one is other
     return one.pairs == other.pairs and table_digest(one) == table_digest(other)

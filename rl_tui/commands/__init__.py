@@ -1,4 +1,1 @@
-"""What is typed or imported: the command line, and what ``import rl_tui`` offers.
-
-It imports screen, and the rooms below; no room imports it.
-"""
+"""The command line, and the functions that ``import rl_tui`` offers. No lower package imports this one."""

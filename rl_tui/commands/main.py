@@ -1,4 +1,4 @@
-"""``rl-tui``: without a command, the catalogue of scenarios."""
+"""``rl-tui``: the entry point of the command line."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _LONGEST_NUMBER: Final = 40
 
 
 class RlTui(Program):
-    """The commands of rl-tui: each module in or below the folder ``commands`` is one, with its name."""
+    """The commands of rl-tui. Every module below the folder ``by_name`` is a command of the same name."""
 
     modules: ClassVar = {
         each.name.rpartition(".")[2]: each.name
@@ -52,7 +52,7 @@ class RlTui(Program):
 def program(context: click.Context, /, **display: object) -> None:
     """Watch a tabular reinforcement-learning agent learn, in the terminal.
 
-    Without a command it opens the catalogue of scenarios.
+    Without a command it opens the start screen.
     """
     enter_kiosk(context.invoked_subcommand)
     leave_out_bad_threads()
@@ -70,9 +70,10 @@ def program(context: click.Context, /, **display: object) -> None:
 
 
 def _hand_on(context: click.Context, name: str, given: dict[str, object]) -> None:
-    """Let the display options ``given`` before the command of that ``name`` be what it falls back on.
+    """Use the display options given before the command `name` as its defaults.
 
-    Raises UsageError where it draws nothing.
+    Raises:
+        click.UsageError: The command draws no screen.
     """
     command = program.get_command(context, name)
     taken = set() if command is None else {parameter.name for parameter in command.params}
@@ -80,7 +81,7 @@ def _hand_on(context: click.Context, name: str, given: dict[str, object]) -> Non
         if option not in taken:
             raise click.UsageError(f"{name} draws no screen: leave --{option.replace('_', '-')} out", context)
     if given.pop("no_color", False):
-        given["colors"] = "none"  # so that --colors after the command counts
+        given["colors"] = "none"  # so that --colors after the command overrides it
     context.default_map = {name: given}
 
 
@@ -95,30 +96,30 @@ def main() -> None:
         finally:
             leave_when_interrupted()
     except SystemExit as end:
-        # Python would end by SIGINT itself where ctrl+C came in a text that was being executed
+        # Python would kill itself by SIGINT if ctrl+C interrupted executed source text
         if isinstance(end.code, int) and (threading.active_count() > 1 or end.code == INTERRUPTED):
             leave_at_once(end.code)
         raise
-    except KeyboardInterrupt:  # before click looks out for it, or after
+    except KeyboardInterrupt:  # outside the time in which click handles ctrl+C
         leave_at_once(INTERRUPTED)
 
 
 def calculate_in_one_thread() -> None:
-    """Let numpy's linear algebra do without threads, unless the environment asks for them.
+    """Run NumPy's linear algebra in one thread, unless the environment says otherwise.
 
-    Its matrices are small here. Threads cost start-up time, and memory of which there may be little.
+    The matrices here are small. Threads would cost start-up time and memory.
     """
     if "numpy" not in sys.modules and "OMP_NUM_THREADS" not in os.environ:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def leave_out_bad_threads() -> None:
-    """Say that ``NUMBA_NUM_THREADS`` is no number of threads where it is none, and go on without it.
+    """Report an invalid ``NUMBA_NUM_THREADS`` and continue without it.
 
-    Numba would not start, or print a traceback. No kernel asks for threads.
+    Numba would fail to start, or print a traceback. No kernel needs threads.
     """
     number = os.environ.get(_THREADS, "1")
-    with suppress(ValueError):  # of thousands of digits too
+    with suppress(ValueError):  # also for thousands of digits
         if int(number) > 0:
             return
     complain(
@@ -128,9 +129,9 @@ def leave_out_bad_threads() -> None:
 
 
 def leave_out_bad_colours() -> None:
-    """Say that ``TEXTUAL_COLOR_SYSTEM`` is none of Rich's where it is not, and go on without it.
+    """Report an invalid ``TEXTUAL_COLOR_SYSTEM`` and continue without it.
 
-    Textual reads it when it is imported, and fails at any other word when an app is made.
+    Textual reads it on import and fails on unknown values when an app is created.
     """
     wanted = os.environ.get(_COLOURS, "auto")
     if wanted not in _COLOUR_SYSTEMS:
@@ -142,13 +143,16 @@ def leave_out_bad_colours() -> None:
 
 
 def leave_at_once(status: int) -> NoReturn:
-    """Exit without the interpreter's farewell.
+    """Exit without the interpreter's shutdown.
 
-    It stops daemon threads wherever they are. One that was importing or compiling would keep locks that the
-    farewell itself may want: measured, one quit in 250 during start-up never ended. For other threads it
-    would wait, and one that an environment keeps waiting may never end.
+    The shutdown stops daemon threads anywhere. A thread that was importing or compiling would keep locks that
+    the shutdown needs. Measured: one quit in 250 during start-up never ended. The shutdown also waits for
+    normal threads, and a thread inside an environment may never end.
+
+    Args:
+        status: Exit status of the process.
     """
-    # one that still waits for an environment may have exchanged stdout
+    # a thread inside an environment may have replaced stdout
     for stream in (sys.stdout, sys.__stdout__, sys.stderr):
         with suppress(OSError, ValueError):
             if stream is not None:

@@ -1,4 +1,3 @@
-"""What every room may use: errors and findings, limits, words, safe files, the random streams.
-
-It imports no other room.
+"""Helpers for all packages: errors, limits, words, safe files and random streams. This package imports no
+other.
 """

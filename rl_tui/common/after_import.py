@@ -1,10 +1,10 @@
-"""What is to be done as soon as a module of somebody else has been imported, but not before."""
+"""Callbacks that run once a foreign module has been imported."""
 
 from __future__ import annotations
 
 import sys
 
-# typing itself takes longer to import than all of this
+# importing typing takes longer than this whole module
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -16,9 +16,10 @@ if TYPE_CHECKING:
 
 
 def after_import(name: str, do: OnImport) -> None:
-    """Call ``do`` with the module ``name`` once it has been imported: at once where it is there already.
+    """Call `do` with the module `name` once it has been imported.
 
-    It is not imported for that. Of one that is imported again ``do`` is called again.
+    An imported module gets the call immediately. The module is never imported for this. If it is imported
+    again, `do` is called again.
     """
     module = sys.modules.get(name)
     if module is None:
@@ -28,7 +29,7 @@ def after_import(name: str, do: OnImport) -> None:
 
 
 class _AfterImport:
-    """Finds one module where the finders behind this one do."""
+    """A finder that delegates to the finders after it, and wraps the loader of one module."""
 
     def __init__(self, name: str, do: OnImport) -> None:
         self._name = name
@@ -37,7 +38,7 @@ class _AfterImport:
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return how the module is imported, None for any other."""
+        """Return the import spec of this module, or None for any other."""
         if fullname != self._name:
             return None
         behind = sys.meta_path[sys.meta_path.index(self) + 1 :]
@@ -49,9 +50,9 @@ class _AfterImport:
 
 
 class _Loader:
-    """Is ``loader`` in all but that ``do`` is called after it; once a module is loaded nothing is left of it.
+    """A wrapper around a loader that calls `do` after loading, then restores the original loader.
 
-    The loader itself is left as it is: it may load other modules too.
+    The original loader stays unchanged, because it may load other modules too.
     """
 
     def __init__(self, loader: Any, do: OnImport) -> None:
@@ -62,7 +63,7 @@ class _Loader:
         return getattr(self._loader, name)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Fill ``module``, and do what is to be done."""
+        """Load `module`, then call the callback."""
         assert module.__spec__ is not None
         module.__spec__.loader = module.__loader__ = self._loader
         self._loader.exec_module(module)

@@ -1,4 +1,4 @@
-"""A Python process of our own beside this one, which works for it."""
+"""Python child processes that work for this program."""
 
 from __future__ import annotations
 
@@ -18,15 +18,23 @@ main(**{arguments!r})
 def python_process(
     module: str, arguments: Mapping[str, object], environment: Mapping[str, str], folder: str | None = None
 ) -> subprocess.Popen[bytes]:
-    """Start a process that calls ``main`` of ``module`` with ``arguments``; its stdin and stdout are pipes.
+    """Start a process that calls ``main`` of `module`, with pipes as stdin and stdout.
 
-    It has a session of its own and no terminal, so that no key and no hang-up reaches it, and should end with
-    its stdin, which ends with this process, however that ends. It imports what this process would, but
-    nothing from the current folder, which may be anybody's or gone. ``folder`` is where it works, None: where
-    this process does. Raises OSError where no process can be started.
+    The process has its own session and no terminal, so neither keys nor hang-ups reach it. Its ``main``
+    should end when stdin closes, which happens whenever this process ends. It finds the same modules as this
+    process, but imports nothing from the current folder.
+
+    Args:
+        module: Name of the module.
+        arguments: Keyword arguments of ``main``.
+        environment: Environment variables.
+        folder: Working folder; None: that of this process.
+
+    Raises:
+        OSError: The process cannot be started.
     """
     if not sys.executable:
-        raise FileNotFoundError("which Python this is is not known")
+        raise FileNotFoundError("the path of the Python interpreter is unknown")
     path = [each for each in sys.path if each]
     return subprocess.Popen(
         [sys.executable, "-P", "-c", _SCRIPT.format(path=path, module=module, arguments=dict(arguments))],
@@ -37,5 +45,5 @@ def python_process(
         cwd=folder,
         env=environment,
         start_new_session=True,
-        creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # the same, on Windows
+        creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # start_new_session for Windows
     )

@@ -1,4 +1,4 @@
-"""What can go wrong in a way the user can mend: always one clear line, never a traceback."""
+"""Errors that the user can fix. They print as clear lines, never as a traceback."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ from rl_tui.common.limits import MOST_FAULTS
 
 
 class UserError(Exception):
-    """Something the user can mend. Its text is one line that says what is wrong, where, and what to do."""
+    """An error that the user can fix. Its text is one line: place, problem, fix."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One fault of a scenario file.
+    """One error of a scenario file.
 
-    ``file`` is the path as the user wrote it, ``place`` the spot in it (``mdp.transition[2].to``; empty for
-    the file as a whole), ``found`` what stands there and ``expected`` what should.
+    Args:
+        file: Path as the user wrote it.
+        place: Position inside the file, such as ``mdp.transition[2].to``. Empty for the whole file.
+        found: Current content.
+        expected: Correct content.
     """
 
     file: str
@@ -33,9 +36,9 @@ class Fault:
 
 
 class ScenarioError(UserError):
-    """A scenario file with faults: the first 100 of them, in the order of the file.
+    """A scenario file with errors: the first 100 of them, in file order.
 
-    ``tables`` is what the file says, as far as it could be read, and ``text`` the file as it was read.
+    `tables` holds the readable part of the file, `text` its full text.
     """
 
     def __init__(
@@ -48,9 +51,9 @@ class ScenarioError(UserError):
 
 
 def first_of(faults: Iterable[Fault]) -> tuple[Fault, ...]:
-    """Return the first 100 of ``faults``; where there are more, the last one says so."""
+    """Return the first 100 of `faults`. If there are more, a last entry says so."""
     reported = tuple(islice(faults, MOST_FAULTS + 1))
     if len(reported) <= MOST_FAULTS:
         return reported
-    more = Fault(reported[0].file, "", f"more than {MOST_FAULTS} faults", "those above mended first")
+    more = Fault(reported[0].file, "", f"more than {MOST_FAULTS} faults", "those above fixed first")
     return (*reported[:MOST_FAULTS], more)

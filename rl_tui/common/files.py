@@ -1,8 +1,7 @@
-"""Safe files: locks between programs, and three ways to write none of which leaves half a file.
+"""File locks, and three ways to write that never leave half a file.
 
-:func:`write_atomically` replaces a file, and until then leaves the old one as it is. :func:`new_file` begins
-one and refuses a name that is taken. :func:`whole_file` writes over what is there and takes away what cannot
-be written to its end.
+:func:`write_atomically` replaces a file and keeps the old one until then. :func:`new_file` creates a file and
+refuses existing names. :func:`whole_file` overwrites a file and removes it if writing fails.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from rl_tui.common.findings import is_plain, printable
 
 
 OURS_ALONE: Final = 0o600
-"""The mode of files that no other user may read."""
+"""Mode of files that no other user may read."""
 _TAKEN: Final = (errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK)
 _WITHOUT_LOCKS: Final = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP)
 
@@ -41,9 +40,10 @@ else:
 
 
 class FileLock:
-    """The lock of ``path``: a hidden file beside it, as the file itself is replaced when it is written.
+    """A lock for `path`, held by a hidden file next to it.
 
-    A lock file that was left behind by a program that was killed is nobody's, and is taken over.
+    The file itself cannot carry the lock, because writing replaces it. A lock file left by a killed program
+    can be taken.
     """
 
     def __init__(self, path: Path) -> None:
@@ -51,10 +51,12 @@ class FileLock:
         self._descriptor: int | None = None
 
     def acquire(self) -> bool:
-        """Take the lock; False where another program, or another part of this one, holds it.
+        """Take the lock, and return False if another holder has it.
 
-        Some network file systems know no locks: there everybody gets one. Raises OSError where the lock file
-        cannot be made.
+        File systems without locks always grant it.
+
+        Raises:
+            OSError: The lock file cannot be created.
         """
         while self._descriptor is None:
             descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT, OURS_ALONE)
@@ -68,14 +70,15 @@ class FileLock:
                     raise
             if self._is_still_there(descriptor):
                 self._descriptor = descriptor
-            else:  # whoever held it has just let go and removed the file: this one has no name any more
+            else:  # the previous holder just removed the file, so this lock has no name any more
                 os.close(descriptor)
         return True
 
     def keep(self) -> bool:
-        """Take the lock once more where its file was removed; False where somebody else has it by now.
+        """Take the lock again if its file was removed, and return False if another holder has it now.
 
-        Raises OSError as :meth:`acquire` does.
+        Raises:
+            OSError: The lock file cannot be created.
         """
         if self._descriptor is not None and not self._is_still_there(self._descriptor):
             os.close(self._descriptor)
@@ -83,10 +86,10 @@ class FileLock:
         return self.acquire()
 
     def release(self) -> None:
-        """Give the lock back; nothing happens without one."""
+        """Release the lock, if it is held."""
         if self._descriptor is None:
             return
-        with suppress(OSError):  # while it is held, so that nobody else's is removed
+        with suppress(OSError):  # before closing, so that only our own lock file is removed
             self._path.unlink()
         os.close(self._descriptor)
         self._descriptor = None
@@ -101,19 +104,24 @@ class FileLock:
 # Replace a file, or leave the old one
 
 
-# Whoever may write in the folder must not have us write elsewhere by a link in the draft's place
+# Another user with access to the folder must not redirect this write by a link
 _FLAGS: Final = (
     os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
 )
 _NEW: Final = ".new"
-_LONGEST_WRITE: Final = 60.0  # seconds, by far
+_LONGEST_WRITE: Final = 60.0  # seconds, far more than needed
 
 
 def write_atomically(path: Path, content: bytes, mode: int = OURS_ALONE) -> None:
-    """Put ``content`` into ``path``, in place of what was there; on the disk once this returns.
+    """Replace the content of `path` in one step. It is on disk when this returns.
 
-    ``mode`` says who may read and write it, as far as the system lets new files be so. Raises OSError, which
-    names a file, and then the old one is as it was.
+    Args:
+        path: The file.
+        content: New content.
+        mode: Permissions of the file, limited by the umask.
+
+    Raises:
+        OSError: Writing failed. The old file is unchanged, and the error names a file.
     """
     new = draft_of(path)
     try:
@@ -125,42 +133,48 @@ def write_atomically(path: Path, content: bytes, mode: int = OURS_ALONE) -> None
     except OSError as error:
         with suppress(OSError):
             new.unlink()
-        # a full disk does not say which one it is
+        # the error of a full disk names no file
         raise OSError(error.errno, error.strerror, error.filename or str(path)) from error
     _settle(path.parent)
 
 
 def draft_of(path: Path) -> Path:
-    """Return where the next content of ``path`` is written: one place, so that none is left to pile up."""
+    """Return the path of the draft of `path`. It is always the same, so drafts cannot pile up."""
     return path.with_name(f".{path.name}{_NEW}")
 
 
 def remove_old_drafts(folder: Path, suffix: str) -> None:
-    """Remove the drafts in ``folder`` that programs left which were killed while they wrote.
+    """Remove drafts of programs that were killed while writing.
 
-    ``suffix`` ends the names of the files that they were to replace.
+    Args:
+        folder: Folder to clean.
+        suffix: Suffix of the files whose drafts are removed.
     """
     try:
         drafts = list(folder.glob(f".*{suffix}{_NEW}"))
-    except OSError:  # a folder that may not be read
+    except OSError:  # an unreadable folder
         return
     for draft in drafts:
         lock = FileLock(draft.with_name(draft.name[1 : -len(_NEW)]))
         with suppress(OSError):
-            # on file systems without locks its age alone tells it from one that is being written
+            # without locks only the age shows whether a program still writes it
             if lock.acquire() and time.time() - draft.stat().st_mtime > _LONGEST_WRITE:
                 draft.unlink()
         lock.release()
 
 
 def remove_with_draft(path: Path) -> None:
-    """Remove ``path`` and its draft, where they are there. Raises OSError."""
+    """Remove `path` and its draft, if they exist.
+
+    Raises:
+        OSError: One of them cannot be removed.
+    """
     for each in (path, draft_of(path)):
         each.unlink(missing_ok=True)
 
 
 def _settle(folder: Path) -> None:
-    """Bring the name itself to the disk, where the system lets a folder be opened."""
+    """Write the folder entry to disk, where the system allows it."""
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:
@@ -170,7 +184,7 @@ def _settle(folder: Path) -> None:
 
 
 def signature(status: os.stat_result) -> tuple[int, ...]:
-    """Return what changes whenever somebody writes a file."""
+    """Return a value that changes whenever the file is written."""
     return status.st_ino, status.st_mtime_ns, status.st_size
 
 
@@ -179,15 +193,16 @@ def signature(status: os.stat_result) -> tuple[int, ...]:
 
 @contextmanager
 def new_file(path: Path) -> Iterator[TextIO]:
-    """Yield the new file ``path``, opened to write text; it is removed where writing is broken off.
+    """Create the file `path` and yield it for writing text. It is removed if writing is interrupted.
 
-    Raises UserError, in a line, where it is there already or cannot be written.
+    Raises:
+        UserError: The file exists or cannot be written.
     """
     try:
         stream = path.open("x", encoding="utf-8", newline="")
     except FileExistsError as error:
         raise UserError(f'"{printable(str(path))}" is there already: choose another name') from error
-    except (OSError, ValueError) as error:  # ValueError: no file can have such a name
+    except (OSError, ValueError) as error:  # ValueError: not a possible file name
         raise _unwritable(path, error) from error
     begun = os.fstat(stream.fileno())
     try:
@@ -201,16 +216,20 @@ def new_file(path: Path) -> Iterator[TextIO]:
 
 
 def write_new(path: Path, text: str) -> None:
-    """Write ``text`` into the new file ``path``. Raises UserError as :func:`new_file` does."""
+    """Write `text` into the new file `path`.
+
+    Raises:
+        UserError: The file exists or cannot be written.
+    """
     with new_file(path) as stream:
         stream.write(text)
 
 
 def new_path(text: str) -> Path:
-    """Return the path that a person typed as ``text``; ``~`` is their home.
+    """Return the path for a new file from user input. ``~`` is the home folder.
 
-    Raises UserError, in a line, where no new file can be made there: it is there already, or its folder is
-    not.
+    Raises:
+        UserError: The file exists, its folder does not exist, or the name is impossible.
     """
     text = text.strip()
     if not text:
@@ -235,10 +254,15 @@ _MOST_TRIED: Final = 1_000
 
 
 def free_name(stem: str, ending: str, folder: Path = Path(), taken: Container[str] = ()) -> str:
-    """Return a name that no file in ``folder`` has: ``stem`` and ``ending``, else with a number between them.
+    """Return a file name that is not in use: `stem` plus `ending`, with a number between if needed.
 
-    Of ``stem`` only letters, digits and ``-_.`` are kept, the rest become dashes. ``taken`` are further stems
-    to avoid. Once a thousand names are in use it is the first one after all.
+    After a thousand used names, the first one is returned.
+
+    Args:
+        stem: Wish for the name. Characters other than letters, digits and ``-_.`` become dashes.
+        ending: Suffix of the file.
+        folder: Folder in which the name must be free.
+        taken: Further stems to avoid.
     """
     stem = "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in stem)
     for candidate in (stem, *(f"{stem}-{number}" for number in range(2, _MOST_TRIED))):
@@ -252,10 +276,13 @@ def free_name(stem: str, ending: str, folder: Path = Path(), taken: Container[st
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[TextIO]:
-    """Yield the file ``path``, opened to write text in place of what was there.
+    """Open `path` and yield it for writing text over the old content.
 
-    Where it cannot be written to its end it is removed, unless it is a device or reached by a link, and
-    UserError is raised; whatever else fails, what was written is kept, and a file with nothing in it removed.
+    If writing fails, the file is removed, unless it is a device or a link. After any other error the written
+    part stays, but an empty file is removed.
+
+    Raises:
+        UserError: The file cannot be written.
     """
     begun: os.stat_result | None = None
     try:
@@ -268,16 +295,16 @@ def whole_file(path: Path) -> Iterator[TextIO]:
                     _remove(path, begun)
                 raise
     except OSError as error:
-        if begun is not None:  # what could not be opened is as it was
+        if begun is not None:  # a file that was never opened is unchanged
             _remove(path, begun)
         raise _unwritable(path, error) from error
 
 
 @contextmanager
 def file_or_stream(target: Path | TextIO) -> Iterator[TextIO]:
-    """Yield ``target``, opened if it is a path: that it cannot be written shows before there is anything.
+    """Yield `target` for writing. A path is opened immediately, so errors appear before the work.
 
-    A file is kept or removed as :func:`whole_file` does. A stream stays open, and its errors are its own.
+    A file is handled as in :func:`whole_file`. A stream stays open, and its errors are not converted.
     """
     if isinstance(target, Path):
         with whole_file(target) as stream:

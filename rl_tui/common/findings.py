@@ -1,4 +1,4 @@
-"""What is wrong with a scenario file: where, what was found and what was expected."""
+"""Findings in scenario files, and values formatted for messages."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ _LONGEST_SHOWN: Final = 60
 _MANY: Final = 200
 _LONGEST_COMPARED: Final = 200
 _MOST_COMPARED: Final = 200
-# Python refuses to write out whole numbers of more than some thousand digits
+# Python refuses to print whole numbers with thousands of digits
 _MOST_BITS: Final = 10_000
 _CONTROL: Final = re.compile(
-    "[\\x00-\\x1f\\x7f-\\x9f\\ud800-\\udfff\\u2028\\u2029"  # categories Cc, Cs, Zl and Zp of Unicode
-    "\\u061c\\u200e\\u200f\\u202a-\\u202e\\u2066-\\u2069]"  # these turn the direction of writing
+    "[\\x00-\\x1f\\x7f-\\x9f\\ud800-\\udfff\\u2028\\u2029"  # Unicode categories Cc, Cs, Zl and Zp
+    "\\u061c\\u200e\\u200f\\u202a-\\u202e\\u2066-\\u2069]"  # these change the writing direction
 )
 
 
 class Finding(NamedTuple):
-    """One fault at ``location``: the keys and indices (from 0) that lead to it in the file."""
+    """One error in a file. `location` holds the keys and indices (from 0) that lead to it."""
 
     location: Location
     found: str
     expected: str
 
     def inside(self, *outer: str | int) -> Finding:
-        """Return the same finding, seen from the table that holds it under ``outer``."""
+        """Return this finding with `outer` prepended to its location."""
         return self._replace(location=(*outer, *self.location))
 
 
 def place(location: Location) -> str:
-    """Return the location as people write it: ``mdp.transition[2].to``."""
+    """Return a location as text, such as ``mdp.transition[2].to``."""
     text = ""
     for step in location:
         if isinstance(step, int):
@@ -50,14 +50,16 @@ def place(location: Location) -> str:
 def shown(value: object, deepest: int = 3) -> str:
     """Return a value of a file as one short line that is safe to print.
 
-    Of lists within lists so many levels are written out.
+    Args:
+        value: The value.
+        deepest: Number of nested list levels to write out.
     """
     if isinstance(value, bool):
         text = "true" if value else "false"
     elif isinstance(value, int) and value.bit_length() > _MOST_BITS:
         text = f"a whole number of {value.bit_length():,} bits"
     elif isinstance(value, str):
-        # a little more than what will stand there, so that it still ends in an ellipsis
+        # slightly longer than the limit, so that the ellipsis remains
         text = json.dumps(value[: 2 * _LONGEST_SHOWN], ensure_ascii=False)
     elif isinstance(value, Mapping):
         text = "a table" if value else "an empty table"
@@ -74,7 +76,7 @@ def shown(value: object, deepest: int = 3) -> str:
 
 
 def one_line(text: str, longest: int) -> str:
-    """Return a text in one line of at most ``longest`` characters, with nothing in it that moves a cursor."""
+    """Return `text` as one printable line of at most `longest` characters."""
     text = " ".join(text.split())
     if len(text) > longest:
         text = text[: longest - 1] + "…"
@@ -82,28 +84,32 @@ def one_line(text: str, longest: int) -> str:
 
 
 def printable(text: str) -> str:
-    """Return a text in which characters that a terminal might obey are written out as numbers."""
+    """Return `text` with unprintable characters escaped, so that no terminal obeys them."""
     return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in text)
 
 
 def is_plain(text: str, also: str = "") -> bool:
-    """Return whether a text has no control character but those in ``also``: none may reach a terminal."""
+    """Return True if `text` has no control characters except those in `also`."""
     return not control_character(text, also)
 
 
 def control_character(text: str, also: str = "") -> str:
-    """Return the first control character of a text besides those in ``also``, as U+001B; empty if none.
+    """Return the first control character of `text` as ``U+001B``. Empty if there is none.
 
-    What turns the direction of writing or ends a line counts as one, and so does half a character.
+    Characters that change the writing direction or end a line count, and so do surrogates.
+
+    Args:
+        text: Text to search.
+        also: Allowed control characters.
     """
     found = (each[0] for each in _CONTROL.finditer(text) if each[0] not in also)
     return next((f"U+{ord(each):04X}" for each in found), "")
 
 
 def near(name: str, names: Iterable[str]) -> str:
-    """Return `` (did you mean "…"?)`` for the nearest of ``names``, or nothing where none is near.
+    """Return `` (did you mean "…"?)`` with the nearest of `names`. Empty if none is near.
 
-    Long lists are not searched: comparing names is slow, and a large file may hold thousands of unknown ones.
+    Very long lists and names are not searched, because comparing is slow.
     """
     by_small_letters = {each.lower(): each for each in islice(names, _MOST_COMPARED + 1)}
     if len(by_small_letters) > _MOST_COMPARED or len(name) > _LONGEST_COMPARED:
@@ -113,8 +119,8 @@ def near(name: str, names: Iterable[str]) -> str:
 
 
 def in_file_order(findings: Iterable[Finding], document: object) -> list[Finding]:
-    """Return ``findings`` in the order of the file, those of missing keys last in their table."""
-    places: dict[int, dict[str, int]] = {}  # of the keys of each table that was looked at
+    """Return `findings` in file order. Missing keys come last in their table."""
+    places: dict[int, dict[str, int]] = {}  # key order of each table visited
     return sorted(findings, key=lambda finding: _place_in_file(finding.location, document, places))
 
 

@@ -1,4 +1,4 @@
-"""What ctrl+C does, and telling it from an environment that raises KeyboardInterrupt itself."""
+"""Handling of ctrl+C, and its distinction from an environment that raises KeyboardInterrupt."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from types import FrameType
 from typing import Final, NoReturn
 
 INTERRUPTED: Final = 130
-"""The exit status of a process that ctrl+C has ended."""
+"""Exit status of a process ended by ctrl+C."""
 
 
 class _Interrupts:
-    """Whether ctrl+C was pressed since the process looks out for it."""
+    """A record of whether ctrl+C was pressed."""
 
     def __init__(self) -> None:
         self.came = False
@@ -28,17 +28,20 @@ INTERRUPTS = _Interrupts()
 
 
 def leave_when_interrupted() -> None:
-    """Let ctrl+C end the process at once, with 130 and without a word, unless it is ignored.
+    """Let ctrl+C end the process immediately and silently, with status 130.
 
-    It is for the time before there is anything to give back, and after: Python would print a traceback,
-    in whichever import it came. For the main thread.
+    This is for start and end, when there is nothing to clean up and Python would print a traceback. Call it
+    in the main thread. An ignored ctrl+C stays ignored.
     """
     if signal.getsignal(signal.SIGINT) in (signal.default_int_handler, INTERRUPTS.note):
         signal.signal(signal.SIGINT, _leave)
 
 
 def note_interrupts() -> None:
-    """Look out for ctrl+C from now on, unless another handler does or it is ignored. For the main thread."""
+    """Record ctrl+C from now on, unless it is ignored or handled elsewhere.
+
+    Call it in the main thread.
+    """
     if signal.getsignal(signal.SIGINT) in (signal.default_int_handler, _leave):
         signal.signal(signal.SIGINT, INTERRUPTS.note)
 
@@ -48,9 +51,10 @@ def _leave(_: int, __: FrameType | None) -> NoReturn:
 
 
 def is_interrupt(error: BaseException) -> bool:
-    """Return True if ``error`` is ctrl+C, which only the main thread gets, and no fault of a world.
+    """Return True if `error` is ctrl+C and not an error of an environment.
 
-    Where nothing looks out for it, it is taken for one, if there can be any.
+    Only the main thread receives ctrl+C. Without a recorded signal, every KeyboardInterrupt counts if ctrl+C
+    is possible.
     """
     if not isinstance(error, KeyboardInterrupt) or threading.current_thread() is not threading.main_thread():
         return False

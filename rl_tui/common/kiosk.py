@@ -1,4 +1,4 @@
-"""Kiosk mode, for a room of strangers: nothing is written, and nothing read but what is shipped."""
+"""Kiosk mode, for strangers: writes nothing, and reads only shipped files."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ VARIABLE: Final = "RL_TUI_KIOSK"
 
 
 def in_kiosk() -> bool:
-    """Return whether this process is a kiosk, by the environment variable or by ``--kiosk``, which sets it.
+    """Return True if this process runs in kiosk mode.
 
-    It holds for the whole process and all that it starts, as the system's limits do: nothing in the program
-    turns it off.
+    The environment variable sets it, and so does ``--kiosk``. It also applies to child processes. The program
+    never turns it off.
     """
     return os.environ.get(VARIABLE, "") not in ("", "0")

@@ -1,3 +1,3 @@
-"""How the ids begin by which Gymnasium knows our own scenarios."""
+"""The prefix of our scenario ids in Gymnasium."""
 
 OWN_IDS = "rl_tui/"

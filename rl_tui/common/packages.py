@@ -1,4 +1,4 @@
-"""The packages that rl-tui needs, and what to do where one of them is missing."""
+"""Required packages, and advice if one is missing."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ NEEDED: Final = frozenset(
         *("pydantic", "rich", "scipy", "textual", "tomlkit"),
     )
 )
-"""Those of pyproject.toml: each is imported by the name by which pip knows it."""
+"""The dependencies in pyproject.toml. Import name and pip name are equal."""
 
 
 def missing_package(error: BaseException) -> str:
-    """Return which needed package ``error`` misses and how to install it; nothing for any other error."""
+    """Return which required package `error` lacks, and how to install it. Empty for other errors."""
     if not isinstance(error, ModuleNotFoundError) or not error.name:
         return ""
     package = error.name.partition(".")[0]

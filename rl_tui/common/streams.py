@@ -1,4 +1,4 @@
-"""Where all randomness comes from: two independent streams for each seed."""
+"""Random number streams: two independent ones per seed."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ class Streams(NamedTuple):
 
 
 def streams(seed: int) -> Streams:
-    """Return fresh streams for ``seed`` (an integer, 0 or more).
+    """Return new streams for `seed`, an integer of 0 or more.
 
-    A world that is itself drawn at random (the arms of a bandit) takes its draws from the world's stream
-    first; the run then goes on with that same stream, so that reward noise never repeats the draws of the
-    arms.
+    A random world, such as the arms of a bandit, is drawn first from the world's stream. The run continues
+    with the same stream, so reward noise never repeats these draws.
     """
     from numpy.random import PCG64, Generator, SeedSequence
 
@@ -31,9 +30,9 @@ def streams(seed: int) -> Streams:
 
 @cache
 def has_low_word_first() -> bool:
-    """Return whether NumPy keeps the state of a PCG64 as whole numbers of 128 bits, low word first.
+    """Return True if NumPy stores PCG64 state as 128-bit integers, low word first.
 
-    Where its compiler has no such numbers, as on Windows, it keeps the high word first.
+    Where the compiler lacks such integers, as on Windows, the high word comes first.
     """
     import ctypes
 

@@ -1,4 +1,4 @@
-"""Reads every file that a person names: a plain file, of bounded size, never waited for."""
+"""Reading of user-named files: regular files of limited size, without blocking."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from typing import BinaryIO, Final
 
 from rl_tui.common.limits import LARGEST_FILE
 
-# Without waiting: to open a pipe would else take until somebody writes into it. The rest: a terminal named
-# here does not become ours, programs that are started do not inherit it, and Windows leaves line ends alone
+# O_NONBLOCK: opening a pipe would wait for a writer. O_NOCTTY: a terminal named here does not become ours.
+# O_CLOEXEC: child processes do not inherit the file. O_BINARY: Windows keeps line ends
 _FLAGS: Final = (
     os.O_RDONLY
     | getattr(os, "O_NONBLOCK", 0)
@@ -31,7 +31,7 @@ _KINDS: Final = (
 
 
 class UnreadableError(Exception):
-    """The file gives nothing at all; ``place`` is the line and column, if it is one."""
+    """A file without usable content. `place` is the line and column, if known."""
 
     def __init__(self, place: str, found: str, expected: str) -> None:
         super().__init__(f"found {found}; expected {expected}")
@@ -39,10 +39,19 @@ class UnreadableError(Exception):
 
 
 def read_text(path: Path, kind: str = "a TOML file", most: int = LARGEST_FILE) -> str:
-    """Return the text of the file, which should be of this ``kind``. Raises UnreadableError."""
+    """Return the text of a file in UTF-8.
+
+    Args:
+        path: The file, as the user named it.
+        kind: Expected kind with an article, for messages.
+        most: Size limit in bytes.
+
+    Raises:
+        UnreadableError: The file cannot be read, is too large, or is not UTF-8.
+    """
     content, _ = read_bytes(path, kind, most)
     try:
-        # "sig" because editors on Windows begin a file with a byte order mark
+        # editors on Windows start files with a byte order mark, hence "sig"
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
@@ -50,13 +59,15 @@ def read_text(path: Path, kind: str = "a TOML file", most: int = LARGEST_FILE) -
 
 
 def read_bytes(path: Path, kind: str, most: int = LARGEST_FILE) -> tuple[bytes, os.stat_result]:
-    """Return the content of the file, and its status when that was read. Raises UnreadableError.
+    """Return the content of a file, and its status when it was read.
 
     Args:
-        path: The file, as a person named it.
-        kind: What is expected, with an article, such as "a JSON file".
-        most: Bytes that it may have.
+        path: The file, as the user named it.
+        kind: Expected kind with an article, such as "a JSON file".
+        most: Size limit in bytes.
 
+    Raises:
+        UnreadableError: The file cannot be read or is too large.
     """
     stream = open_plain(path, kind)
     with stream:
@@ -65,14 +76,22 @@ def read_bytes(path: Path, kind: str, most: int = LARGEST_FILE) -> tuple[bytes, 
             content = b"" if status.st_size > most else stream.read(most + 1)
         except OSError as error:
             raise _unreadable(error, kind) from error
-    size = max(status.st_size, len(content))  # it may have grown meanwhile
+    size = max(status.st_size, len(content))  # the file may have grown since
     if size > most:
         raise UnreadableError("", f"{size / 1e6:,.0f} MB", f"{kind} of at most {most / 1e6:,.0f} MB")
     return content, status
 
 
 def open_plain(path: Path, kind: str) -> BinaryIO:
-    """Return the file opened to be read, where it is a plain one. Raises UnreadableError."""
+    """Open a regular file for reading.
+
+    Args:
+        path: The file.
+        kind: Expected kind with an article, for messages.
+
+    Raises:
+        UnreadableError: It is not a regular file, or cannot be opened.
+    """
     try:
         descriptor = os.open(path, _FLAGS)
     except (OSError, ValueError) as error:
@@ -91,9 +110,16 @@ def open_plain(path: Path, kind: str) -> BinaryIO:
 
 
 def check_plain(path: Path, kind: str) -> None:
-    """Raise UnreadableError where there is something at ``path`` that is not a plain file.
+    """Check that `path` is a regular file or does not exist, without opening it.
 
-    For files that a library opens by their name: nothing is opened here.
+    This is for files that a library opens by name.
+
+    Args:
+        path: The file.
+        kind: Expected kind with an article, for messages.
+
+    Raises:
+        UnreadableError: There is something else at this path.
     """
     try:
         found = _other_kind(path.stat().st_mode)
@@ -108,14 +134,14 @@ def check_plain(path: Path, kind: str) -> None:
 
 
 def _other_kind(mode: int) -> str:
-    """Return what has this ``mode``, nothing where it is a plain file."""
+    """Return what kind of file this mode belongs to. Empty for a regular file."""
     if stat.S_ISREG(mode):
         return ""
     return next((name for is_one, name in _KINDS if is_one(mode)), "something else")
 
 
 def _unreadable(error: OSError | ValueError, kind: str) -> UnreadableError:
-    """Return ``error`` in words; a ValueError is a null character in the path."""
+    """Convert `error` to an UnreadableError. A ValueError is a null character in the path."""
     if isinstance(error, OSError) and error.errno in _MISSING:
         return UnreadableError("", "no such file", kind)
     reason = getattr(error, "strerror", None) or str(error)

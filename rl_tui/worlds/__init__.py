@@ -1,4 +1,3 @@
-"""What there is to learn: finite MDPs, scenario files, maps and graphs, environments of Gymnasium.
-
-It imports common.
+"""Worlds: finite MDPs, scenario files, maps, graphs, bandits and Gymnasium environments. This package imports
+only common.
 """

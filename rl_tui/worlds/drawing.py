@@ -1,4 +1,4 @@
-"""How a world is drawn, as pure data. The screen has one view for each kind."""
+"""Drawings of worlds as pure data. The screen has one view per class."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class CellKind(StrEnum):
-    """What a cell of a grid is, for its glyph and colour."""
+    """Kind of a grid cell. It selects symbol and colour."""
 
     FLOOR = "floor"
     START = "start"
@@ -19,7 +19,10 @@ class CellKind(StrEnum):
 
 
 class Title(NamedTuple):
-    """A ``text`` in the middle of so many ``columns`` of walls, the first at ``row``, −1 above the map."""
+    """A text centred over some columns of walls.
+
+    `column` is the first of the `columns`; `row` is −1 above the map.
+    """
 
     row: int
     column: int
@@ -27,15 +30,15 @@ class Title(NamedTuple):
     text: str
 
     def is_over(self, column: int) -> bool:
-        """Return whether ``column`` is one of its own."""
+        """Return True if the title covers `column`."""
         return self.column <= column < self.column + self.columns
 
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """The labels of all rows and columns of a grid, empty for those that have none.
+    """Labels of the rows and columns of a grid. A label may be empty.
 
-    ``names`` are what rows and columns are, where that is known, ``titles`` those of parts between walls.
+    `titles` name parts between walls. `names` says what rows and columns mean, if known.
     """
 
     rows: tuple[str, ...]
@@ -45,7 +48,7 @@ class Axes:
 
 
 class BodyKind(StrEnum):
-    """A body that states are poses of."""
+    """Kind of body whose poses are states."""
 
     CART_POLE = "cart pole"
     MOUNTAIN_CAR = "mountain car"
@@ -53,17 +56,17 @@ class BodyKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A body, of whose numbers each state has a bin.
+    """A body with some numbers, each cut into bins.
 
-    ``middles[i]`` are the middles of the bins of number i, in units of the environment, NaN where it is not
-    observed. States are all combinations, the last number running fastest.
+    ``middles[i]`` holds the middle of each bin of number i, in units of the environment, or NaN for an
+    unobserved one. States are all combinations of bins, and the last number changes fastest.
     """
 
     kind: BodyKind
     middles: tuple[tuple[float, ...], ...]
 
     def pose(self, state: int) -> tuple[float, ...]:
-        """Return the middle of the bin that ``state`` has of each number."""
+        """Return the middle of each number's bin in `state`."""
         numbers = []
         for middles in reversed(self.middles):
             state, place = divmod(state, len(middles))
@@ -75,13 +78,17 @@ class Body:
 class Grid:
     """A map of rows × columns cells.
 
-    ``kinds`` holds rows · columns cells, row by row. ``cell_of_state[s]`` is the cell (row · columns +
-    column) where state s is drawn. ``directions[a]`` is the step (rows down, columns right) that action a
-    means, or None where the action is not a direction. ``legend`` says in a line what rows and columns mean
-    where the grid is no place to walk about in; empty where it is. ``wind`` says of each column how many
-    cells it blows up, below 0 down; empty where there is none. ``one_way`` has the cells that are left in
-    one direction only, each with its step. ``axes`` label rows and columns where these are numbers, ``body``
-    is what has these numbers, if that is known.
+    Args:
+        rows: Number of rows.
+        columns: Number of columns.
+        kinds: Kind of each cell, row by row, [rows · columns].
+        cell_of_state: Cell of each state, row · columns + column, [S].
+        directions: Step (rows down, columns right) of each action, or None if it is not a direction, [A].
+        legend: Meaning of rows and columns, if the grid is not a map to walk on.
+        wind: Cells that the wind blows upwards in each column. Negative is down. Empty without wind.
+        one_way: Cells that can be left in one direction only, each with its step.
+        axes: Labels of rows and columns, if they are numbers.
+        body: Body that these numbers belong to, if known.
     """
 
     rows: int
@@ -98,9 +105,9 @@ class Grid:
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """States as nodes. ``places[s]`` is (column, row) of state s, whole numbers from 0, as in the file.
+    """States as nodes. ``places[s]`` is (column, row) of state s, from 0.
 
-    ``chain`` has the states from left to right where each leads only to its neighbours; empty elsewhere.
+    `chain` lists the states from left to right if each leads only to its neighbours, otherwise it is empty.
     """
 
     places: tuple[tuple[int, int], ...]
@@ -109,7 +116,7 @@ class Graph:
 
 @dataclass(frozen=True, slots=True)
 class Arms:
-    """A bandit: a bar for each of ``count`` arms, the pairs of its only state."""
+    """A bandit: one bar for each of `count` arms."""
 
     count: int
 

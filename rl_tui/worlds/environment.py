@@ -1,4 +1,4 @@
-"""An environment that is stepped for real because it has no transition table."""
+"""The interface of environments without a transition table, which can only be simulated."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rl_tui.common.errors import UserError
 
 
 class StepResult(NamedTuple):
-    """The result of one action: the next state, the reward, and whether the episode is over."""
+    """Result of one action: next state, reward, and end of the episode."""
 
     next_state: int
     reward: float
@@ -17,20 +17,20 @@ class StepResult(NamedTuple):
 
 
 class Environment(Protocol):
-    """One copy of an environment, for one run. States and actions are numbers from 0, as in its space.
+    """One copy of an environment, for one run. States and actions are numbered from 0.
 
-    Both methods raise :class:`EnvironmentFailedError` where the environment raises, or returns what is no
-    state or no finite reward.
+    Both methods raise :class:`EnvironmentFailedError` if the environment fails, or returns an invalid state
+    or reward.
     """
 
     def reset(self, seed: int | None = None) -> int:
-        """Begin an episode and return its first state; ``seed`` starts the environment's own randomness."""
+        """Start an episode and return its first state. `seed` seeds the environment."""
         ...
 
     def step(self, action: int) -> StepResult:
-        """Take ``action``."""
+        """Take `action` and return its result."""
         ...
 
 
 class EnvironmentFailedError(UserError):
-    """The environment behind a world broke down; the message says how, in one line."""
+    """An environment failed. The message is one line."""

@@ -1,4 +1,4 @@
-"""A world as a run holds it: its states and actions, its drawing and its budget."""
+"""A world as used by a run: states, actions, drawing and budget."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 class Prospect(NamedTuple):
-    """A state that may be seen after a pair.
+    """An observation that may follow a pair.
 
-    ``probability`` is None where it depends on how one came there; ``rewards`` are the mean rewards that may
-    come with it, ascending: more than one where they depend on that, too.
+    `probability` is None if it depends on the past. `rewards` are the possible mean rewards, rising; several
+    if they depend on the past too.
     """
 
     next_state: int
@@ -28,13 +28,15 @@ class Prospect(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class World:
-    """What one seed made of a scenario.
+    """A world made from a scenario and a seed.
 
-    ``space`` is a TabularMDP wherever what actions lead to is known; else ``new_environment`` makes a copy of
-    the environment that has to be stepped to find out. ``budget`` is the number of episodes after which a run
-    on screen ends (the pulls of a bandit), None for no end. ``prospects``, [P], say what may be seen after
-    each pair where several states look alike to the agent, so that it depends on how one came there; empty
-    where none do.
+    Args:
+        space: States and actions. It is a TabularMDP if there is a transition table.
+        drawing: How the world is drawn.
+        budget: Episodes after which a run on screen ends (pulls of a bandit), or None.
+        new_environment: Makes a copy of the environment to simulate, without a transition table.
+        prospects: Possible observations after each pair, [P], if several states look the same; otherwise
+            empty.
     """
 
     space: FiniteSpace
@@ -43,7 +45,7 @@ class World:
     new_environment: Callable[[], Environment] | None = None
     prospects: tuple[tuple[Prospect, ...], ...] = ()
     mdp: TabularMDP | None = field(init=False, repr=False)
-    """The transition table, which then is ``space`` itself; None where there is none."""
+    """The transition table, which is `space` itself, or None."""
 
     def __post_init__(self) -> None:
         from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -52,6 +54,6 @@ class World:
 
     @property
     def nbytes(self) -> int:
-        """How much memory the arrays of its space take."""
+        """Memory of the arrays in its space, in bytes."""
         values = (getattr(self.space, each.name) for each in fields(self.space))
         return sum(getattr(value, "nbytes", 0) for value in values)

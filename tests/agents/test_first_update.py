@@ -295,9 +295,9 @@ def test_a_step_size_that_has_fallen_to_0() -> None:
     ("algorithm", "values", "reason"),
     [
         ("value-iteration", {}, "plans with the model"),
-        ("dyna-q", {}, "more than one update"),
-        ("monte-carlo", {}, "more than one update"),
-        ("sarsa-lambda", {}, "more than one update"),
+        ("dyna-q", {}, "one pair per step"),
+        ("monte-carlo", {}, "one pair per step"),
+        ("sarsa-lambda", {}, "one pair per step"),
         ("q-learning", {"policy": "softmax"}, "softmax"),
         ("q-learning", {"epsilon_decay": 0.01}, "ε changes"),
     ],

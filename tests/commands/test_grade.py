@@ -116,7 +116,7 @@ def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None
     result = run(tmp_path, "--scenario", "frozenlake", "--seeds", 1, "--episodes", 500, "--json")
     assert result.exit_code == 1
     first, second, *results = result.stderr.splitlines()
-    assert "no sandbox: a submission can read, write and send what you can" in first
+    assert "Not a sandbox: a submission can read" in first
     assert second == "left out: _helper.py, parts.py (imported by others), test_of_mine.py"
     assert results[:2] == ["agent.py: passed, 1.0000 of the best", "away.py: not passed, failed in 1 seed"]
     graded = {each["file"]: each for each in json.loads(result.stdout)["submissions"]}
@@ -273,7 +273,7 @@ def test_what_cannot_be_graded_at_all(args: tuple[str, ...], said: str, tmp_path
 def test_a_threshold_that_the_optimal_policy_does_not_reach_is_told(tmp_path: Path) -> None:
     path = tmp_path / "broken.py"
     path.write_text("x = (")
-    said = "has itself only 0.9450 of the best return in frozenlake-8x8-slippery"
+    said = "has only 0.9450 of the best return in frozenlake-8x8-slippery"
     for threshold, is_said in ((0.95, True), (0.94, False)):
         result = run(
             path, "--scenario", "frozenlake-8x8-slippery", "--seeds", 1, "--threshold", threshold, "--json"

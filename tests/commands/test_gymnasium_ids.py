@@ -93,7 +93,7 @@ def test_a_policy_of_which_nothing_is_known_is_a_sentence():
     nothing = [list(world.space.action_names)] * world.space.states
     assert policy_map(world, nothing) == "In no state does one action look better than the others."
     nothing[16 * 22 + 10 * 2] = ["hit"]
-    line = "(rows 16 to 16 and columns T to T; nothing is known of those left out)"
+    line = "(rows 16 to 16 and columns T to T; nothing is known outside)"
     assert policy_map(world, nothing) == f"h\n{line}"
 
 

@@ -103,7 +103,7 @@ def test_an_atlas_has_numbers_and_marks() -> None:
     drawn = atlas([[1.0, 2.0], [3.0, None]], best=(1, 0), alike=((True, False), (True, False)))
     lines = picture_text(drawn, 60).splitlines()
     assert [line.split() for line in lines[3:6]] == [["r1", "3*", "-"], ["r0", "1'", "2"], ["c0", "c1"]]
-    assert lines[6] == "* the best   ' not different from the best"
+    assert lines[6] == "* the best   ' tied with the best"
     assert "best" not in picture_text(atlas([[1.0, 2.0]]), 60)
 
 

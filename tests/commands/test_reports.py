@@ -31,8 +31,8 @@ def report(*args: str) -> str:
 def test_train_says_what_was_learned_and_what_could_be() -> None:
     text = report("train", "frozenlake")
     assert "10,000 episodes" in text
-    assert "0.95099 of 0.95099" in text
-    assert "1 of 1 " in text
+    assert "0.95099, optimal 0.95099" in text
+    assert "1, optimal 1 " in text
 
 
 def test_what_is_discounted_and_what_is_not_is_said_beside_each_figure() -> None:

@@ -98,7 +98,7 @@ def test_the_report(tmp_path: Path) -> None:
     lines = result.stdout.splitlines()
     assert lines[0] == f"FrozenLake 4×4: Agent of {path}, seed 0"
     assert lines[1] == "its update is q-learning with α 0.2, γ 0.9"
-    assert "greedy policy of optimum" in result.stdout
+    assert "discounted: greedy policy" in result.stdout
 
 
 @pytest.mark.parametrize(

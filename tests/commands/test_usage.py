@@ -175,7 +175,7 @@ def test_near_commands_are_suggested() -> None:
 def test_words_of_keys_are_found_on_screen(word: str, said: str) -> None:
     result = run(word, "frozenlake")
     assert result.exit_code == 2
-    assert f"no command is called {word!r}; on screen it is {said}" in one_line(result)
+    assert f"unknown command {word!r}; on screen it is {said}" in one_line(result)
 
 
 def test_each_key_is_found_by_its_label() -> None:
@@ -428,10 +428,10 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("option", "message"),
     [
-        ("--kiosk", "there is no option --kiosk here; it is one of rl-tui, rl-tui play, rl-tui learn"),
-        ("--runes=3", "there is no option --runes; did you mean --runs?"),
-        ("--zzz", "there is no option --zzz"),
-        ("-z", "there is no option -z"),
+        ("--kiosk", "unknown option --kiosk here; it is one of rl-tui, rl-tui play, rl-tui learn"),
+        ("--runes=3", "unknown option --runes; did you mean --runs?"),
+        ("--zzz", "unknown option --zzz"),
+        ("-z", "unknown option -z"),
     ],
 )
 def test_an_unknown_option_leads_to_where_it_is_known(option: str, message: str) -> None:

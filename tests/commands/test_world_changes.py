@@ -116,18 +116,18 @@ def test_each_seed_edits_the_world_that_it_drew(tmp_path: Path) -> None:
         ("10:world.redo=1", "10:world.redo=1: there is no edit", 1),
         ("10:world.undo=2", 'world.undo is "2"; expected world.undo=1', 2),
         ("10:world.rows=+1@9", "rows=+1@9: there are rows 0 to 2", 1),
-        ("10:world.rows=+0@1", "expected +1@3", 1),
+        ("10:world.rows=+0@1", "such as +1@3", 1),
         (
             "10:world.noise=$(rm -rf /)",
             'grid.noise is "$(rm -rf /)"; expected a finite number from 0 to 1',
             1,
         ),
         ("10:world.noise=nan", "expected a finite number", 1),
-        ("10:world.noise[1,2]=0.3", "noise is of the whole world: leave the brackets out", 1),
-        ("10:world.reward[1,1]=5", '"#" pays nothing', 1),
+        ("10:world.noise[1,2]=0.3", "noise applies to the whole world", 1),
+        ("10:world.reward[1,1]=5", '"#" has no reward', 1),
         ("10:world.reward[0,1]=1e400", "expected a finite number", 1),
-        ("10:world.cell[0,1]=\x1b", '"\\u001b" is no character of a map', 1),
-        ("10:world.cell[0,1]=##", "between two stands ;", 2),
+        ("10:world.cell[0,1]=\x1b", '"\\u001b" is not a character of a map', 1),
+        ("10:world.cell[0,1]=##", "separate edits by ;", 2),
         ("10:world.arm[0]=1", 'a map has nothing called "arm"', 1),
         ("10:World.cell[1,1]=#", "or a change of the world such as world.cell[1,2]=#", 2),
         (f"10:world.legend[x]={'[' * 3000}", "expected JSON", 2),
@@ -179,7 +179,7 @@ def test_each_edit_of_the_contract_counts_and_a_session_of_it_replays(
 
 
 def test_a_world_that_cannot_be_drawn_says_why() -> None:
-    for scenario, why in (("taxi", "no cells to walk about in"), ("blackjack", "stepped for real")):
+    for scenario, why in (("taxi", "not cells of a map"), ("blackjack", "no transition table")):
         result = train(scenario, "--steps", "50", "--change", "10:world.cell[0,0]=.")
         assert (result.exit_code, result.stdout) == (1, "")
         assert why in result.stderr

@@ -109,7 +109,7 @@ def test_all_faults_are_told_at_once_and_of_very_many_the_first(tmp_path: Path) 
     assert [line.split(":")[0] for line in said] == ["Class.study", 'Class."check phone"', "Phone", "Nowhere"]
     many = faults(tmp_path, {f"room {number}": "go" for number in range(150)})
     assert len(many) == 101
-    assert many[-1] == "found more than 100 faults; expected those above mended first"
+    assert many[-1] == "found more than 100 faults; expected those above fixed first"
 
 
 def test_what_cannot_be_read_is_said(tmp_path: Path) -> None:

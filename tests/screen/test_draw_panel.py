@@ -178,10 +178,10 @@ async def test_noise_is_refused_on_slippery_ice_in_words(make_app: MakeApp) -> N
 @pytest.mark.parametrize(
     ("scenario", "reason"),
     [
-        ("taxi", "no cells to walk about in"),
-        ("blackjack", "nobody knows"),
-        ("blackjack-table", "no cells"),
-        ("cartpole", "nobody knows"),
+        ("taxi", "not cells of a map"),
+        ("blackjack", "no transition table"),
+        ("blackjack-table", "not cells"),
+        ("cartpole", "no transition table"),
     ],
     ids=["taxi", "blackjack", "blackjack-table", "cartpole"],
 )

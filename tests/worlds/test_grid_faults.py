@@ -202,7 +202,7 @@ ONE_FAULT = {
     ),
     "a reward in a wall": (
         legend('X = { kind = "wall", reward = 1 }'),
-        (f"{X}.reward", "reward in a wall", "nothing but the kind: nobody enters a wall"),
+        (f"{X}.reward", "reward in a wall", "only the kind: a wall cannot be entered"),
     ),
     "a terminal start": (
         legend('X = { kind = "start", terminal = true }'),
@@ -234,11 +234,11 @@ ONE_FAULT = {
     ),
     "a jump to what is not on the map": (
         legend('X = { kind = "floor", jump = "Y" }'),
-        (f"{X}.jump", '"Y"', "a character that stands once on the map"),
+        (f"{X}.jump", '"Y"', "a character that is on the map once"),
     ),
     "a jump to several cells": (
         legend('X = { kind = "floor", jump = "." }', "S..XG"),
-        (f"{X}.jump", '".", which stands 2 times on the map', "a character that stands once on the map"),
+        (f"{X}.jump", '".", which is on the map 2 times', "a character that is on the map once"),
     ),
     "a jump into a wall": (
         legend('X = { kind = "floor", jump = "#" }', "S#XG"),

@@ -193,7 +193,7 @@ ONE_FAULT = {
     ),
     "two states in one place": (
         student("Sleep = [2, 1]", "Sleep = [1, 1]"),
-        ("mdp.place.Sleep", '[1, 1], where "Pass" stands', "a free place"),
+        ("mdp.place.Sleep", '[1, 1], the place of "Pass"', "a free place"),
     ),
     "a place between two": (
         student("Sleep = [2, 1]", "Sleep = [2.5, 1]"),

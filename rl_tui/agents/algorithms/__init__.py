@@ -1,1 +1,1 @@
-"""One learning algorithm a file, each reading like its boxed pseudocode in Sutton & Barto (2nd ed.)."""
+"""Learning algorithms, one per module, each written like its box in Sutton & Barto (2nd ed.)."""

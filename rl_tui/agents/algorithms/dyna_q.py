@@ -1,8 +1,7 @@
-"""Tabular Dyna-Q (Sutton & Barto, 2nd ed., box on page 164): Q-learning that practises in its own model.
+"""Tabular Dyna-Q (Sutton & Barto, 2nd ed., box on page 164): Q-learning that also learns from a model.
 
-The model is deterministic: it answers with what was last observed. In a world of chance that is only one of
-the things that may happen, and practice pulls the estimates towards it, the more so the more planning steps
-there are.
+The model is deterministic: it returns the last observed outcome. In a stochastic world, planning therefore
+pulls the estimates towards one of several outcomes, more strongly with more planning steps.
 """
 
 from __future__ import annotations
@@ -22,12 +21,12 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """All that Dyna-Q remembers.
+    """The memory of Dyna-Q.
 
-    The model of each pair, [P], is the ``model_reward`` and the ``model_next`` state last observed; the
-    latter is −2 where the episode ended and −1 where the pair was never taken. ``observed``, [S], begins with
-    the ``observed_count[0]`` states in which something was done, and ``tried``, [P], from first_pair[s] on
-    with the ``tried_count[s]`` pairs taken in state s, in the order of their first time.
+    The model of each pair, [P], is the last observed `model_reward` and `model_next` state. `model_next` is
+    −2 for the end of the episode and −1 for a pair that was never taken. The first ``observed_count[0]``
+    entries of `observed`, [S], are the visited states. From first_pair[s] on, `tried`, [P], lists the
+    ``tried_count[s]`` pairs taken in state s, in the order of their first use.
     """
 
     q: FloatArray
@@ -41,7 +40,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits, with nothing in the model."""
+    """Return the memory for existing estimates and visits, with an empty model."""
     return Memory(
         q,
         visits,
@@ -81,10 +80,10 @@ def learn_and_practise(
     next_state: int,
     generator: Generator,
 ) -> Update:
-    """Learn from a step and then from n more in the model; the update returned is that of the real step.
+    """Learn from a step, then from n steps of the model, and return the update of the real step.
 
-    The n draws are the generator's. Each picks a state among those observed, and what is left of it between
-    two of them, which is uniform again, an action among those taken there.
+    Each of the n draws picks an observed state. Its fractional part, which is uniform again, picks an action
+    taken there.
     """
     q, visits = memory.q, memory.visits
     # Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]

@@ -1,4 +1,4 @@
-"""What every algorithm brings: a memory, how it acts and how it learns."""
+"""The interface of all algorithms: memory, acting and learning."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import choose
 
-# In place of the state that an update bootstrapped from, where there is none
+# The state of an update that did not bootstrap
 NO_STATE: Final = -1
 
 
 class Experience(NamedTuple):
-    """One step in the environment: the pair taken in ``state``, its reward, and where it led."""
+    """One step in the environment: state, pair, reward, next state and end of the episode."""
 
     state: int
     pair: int
@@ -27,15 +27,24 @@ class Experience(NamedTuple):
 
 
 class Update(NamedTuple):
-    """What learning changed: ``pair`` moved from ``before`` to ``after`` by ``step_size``; −1: no pair did.
+    """The result of learning from one step: `pair` moved from `before` to `after` by `step_size`.
 
-    The target is ``gathered`` + ``discount``·``bootstrap``, the bootstrap being an estimate as it was before
-    the update. One step gathers its reward and discounts by γ; n steps gather a discounted sum and discount
-    by γⁿ; after = before + step_size·(target − before) always. ``bootstrap_state`` is the state whose
-    estimates the bootstrap was read from; −1 for none, as after the end of an episode, and for a planner,
-    which reads those of all that may follow. ``others`` is how many further updates the same step made
-    (traces, planning), ``extreme`` which of all new estimates is furthest from 0, so that none runs away
-    unseen. ``table`` is 1 or 2 where there are two tables of estimates, 0 where there is one.
+    The target is `gathered` + `discount` · `bootstrap`, and after = before + step_size · (target − before). A
+    one-step method gathers the reward and discounts by γ. An n-step method gathers a discounted sum and
+    discounts by γⁿ.
+
+    Args:
+        pair: The pair, or −1 if nothing was updated.
+        before: Its estimate before the update.
+        step_size: The step size.
+        gathered: The sum of rewards in the target.
+        discount: The factor of the bootstrap.
+        bootstrap: An estimate from before the update.
+        bootstrap_state: The state of that estimate; −1 for none, and for planners, which read several.
+        after: Its estimate after the update.
+        others: Number of further updates of the same step (traces, planning).
+        extreme: The new estimate with the largest magnitude, to detect divergence.
+        table: 1 or 2 for algorithms with two tables, else 0.
     """
 
     pair: int
@@ -68,13 +77,19 @@ def one_update(
 
 @inlined
 def no_update() -> Update:
-    """Return the update of a step after which nothing was learned yet."""
+    """Return the update of a step that changed nothing."""
     return Update(-1, 0.0, 0.0, 0.0, 0.0, 0.0, NO_STATE, 0.0, 0, 0.0, 0)
 
 
 @inlined
 def with_others(update: Update, others: int, extreme: float) -> Update:
-    """Return ``update`` as that of a step with ``others`` besides it, the largest estimate ``extreme``."""
+    """Return `update` with the number of other updates in the same step.
+
+    Args:
+        update: The update to report.
+        others: Number of other updates.
+        extreme: The new estimate with the largest magnitude.
+    """
     return Update(
         update.pair,
         update.before,
@@ -92,16 +107,25 @@ def with_others(update: Update, others: int, extreme: float) -> Update:
 
 @inlined
 def further(extreme: float, estimate: float) -> float:
-    """Return the estimate that is further from 0; NaN counts as further than all."""
+    """Return the number with the larger magnitude. NaN counts as the largest."""
     return estimate if not abs(estimate) <= abs(extreme) else extreme
 
 
 @inlined_by_type
 def act(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    """Choose the pair to take in ``state``; the second value is True if it was drawn to explore.
+    """Choose the pair to take in `state`.
 
-    Most algorithms choose A from S using the policy derived from Q. Those that have chosen already, when they
-    arrived, bring a member of their own.
+    Most algorithms derive the choice from Q. Those that chose on arrival have their own member.
+
+    Args:
+        memory: Memory of the algorithm.
+        rule: Rule of the policy.
+        tables: Tables of the world.
+        state: Current state.
+        generator: Stream of the learner.
+
+    Returns:
+        The pair, and True if it was drawn to explore.
     """
     first, last = pairs_of(tables, state)
     return choose(rule, memory.q, memory.visits, first, last, generator)
@@ -109,10 +133,10 @@ def act(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator
 
 @inlined_by_type
 def on_override(memory: Any, tables: Tables, state: int, pair: int) -> None:
-    """Note that a person takes ``pair`` in ``state`` in place of the agent.
+    """Note that a person takes `pair` in `state` instead of the agent.
 
-    Called in place of :func:`act`, before the step. Most algorithms need do nothing: they learn from the pair
-    taken, and a pair that they chose on arrival is replaced by the next one they choose.
+    It is called instead of :func:`act`, before the step. Most algorithms do nothing: they learn from the
+    taken pair, and the next choice replaces the one made on arrival.
     """
     return
 
@@ -126,30 +150,39 @@ def learn(
     experience: Experience,
     generator: Generator,
 ) -> Update:
-    """Update the memory with the experience of one step.
+    """Update the memory with one step.
 
-    After a terminated step nothing follows: the bootstrap is 0. A truncated one still bootstraps, but
-    what an algorithm remembers of the episode ends there as well.
+    After a terminated step the bootstrap is 0. After a truncated one the algorithm still bootstraps, but its
+    memory of the episode ends too.
+
+    Args:
+        memory: Memory of the algorithm, changed in place.
+        rule: Rule of the policy.
+        params: Hyper-parameters.
+        tables: Tables of the world.
+        experience: The step.
+        generator: Stream of the learner.
     """
     raise NotImplementedError
 
 
 @inlined_by_type
 def has_room(memory: Any) -> bool:
-    """Return True if the memory can take another step of this episode."""
+    """Return True if the memory can hold another step of this episode."""
     return True
 
 
 @inlined_by_type
 def back_up(memory: Any, params: KernelParameters, tables: Tables, state: int, sweep: int) -> Update:
-    """Take a planner's next step: back up ``state`` in ``sweep``, counted from 0.
+    """Back up `state` in a planner's sweep, counted from 0.
 
-    The update is that of the best pair; ``others`` counts those of the state that moved besides it.
+    Returns:
+        The update of the best pair. ``others`` counts the other pairs of the state that moved.
     """
     raise NotImplementedError
 
 
 @inlined_by_type
 def has_converged(memory: Any, params: KernelParameters) -> bool:
-    """Return True, at the end of a sweep, if the planner is done."""
+    """Return True, at the end of a sweep, if the planner is finished."""
     raise NotImplementedError

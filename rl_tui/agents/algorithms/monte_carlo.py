@@ -1,8 +1,7 @@
 """Every-visit Monte Carlo control (Sutton & Barto, 2nd ed., section 5.4, after the box on page 101).
 
-It departs from the box in two ways. The box learns from the first visit of a pair only, and by the average.
-And it knows no time limit: here an episode that is cut off bootstraps, which Monte Carlo in the book never
-does.
+There are two differences from the box. The box learns only from first visits, and by the average. And it has
+no time limit: a truncated episode bootstraps here, which Monte Carlo in the book never does.
 """
 
 from __future__ import annotations
@@ -23,10 +22,11 @@ MOST_REMEMBERED: Final = 1_000_000
 
 
 class Memory(NamedTuple):
-    """All that Monte Carlo control remembers.
+    """The memory of Monte Carlo control.
 
-    An estimate, a count of visits and one of updates for each pair, [P]; the ``pairs`` and ``rewards`` of the
-    episode under way, with room for the time limit or a million; and its ``length`` so far, [1].
+    It holds estimates, visits and updates of each pair, [P], and `pairs` and `rewards` of the current
+    episode. These have room for the time limit, at most a million steps. `length`, [1], is the number of
+    steps so far.
     """
 
     q: FloatArray
@@ -38,7 +38,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits; what was learned counts on."""
+    """Return the memory for existing estimates and visits. Earlier visits count as updates."""
     room = min(space.time_limit or MOST_REMEMBERED, MOST_REMEMBERED)
     return Memory(
         q,
@@ -51,7 +51,7 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 
 
 def checkpoint_arrays(memory: Memory) -> Memory:
-    """Return the memory without the room that the episode under way has not filled."""
+    """Return the memory without the unused part of the episode."""
     length = int(memory.length[0])
     return memory._replace(pairs=memory.pairs[:length], rewards=memory.rewards[:length])
 
@@ -70,12 +70,11 @@ def _learn(
     experience: Experience,
     generator: Generator,
 ) -> Update:
-    """Store the step; walk back over the episode at its end.
+    """Store the step. At the end of the episode, update all its pairs, the last one first.
 
-    A terminated episode has its whole return. A truncated one would have gone on: to call what came after
-    the cut 0 would teach that the time limit is an end of the world, so it counts as what the policy may
-    expect there. The walk moves that with it, discounted, apart from the rewards it gathers. The update
-    returned is the last of the walk: that of the first step, whose target is the return of the episode.
+    After truncation the rest of the return is unknown. Taking it as 0 would make the time limit a terminal
+    state, so the expected value of the policy replaces it. It is discounted separately from the rewards. The
+    returned update belongs to the first step, whose target is the return of the episode.
     """
     memory.visits[experience.pair] += 1
     memory.pairs[memory.length[0]] = experience.pair

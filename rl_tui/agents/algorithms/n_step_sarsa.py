@@ -29,12 +29,11 @@ _ROOM: Final = MOST_STEPS + 1
 
 
 class Memory(NamedTuple):
-    """All that n-step SARSA remembers.
+    """The memory of n-step SARSA.
 
-    An estimate, a count of visits and one of updates for each pair, [P]; of the last steps of the episode,
-    step t at t modulo the room for them, the ``pairs`` A_t and the ``rewards`` R_{t+1}; ``time``, [2]: t, the
-    steps taken, and τ, the next one to be updated; A′ as
-    :mod:`rl_tui.agents.algorithms.shared.next_action` has it.
+    It holds estimates, visits and updates of each pair, [P]. `pairs` A_t and `rewards` R_{t+1} of recent
+    steps are ring buffers: step t is at t modulo their size. `time`, [2], is t, the steps taken, and τ, the
+    next step to update. `chosen` is A′; see :mod:`rl_tui.agents.algorithms.shared.next_action`.
     """
 
     q: FloatArray
@@ -47,7 +46,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits; what was learned counts on."""
+    """Return the memory for existing estimates and visits. Earlier visits count as updates."""
     return Memory(
         q,
         visits,
@@ -79,8 +78,8 @@ def _learn(
     memory.rewards[time % _ROOM] = experience.reward
     time += 1
     memory.pairs[time % _ROOM] = choose_next(memory, rule, tables, experience, generator)
-    # τ ← t − n + 1: the step whose estimate is updated. Where n was made smaller several are due, where it
-    # was made greater none for a while; after the last step of an episode all are, until τ = T − 1
+    # τ ← t − n + 1: the step to update. After n was reduced, several are due; after it was increased, none
+    # for a while. At the end of an episode all remaining ones are due, until τ = T − 1
     ended = experience.terminated or experience.truncated
     update = no_update()
     extreme, made = 0.0, 0
@@ -97,10 +96,10 @@ def _learn(
 def _update(
     memory: Memory, params: KernelParameters, due: int, last: int, time: int, experience: Experience
 ) -> Update:
-    """Update the pair of step ``due`` with the rewards up to that of step ``last``.
+    """Update the pair of step `due` with the rewards up to step `last`.
 
-    The update says that it bootstrapped from the state where ``experience`` ends, as the last one of a step
-    does. Others, which look up an earlier state, are only counted.
+    The reported bootstrap state is the one where `experience` ends. This is right for the last update of a
+    step; the others are only counted.
     """
     # G ← Σ γ^(i−τ−1) R_i for i from τ+1 to min(τ+n, T)
     gathered, discount = 0.0, 1.0

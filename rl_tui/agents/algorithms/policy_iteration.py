@@ -1,12 +1,12 @@
-"""Policy iteration, its evaluations in place (Sutton & Barto, 2nd ed., section 4.3, box on page 80).
+"""Policy iteration with evaluation in place (Sutton & Barto, 2nd ed., section 4.3, box on page 80).
 
-The first policy takes all actions equally (Figure 4.1). It ends with probability 1 wherever all states can
-reach an end, so that it has a value at γ = 1 too; where they cannot, values at γ = 1 may grow from sweep to
-sweep without end. The policy of a state changes only where that gains something: else it could go to and fro
-between equally good ones for ever (exercise 4.4), or at γ = 1 come to one that never ends.
+The first policy takes all actions equally (Figure 4.1). If all states can reach an end, it ends with
+probability 1, so it has values at γ = 1. Otherwise, values at γ = 1 may grow without bound. The policy of a
+state changes only if that gains something. Without this rule it could alternate between equally good policies
+forever (exercise 4.4), or reach one that never ends at γ = 1.
 
-Which sweep is next can be ordered, whatever is due by itself: then evaluations need not come to rest before
-the policy is improved (generalized policy iteration, section 4.6).
+A user can order the next sweep. Then the policy may improve before the evaluation has converged (generalized
+policy iteration, section 4.6).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.common.words import counted
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
-# Of the best value, or of 1 where that is less: nearer ones are equally good
+# Relative to the best value, or to 1 if that is larger. Closer values count as equal
 TIE: Final = 1e-9
 
 EVALUATION: Final = 0
@@ -42,16 +42,21 @@ NO_ORDER: Final = -1
 
 
 class Memory(NamedTuple):
-    """All that policy iteration remembers.
+    """The memory of policy iteration.
 
-    The estimates ``q`` are [P], and so are ``visits``, which count how often each was backed up, and the
-    probabilities ``policy``. ``v``, [S], is the value of each state under the policy, 0 where it owns no
-    pair. ``phase`` is 0 in an evaluation and 1 in an improvement; ``policies`` counts them from 1 and
-    ``improved`` the states whose policy changed in the improvement; ``ordered`` is the phase of the next
-    sweep where a person has ordered one, else −1; [1] each. The rest is the
-    :class:`rl_tui.agents.algorithms.shared.backups.Sweep`, which counts the sweeps of an evaluation. Its
-    change and its discount are those of the last evaluation, in an improvement too, and the change is
-    infinite where that was of another policy than the one in force.
+    Args:
+        q: Estimates, [P].
+        visits: Number of backups of each pair, [P].
+        v: Value of each state under the policy, [S]; 0 for states without pairs.
+        policy: Probability of each pair, [P].
+        phase: 0 in an evaluation, 1 in an improvement, [1].
+        policies: Number of the policy, from 1, [1].
+        improved: States whose policy changed in the improvement, [1].
+        ordered: Phase of the next sweep if a person ordered one, else −1, [1].
+        number: See :class:`rl_tui.agents.algorithms.shared.backups.Sweep`.
+        sweeps: Sweeps of the current evaluation, [1].
+        change: Largest change in the last evaluation; infinite if the policy has changed since, [1].
+        gamma: Discount of the last evaluation, [1].
     """
 
     q: FloatArray
@@ -69,7 +74,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits."""
+    """Return the memory for existing estimates and visits."""
     each = np.diff(space.first_pair)
     v = np.zeros(space.states)
     v[each > 0] = np.add.reduceat(q, space.first_pair[:-1][each > 0]) / each[each > 0]
@@ -81,22 +86,22 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 
 
 def phase_of(memory: Memory) -> SweepPhase | None:
-    """Return what the sweep under way, or the last one, does to the policy; None before the first."""
+    """Return the phase of the current or last sweep; None before the first."""
     return None if memory.number[0] < 0 else SWEEP_PHASES[int(memory.phase[0])]
 
 
 def order(memory: Memory, phase: SweepPhase) -> None:
-    """Let the next sweep be one of ``phase``, whatever is due; the last order counts."""
+    """Make the next sweep one of `phase`. The latest order counts."""
     memory.ordered[0] = SWEEP_PHASES.index(phase)
 
 
 def ordered(memory: Memory) -> SweepPhase | None:
-    """Return what is ordered for the next sweep, None where nothing is."""
+    """Return the phase that was ordered for the next sweep, or None."""
     return None if memory.ordered[0] == NO_ORDER else SWEEP_PHASES[int(memory.ordered[0])]
 
 
 def describe(memory: Memory) -> str:
-    """Say how the sweep under way is getting on; empty before the first."""
+    """Return the progress of the current sweep as text. Empty before the first."""
     if memory.number[0] < 0:
         return ""
     policy, is_next = f"policy {memory.policies[0]:,}", ordered(memory)
@@ -122,7 +127,7 @@ def _back_up(memory: Memory, params: KernelParameters, tables: Tables, state: in
 
 @member_of(has_converged, Memory)
 def _has_converged(memory: Memory, params: KernelParameters) -> bool:
-    # If policy-stable, then stop: where its values are those of an evaluation that came to rest
+    # If policy-stable, then stop, provided that its values come from a converged evaluation
     progress = Sweep(memory.number, memory.sweeps, memory.change, memory.gamma)
     is_stable = memory.phase[0] == IMPROVEMENT and memory.improved[0] == 0 and at_rest(progress, params)
     return is_stable and memory.ordered[0] == NO_ORDER
@@ -130,7 +135,7 @@ def _has_converged(memory: Memory, params: KernelParameters) -> bool:
 
 @compiled
 def take_turns(memory: Memory, progress: Sweep, params: KernelParameters) -> None:
-    """Go to the sweep ordered; else to improvement when the values are at rest, and after one sweep back."""
+    """Go to the ordered phase, else from a converged evaluation to improvement and back."""
     phase = EVALUATION
     if memory.ordered[0] != NO_ORDER:
         phase = memory.ordered[0]
@@ -146,7 +151,7 @@ def take_turns(memory: Memory, progress: Sweep, params: KernelParameters) -> Non
 
 @compiled
 def evaluate(memory: Memory, progress: Sweep, params: KernelParameters, tables: Tables, state: int) -> Update:
-    """Give ``state`` its value under the policy; the update returned is that of the pair it takes."""
+    """Update the value of `state` under the policy, and return the update of the pair it takes."""
     first, last = pairs_of(tables, state)
     taken = ANY
     for pair in range(first, last):
@@ -164,7 +169,7 @@ def evaluate(memory: Memory, progress: Sweep, params: KernelParameters, tables: 
 
 @compiled
 def improve(memory: Memory, progress: Sweep, params: KernelParameters, tables: Tables, state: int) -> Update:
-    """Make the policy of ``state`` greedy if that gains anything; values stay as they are."""
+    """Make the policy of `state` greedy if that gains something. Values do not change."""
     update = back_up_pairs(memory.q, memory.visits, memory.v, params, tables, state, ANY)
     note_change(progress, params, 0.0)
     first, last = pairs_of(tables, state)

@@ -1,9 +1,8 @@
-"""Prioritized sweeping (Sutton & Barto, 2nd ed., box on page 170): planning backwards from what changed most.
+"""Prioritized sweeping (Sutton & Barto, 2nd ed., box on page 170): planning backwards from large changes.
 
-The model is deterministic: it answers with what was last observed, also in a world of chance. Nothing is
-learned from a step but what planning then makes of it, so without planning steps nothing is learned at all. A
-pair waits with the highest priority found for it; of equal priorities the pair of the lower number comes
-first.
+The model is deterministic: it returns the last observed outcome, even in a stochastic world. All learning
+happens in planning, so zero planning steps learn nothing. A queued pair keeps its highest priority. With
+equal priorities, the lower pair number comes first.
 """
 
 from __future__ import annotations
@@ -34,11 +33,11 @@ NONE = -1
 
 
 class Memory(NamedTuple):
-    """All that prioritized sweeping remembers.
+    """The memory of prioritized sweeping.
 
-    The model of each pair, [P], is the ``model_reward`` and the ``model_next`` state last observed; the
-    latter is −2 where the episode ended and −1 where the pair was never taken. The pairs that lead to state s
-    are linked both ways: ``leading``, [S], is the first, ``link_next`` and ``link_previous``, [P], are its
+    The model of each pair, [P], is the last observed `model_reward` and `model_next` state. `model_next` is
+    −2 for the end of the episode and −1 for a pair that was never taken. The pairs leading to state s form a
+    doubly linked list: `leading`, [S], is its first pair, `link_next` and `link_previous`, [P], the
     neighbours, −1 for none. The rest is the :class:`rl_tui.agents.algorithms.shared.priority_queue.Queue`.
     """
 
@@ -56,7 +55,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits, with nothing in the model."""
+    """Return the memory for existing estimates and visits, with an empty model."""
     pairs = space.pairs
     return Memory(
         q,
@@ -88,7 +87,7 @@ def _learn(
 def remember_and_sweep(
     memory: Memory, params: KernelParameters, tables: Tables, pair: int, reward: float, next_state: int
 ) -> Update:
-    """Take a step into the model and plan; the update returned is the first, of the most urgent pair."""
+    """Add a step to the model and plan. Return the first update, of the most urgent pair."""
     # Model(S,A) ← R, S′
     if memory.model_next[pair] != next_state:
         relink(memory, pair, next_state)
@@ -127,7 +126,7 @@ def remember_and_sweep(
 
 @compiled
 def consider(memory: Memory, queue: Queue, params: KernelParameters, tables: Tables, pair: int) -> None:
-    """Queue ``pair`` if its model now asks for a change above θ."""
+    """Queue `pair` if its model requires a change above θ."""
     value = modelled_value(memory.q, tables, memory.model_next[pair])
     priority = abs(memory.model_reward[pair] + params.gamma * value - memory.q[pair])
     if priority > params.threshold:
@@ -136,7 +135,7 @@ def consider(memory: Memory, queue: Queue, params: KernelParameters, tables: Tab
 
 @inlined
 def relink(memory: Memory, pair: int, next_state: int) -> None:
-    """Let the model of ``pair`` lead to ``next_state``, −2 for the end, and no longer where it led."""
+    """Make the model of `pair` lead to `next_state` (−2 for the end) instead of its old one."""
     former = memory.model_next[pair]
     if former >= 0:
         ahead, behind = memory.link_previous[pair], memory.link_next[pair]

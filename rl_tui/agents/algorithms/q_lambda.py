@@ -1,7 +1,7 @@
 """Watkins's Q(λ) (Sutton & Barto, 2nd ed., section 12.10): Q-learning with traces.
 
-A trace says what a pair has led to while the greedy policy was followed, so all are cut before an action
-that is not greedy. An action whose estimate equals the best is greedy, even if it was drawn to explore.
+A trace is valid only while the greedy policy is followed, so all traces are cut before a non-greedy action.
+An action with the best estimate is greedy, even if it was drawn to explore.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(TracedMemory):
-    """All that Q(λ) remembers."""
+    """The memory of Q(λ)."""
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits, without traces."""
+    """Return the memory for existing estimates and visits, without traces."""
     return Memory(*no_traces(q, visits, space))
 
 
@@ -35,7 +35,7 @@ member_of(act, Memory)(take_chosen)
 
 @member_of(on_override, Memory)
 def _on_override(memory: Memory, tables: Tables, state: int, pair: int) -> None:
-    # A trace leads up to A′ or not, as was decided when A′ was chosen. Any other action is looked at now
+    # Traces up to A′ were cut or kept when A′ was chosen. Any other action is checked now
     first, last = pairs_of(tables, state)
     if pair != memory.chosen[0] and memory.q[pair] != best_value(memory.q, first, last):
         cut_traces(memory)
@@ -57,7 +57,7 @@ def _learn(
     if not experience.terminated:
         first, last = pairs_of(tables, experience.next_state)
         bootstrap = best_value(memory.q, first, last)
-        # No trace leads beyond an action that is not greedy, or into another episode
+        # Cut traces at a non-greedy action and at the end of an episode
         if memory.q[next_pair] == bootstrap and not experience.truncated:
             decay = params.gamma * params.trace_decay
     # δ ← R + γ max_a Q(S′,a) − Q(S,A);  Q ← Q + α δ e;  e ← γλ e, or 0

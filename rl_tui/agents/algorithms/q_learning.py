@@ -15,14 +15,14 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """All that Q-learning remembers: an estimate and a count for each pair, both [P]."""
+    """The memory of Q-learning: an estimate and a count for each pair, [P]."""
 
     q: FloatArray
     visits: IntArray
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits."""
+    """Return the memory for existing estimates and visits."""
     return Memory(q, visits)
 
 

@@ -15,9 +15,9 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """All that SARSA remembers: an estimate and a count for each pair, both [P], and A′, [2].
+    """The memory of SARSA: an estimate and a count for each pair, [P], and A′, [2].
 
-    ``chosen`` is as :mod:`rl_tui.agents.algorithms.shared.next_action` has it.
+    For `chosen` see :mod:`rl_tui.agents.algorithms.shared.next_action`.
     """
 
     q: FloatArray
@@ -26,7 +26,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits."""
+    """Return the memory for existing estimates and visits."""
     return Memory(q, visits, nothing_chosen())
 
 

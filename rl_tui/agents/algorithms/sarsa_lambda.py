@@ -1,4 +1,4 @@
-"""SARSA(λ) (Sutton & Barto, 2nd ed., section 12.7: the box on page 305 with one feature for each pair)."""
+"""SARSA(λ) (Sutton & Barto, 2nd ed., section 12.7: the box on page 305 with one feature per pair)."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(TracedMemory):
-    """All that SARSA(λ) remembers."""
+    """The memory of SARSA(λ)."""
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits, without traces."""
+    """Return the memory for existing estimates and visits, without traces."""
     return Memory(*no_traces(q, visits, space))
 
 

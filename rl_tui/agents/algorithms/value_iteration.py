@@ -1,6 +1,6 @@
-"""Value iteration, in place (Sutton & Barto, 2nd ed., box on page 83, equation 4.10).
+"""Value iteration in place (Sutton & Barto, 2nd ed., box on page 83, equation 4.10).
 
-At γ = 1 a loop that pays nothing keeps the value it began with: begin with estimates of 0.
+At γ = 1 a loop without rewards keeps its initial value, so start with estimates of 0.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """All that value iteration remembers.
+    """The memory of value iteration.
 
-    The estimates ``q`` are [P], and so are ``visits``, which count how often each was backed up; ``v``, [S],
-    are the greatest of each state, 0 where it owns no pair. The rest is the
-    :class:`rl_tui.agents.algorithms.shared.backups.Sweep`, whose change is that of ``v``.
+    `q` and `visits`, the number of backups, are [P]. `v`, [S], is the greatest estimate of each state, 0
+    without pairs. The rest is the :class:`rl_tui.agents.algorithms.shared.backups.Sweep`, with the change of
+    `v`.
     """
 
     q: FloatArray
@@ -44,7 +44,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits."""
+    """Return the memory for existing estimates and visits."""
     v = np.zeros(space.states)
     own = np.diff(space.first_pair) > 0
     v[own] = np.maximum.reduceat(q, space.first_pair[:-1][own])
@@ -52,7 +52,7 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 
 
 def describe(memory: Memory) -> str:
-    """Say how the sweep under way is getting on; empty before the first."""
+    """Return the progress of the current sweep as text. Empty before the first."""
     if not memory.sweeps[0]:
         return ""
     return f"sweep {memory.sweeps[0]:,}: {change_in_words(memory.change)}"

@@ -1,1 +1,1 @@
-"""Many runs of one shape trained by one call of machine code."""
+"""Training of many runs by one call of machine code."""

@@ -1,4 +1,4 @@
-"""A batch of runs: many seeds of one setting, in worlds of one shape."""
+"""A batch of runs: many seeds of one setting, in worlds of equal shape."""
 
 from __future__ import annotations
 
@@ -36,26 +36,34 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, smallest_mdp
 Array = TypeVar("Array", FloatArray, IntArray)
 
 LOGGED: Final = 1024
-"""Episodes after which the runs' log is added up."""
+"""Episodes after which the log of a run is summed up."""
 UNLIMITED: Final = 2**60
 _NONE: Final = -1
 
 
 class DrawnWorld(NamedTuple):
-    """A world that was drawn for one seed, and the streams of that seed as they are after it."""
+    """A world drawn from a seed, and the streams of that seed afterwards."""
 
     mdp: TabularMDP
     streams: Streams
 
 
 class RunBatch:
-    """Runs of one algorithm with one setting, one for each of ``seeds``.
+    """Runs of one algorithm with one setting and many seeds.
 
-    Their ``world`` is the same, or each has one of its own, of the same numbers of states, pairs and
-    outcomes. Each is advanced to ``steps`` steps or ``episodes`` finished episodes, whichever comes first,
-    with the bits of a :class:`~rl_tui.agents.learner.Learner`. Their curves are of the first
-    ``curve_episodes``, in bins of ``width``. After each of ``mark_episodes``, which ascend, their estimates
-    are kept. Only machine code can do it: see :func:`rl_tui.agents.compiling.loops.compile_here`.
+    Results equal those of a :class:`~rl_tui.agents.learner.Learner`, bit for bit. A batch needs machine code;
+    see :func:`rl_tui.agents.compiling.loops.compile_here`.
+
+    Args:
+        algorithm: Id of the algorithm.
+        hyperparameters: Setting of all runs.
+        seeds: Seed of each run, [B].
+        world: The common world, or one per run with equal numbers of states, pairs and outcomes.
+        steps: Steps after which a run is finished.
+        episodes: Episodes after which a run is finished, if earlier.
+        curve_episodes: Number of episodes in the curve.
+        width: Episodes per bin of the curve.
+        mark_episodes: Rising numbers of episodes after which estimates are stored.
     """
 
     def __init__(
@@ -105,7 +113,7 @@ class RunBatch:
         self._next = 0
 
     def advance(self, budget: int) -> bool:
-        """Take about ``budget`` steps, without the GIL; return whether there is anything left to do."""
+        """Take about `budget` steps, without the GIL. Return True if there is more to do."""
         marks = self._mark_episodes, self._mark_estimates
         if self._even is not None:
             return bool(
@@ -119,79 +127,79 @@ class RunBatch:
         return self._next < len(self._runs.stop)
 
     def _of_own_pairs(self, values: Array) -> Array:
-        """Return those of ``values``, […, P], that are of pairs of the world itself."""
+        """Return the part of `values`, […, P], that belongs to pairs of the real world."""
         return values if self._even is None else values[..., self._even.places]
 
     @property
     def q(self) -> FloatArray:
-        """The estimates, [B, P]."""
+        """Estimates, [B, P]."""
         return self._of_own_pairs(cast("FloatArray", self._runs.memory.q))
 
     @property
     def visits(self) -> IntArray:
-        """How often each pair was taken, [B, P]."""
+        """Number of times each pair was taken, [B, P]."""
         return self._of_own_pairs(cast("IntArray", self._runs.memory.visits))
 
     @property
     def mark_estimates(self) -> FloatArray:
-        """The estimates after each of the episodes that are marked, [B, K, P]."""
+        """Estimates after each marked episode, [B, K, P]."""
         return self._of_own_pairs(self._mark_estimates)
 
     @property
     def longest(self) -> int:
-        """The steps of the run that has most of them so far."""
+        """Steps of the longest run so far."""
         return max(int(self.steps.max()), int(self._seats.step[: int(self._seats.taken[0])].max(initial=0)))
 
     def done(self) -> tuple[int, int]:
-        """Return how many steps and how many episodes all of them have done together."""
+        """Return the total steps and episodes of all runs."""
         seats, taken = self._seats, slice(0, int(self._seats.taken[0]))
         steps, episodes = int(seats.step[taken].sum()), int(seats.episode[taken].sum())
         return steps + int(self.steps.sum()), episodes + int(self.episodes.sum())
 
     @property
     def stop(self) -> IntArray:
-        """Why each came back, [B]: a number of :class:`Stop`."""
+        """Reason why each run stopped, a number of :class:`Stop`, [B]."""
         return self._runs.stop
 
     @property
     def steps(self) -> IntArray:
-        """The steps taken, [B]; of runs that take turns, 0 until they are done."""
+        """Steps taken, [B]. Runs that take turns show 0 until they are finished."""
         return self._runs.position.step[:, 0]
 
     @property
     def episodes(self) -> IntArray:
-        """The finished episodes, [B]; of runs that take turns, 0 until they are done."""
+        """Finished episodes, [B]. Runs that take turns show 0 until they are finished."""
         return self._runs.position.episodes[:, 0]
 
     @property
     def first_reward_episode(self) -> IntArray:
-        """The first episode (from 1) with a reward that is not 0, [B]; 0 where there is none."""
+        """First episode (from 1) with a non-zero reward, or 0, [B]."""
         return self._runs.position.first_reward_episode[:, 0]
 
     @property
     def marks_passed(self) -> IntArray:
-        """How many of the marks each has come to, [B]."""
+        """Number of marks that each run has reached, [B]."""
         return self._runs.marks
 
     @property
     def digest(self) -> Digest:
-        """What is kept of their episodes, a row each."""
+        """Summary of the episodes, with one row per run."""
         return self._runs.digest
 
     @property
     def drift(self) -> Drift:
-        """How far the means of bandits have moved, a row each."""
+        """Drift of bandit means, with one row per run."""
         return self._runs.drift
 
     def drifted(self, run: int) -> Drifted | None:
-        """Return how the pulls of ``run`` were spent, where means drift; None elsewhere."""
+        """Return the regret figures of `run` if means drift, else None."""
         drift = self._runs.drift
         return drifted_by(Drift(*(part[run] for part in drift)))
 
     def recent_means(self) -> tuple[FloatArray, FloatArray]:
-        """Return the mean return and the mean length of the last 100 episodes of each, [B]; NaN without any.
+        """Return mean return and mean length of the last 100 episodes, [B] each.
 
-        They are those of exact sums, rounded once.
+        Sums are exact and rounded once. A run without episodes gets NaN.
         """
         returns, lengths = np.full((2, len(self.stop)), np.nan)
         fastest(mean_recent)(self._runs.digest, self.episodes, returns, lengths)
@@ -201,19 +209,30 @@ class RunBatch:
         return returns, lengths
 
     def recent(self, run: int) -> tuple[FloatArray, IntArray]:
-        """Return the returns and the lengths of the last 100 episodes of ``run``, in no order."""
+        """Return returns and lengths of the last 100 episodes of `run`, unordered."""
         count = min(int(self.episodes[run]), RECENT)
         digest = self._runs.digest
         return digest.recent_returns[run, :count], digest.recent_lengths[run, :count]
 
 
 def batching_of(mdp: TabularMDP, *, is_shared: bool) -> Batching:
-    """Return how runs in the world of ``mdp`` are batched, which all of them have if it ``is_shared``."""
+    """Return how runs in `mdp` are batched.
+
+    Args:
+        mdp: The world.
+        is_shared: True if all runs share it.
+    """
     return Batching.IN_TURN if is_shared and with_four_actions(mdp) else Batching.ONE_BY_ONE
 
 
 def compile_batch(algorithm: str, hyperparameters: Hyperparameters, batching: Batching) -> None:
-    """Compile what advances a batch of this algorithm and policy, or read it from the cache."""
+    """Compile the loop of a batch, or read it from the cache.
+
+    Args:
+        algorithm: Id of the algorithm.
+        hyperparameters: Setting, which names the policy.
+        batching: Kind of batch.
+    """
     mdp = smallest_mdp() if batching is Batching.ONE_BY_ONE else smallest_of_four()
     RunBatch(algorithm, hyperparameters, [0], mdp, steps=0).advance(0)
 
@@ -221,7 +240,6 @@ def compile_batch(algorithm: str, hyperparameters: Hyperparameters, batching: Ba
 def _agent_in(
     space: TabularMDP, algorithm: str, values: Hyperparameters, *, in_turn: bool
 ) -> tuple[Any, Any]:
-    """Return the memory and the policy of an agent in ``space`` that knows nothing yet."""
     module = importlib.import_module(BY_ID[algorithm].module)
     policy = importlib.import_module(POLICY_BY_ID[values.policy].module)
     q = np.full(space.pairs, values.initial_q, dtype=np.float64)
@@ -233,7 +251,7 @@ def _agent_in(
 
 
 def _streams_of(seeds: Sequence[int], drawn: Sequence[Streams]) -> tuple[WordArray, WordArray]:
-    """Return memory and addresses of the streams of ``seeds``; those ``drawn`` from are taken as they are."""
+    """Return memory and addresses of the streams of `seeds`. `drawn` streams are continued."""
     memory, address = streams_of(seeds)
     for index, both in enumerate(drawn):
         copy_streams(both, memory[index])

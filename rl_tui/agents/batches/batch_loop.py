@@ -1,4 +1,4 @@
-"""The loop over the runs of a batch, compiled: each is advanced by the very loop of a single run."""
+"""The compiled loop over the runs of a batch, which uses the loop of a single run."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 class Runs(NamedTuple):
-    """All that B runs have, a row each; of their settings there is one.
+    """The data of B runs, with one row each. They share one setting.
 
-    ``tables`` has a row for each world, and ``world``, [B], says which is whose. ``address``, [B, 2], is
-    where the streams of world and learner are. ``stop``, [B], is why a run came back the last time, and
-    ``marks``, [B], how many of the marks it has passed.
+    `tables` has one row per world, and `world`, [B], is the row of each run. `address`, [B, 2], locates the
+    streams of world and learner. `stop`, [B], is the reason of the last return, and `marks`, [B], the number
+    of marks passed.
     """
 
     memory: Any
@@ -44,7 +44,7 @@ class Runs(NamedTuple):
 
 
 class Shared(NamedTuple):
-    """What the runs of a batch use in turn: room that nothing is kept in."""
+    """Scratch memory that the runs of a batch use in turn."""
 
     log: EpisodeLog
     record: StepRecord
@@ -63,11 +63,21 @@ def advance_runs(
     episodes: int,
     budget: int,
 ) -> int:
-    """Advance the runs from ``first`` on, one after the other, until each has ``steps`` or ``episodes``.
+    """Advance the runs one after the other, until each has reached its goal.
 
-    After each of ``mark_episodes``, [K], its estimates are copied to ``mark_estimates``, [B, K, P]. It comes
-    back after about ``budget`` steps, or when all are done or broke down; returns the run to go on with.
-    ``generator`` is any one: it lends its type.
+    Args:
+        runs: Data of all runs, changed in place.
+        shared: Scratch memory.
+        generator: Any generator. Only its type matters.
+        mark_episodes: Episodes after which estimates are stored, [K].
+        mark_estimates: Receives these estimates, [B, K, P].
+        first: Run to start with.
+        steps: Goal in steps.
+        episodes: Goal in episodes.
+        budget: Approximate number of steps in this call.
+
+    Returns:
+        The run to continue with, or B when all have finished or failed.
     """
     for run in range(first, len(runs.stop)):
         memory, rule = row(runs.memory, run), row(runs.rule, run)

@@ -1,4 +1,4 @@
-"""What is kept of the episodes of a run in a batch: enough for its figures, however many there are."""
+"""The summary of a run's episodes in a batch, of constant size."""
 
 from __future__ import annotations
 
@@ -13,15 +13,14 @@ from rl_tui.agents.kernels.position import EpisodeLog
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 RECENT: Final = 100
-"""So many of the last episodes are kept as they are."""
+"""Number of recent episodes that are stored individually."""
 
 
 class Digest(NamedTuple):
-    """The finished episodes of a run.
+    """Summary of the finished episodes of a run.
 
-    ``total_return``, [1], is the sum of all returns. ``recent_returns`` and ``recent_lengths``, [100], are of
-    the last 100 episodes, that of episode k (from 0) at k modulo 100. ``curve`` has the first ``episodes`` in
-    bins of ``width``.
+    `total_return`, [1], is the sum of all returns. `recent_returns` and `recent_lengths`, [100], are ring
+    buffers: episode k (from 0) is at k modulo 100. `curve` has the first `episodes` in bins of `width`.
     """
 
     total_return: FloatArray
@@ -33,7 +32,7 @@ class Digest(NamedTuple):
 
 
 def new_digest(episodes: int, width: int) -> Digest:
-    """Return what is known before the first episode, with room for a curve of so many, be it of none."""
+    """Return an empty summary with a curve of `episodes` (possibly 0) in bins of `width`."""
     bins = -(-episodes // width)
     return Digest(
         np.zeros(1),
@@ -47,9 +46,9 @@ def new_digest(episodes: int, width: int) -> Digest:
 
 @for_kernels
 def digest_episodes(digest: Digest, log: EpisodeLog, done: int) -> None:
-    """Take in the episodes of ``log``, of which ``done`` others came before.
+    """Add the episodes of `log`, which follow `done` earlier ones.
 
-    Sums are added in the order of the episodes, as a run alone adds them.
+    They are summed in the same order as in a single run.
     """
     total, curve = digest.total_return[0], digest.curve
     for index in range(log.finished[0]):
@@ -71,10 +70,10 @@ def _one_run() -> tuple[Any, ...]:
 
 @compiled_for(_one_run)
 def mean_recent(digest: Digest, episodes: IntArray, returns: FloatArray, lengths: FloatArray) -> None:
-    """Write the mean return and the mean length of the last episodes of each run, [B], where it has any.
+    """Write mean return and mean length of the recent episodes of each run, [B].
 
-    Where a sum of returns would have to be rounded the mean is inf, for another to add them up exactly: by
-    the error of each addition (D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2, theorem B).
+    If a sum of returns is not exact, the mean is inf, and the caller sums exactly. The test uses the error of
+    each addition (D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2, theorem B).
     """
     for run in range(len(episodes)):
         count = min(episodes[run], RECENT)

@@ -1,4 +1,4 @@
-"""Worlds in which every state has four actions, as most maps have: kernels then know how many there are."""
+"""Worlds with four actions in every state, as most maps have. Kernels then know this number."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ ACTIONS: Final = 4
 
 
 class FourActions(Tables):
-    """The tables of a world in which state s owns the pairs 4 s .. 4 s + 4, ends as well.
+    """Tables of a world in which state s owns the pairs 4 s .. 4 s + 4, including terminal states.
 
-    With a number of actions that is known beforehand machine code has no loops over them, which makes runs
-    that take turns a third faster.
+    With a constant number of actions, machine code needs no loops over them. Runs that take turns are a third
+    faster.
     """
 
     __slots__ = ()
@@ -32,7 +32,7 @@ def _pairs_of(tables: FourActions, state: int) -> tuple[int, int]:
 
 
 class FourActionWorld(NamedTuple):
-    """A world with pairs for ends too, which are never taken, and where its own pairs are in it, [P]."""
+    """A world with pairs for terminal states too, and the index of each real pair, [P]."""
 
     mdp: TabularMDP
     places: IntArray
@@ -40,7 +40,7 @@ class FourActionWorld(NamedTuple):
 
 @lru_cache(maxsize=8)
 def with_four_actions(mdp: TabularMDP) -> FourActionWorld | None:
-    """Return ``mdp`` with four pairs in every state; None for bandits, and where states have others."""
+    """Return `mdp` with four pairs in every state, or None for bandits and other numbers of actions."""
     own = np.diff(mdp.first_pair)
     if is_bandit(mdp) or not set(own.tolist()) <= {0, ACTIONS}:
         return None
@@ -82,7 +82,7 @@ def with_four_actions(mdp: TabularMDP) -> FourActionWorld | None:
 
 
 def smallest_of_four() -> TabularMDP:
-    """Return the smallest world there is with four actions in every state, that is no bandit."""
+    """Return the smallest world with four actions in every state that is not a bandit."""
     transitions = [
         Transition(state, action, [Outcome(1.0, 1 - state, 0.0, terminated=bool(state))])
         for state in (0, 1)

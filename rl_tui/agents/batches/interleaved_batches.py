@@ -1,4 +1,4 @@
-"""Runs that take turns, a step each: while one waits for its numbers, the processor works at the others."""
+"""Runs that take turns, one step each: while one waits for memory, the processor works on the others."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ from rl_tui.agents.policies.family import in_force
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 SEATS: Final = 4
-"""Runs that take turns: with eight the processor has too few registers for what they need at once."""
+"""Number of runs that take turns. With eight, the processor has too few registers."""
 
 
 class Seats(NamedTuple):
-    """Where the runs stand that take turns, a seat each, [M]; the first ``taken``, [1], are in use.
+    """The state of the runs that take turns, one seat each, [M]. The first `taken`, [1], are in use.
 
-    ``run`` is which one it is, and ``waiting``, [1], the next that has no seat yet. A run is looked after
-    when it has ``until_episode`` episodes, or for ``stop``. Its last episodes are in ``returns`` and
-    ``lengths``, [M, L], ``logged`` of them, [M]. ``run`` and ``state`` are unsigned: see :class:`Tables`.
+    `run` is the run of each seat, and `waiting`, [1], the next run without a seat. A run needs attention
+    after `until_episode` episodes, or because of `stop`. `returns` and `lengths`, [M, L], hold its latest
+    `logged` episodes. `run` and `state` are unsigned; see :class:`Tables`.
     """
 
     run: IndexArray
@@ -59,7 +59,7 @@ class Seats(NamedTuple):
 
 
 def new_seats(seats: int, logged: int) -> Seats:
-    """Return so many empty seats, each with room for ``logged`` episodes."""
+    """Return empty seats, each with room for `logged` episodes."""
     whole, real = np.zeros((7, seats), np.int64), np.zeros((3, seats))
     return Seats(
         run=np.zeros(seats, np.uint32),
@@ -93,9 +93,9 @@ def advance_in_turn(
     episodes: int,
     budget: int,
 ) -> bool:
-    """Advance all runs as :func:`~rl_tui.agents.batches.batch_loop.advance_runs` does, in turn.
+    """Advance all runs in turn; otherwise like :func:`~rl_tui.agents.batches.batch_loop.advance_runs`.
 
-    Returns whether anything is left to do. Their world is the same, and no bandit.
+    All runs share one world, which is not a bandit. Returns True if there is more to do.
     """
     tables = row(runs.tables, 0)
     while True:
@@ -118,13 +118,13 @@ def advance_in_turn(
 
 @for_kernels
 def take_rounds(runs: Runs, seats: Seats, tables: Any, generator: Generator, taken: int, rounds: int) -> int:
-    """Let the first ``taken`` seats take turns for so many rounds, or until one has to be looked after.
+    """Let the first `taken` seats take turns for `rounds`, or until a run needs attention.
 
-    Returns how many rounds there were. Each step is one of the agent–environment loop: see
-    :func:`rl_tui.agents.kernels.loop.advance`.
+    Each round is a step of the loop in :func:`rl_tui.agents.kernels.loop.advance`. Returns the number of
+    rounds done.
     """
     drift = row(runs.drift, 0)
-    # What all of them share is read once; a policy that learns is one for bandits
+    # Shared data is read once, since policies that learn are for bandits only
     first_rule = row(runs.rule, 0)
     done, is_due = 0, False
     while done < rounds and not is_due:
@@ -186,7 +186,6 @@ def _index(indices: IndexArray, place: int) -> int:
 def _sit_down(
     runs: Runs, seats: Seats, tables: Tables, generator: Generator, mark_episodes: IntArray, episodes: int
 ) -> None:
-    """Give the next run that waits a seat."""
     seat, run = seats.taken[0], seats.waiting[0]
     seats.taken[0] += 1
     seats.waiting[0] += 1
@@ -210,7 +209,7 @@ def _look_after(
     steps: int,
     episodes: int,
 ) -> None:
-    """Add up the episodes of a run, keep its estimates at a mark, and free its seat if it is done."""
+    """Sum up the episodes of a run, store estimates at a mark, and free the seat of a finished run."""
     run, episode = _index(seats.run, seat), seats.episode[seat]
     digest, position = row(runs.digest, run), row(runs.position, run)
     logged = seats.logged[seat : seat + 1]
@@ -234,7 +233,7 @@ def _look_after(
     position.episodes[0] = episode
     position.first_reward_episode[0] = seats.first_reward_episode[seat]
     runs.stop[run] = seats.stop[seat]
-    # The last one moves here; those after a seat are looked after before it
+    # The last seat moves here. It was handled already, because seats are visited in reverse order
     last = seats.taken[0] - 1
     seats.taken[0] = last
     _move(seats, last, seat)
@@ -242,7 +241,7 @@ def _look_after(
 
 @inlined
 def _move(seats: Seats, origin: int, seat: int) -> None:
-    """Let the run on ``origin``, whose episodes have been added up, go on where ``seat`` is."""
+    """Copy a run, whose episodes are summed up, from seat `origin` to `seat`."""
     seats.run[seat] = seats.run[origin]
     seats.step[seat] = seats.step[origin]
     seats.episode[seat] = seats.episode[origin]

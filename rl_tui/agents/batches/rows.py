@@ -1,4 +1,4 @@
-"""Many of the NamedTuples that a kernel takes as one whose arrays have a row for each run."""
+"""NamedTuples of many runs stacked into one, whose arrays have one row per run."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ Part = TypeVar("Part")
 
 
 def stacked(parts: Sequence[Part], counts: Sequence[int]) -> Part:
-    """Return one NamedTuple with ``counts[i]`` rows of ``parts[i]``, one after the other, [B, …] each.
+    """Return one NamedTuple with ``counts[i]`` rows of ``parts[i]``, in order, [B, …].
 
-    What is a number in ``parts`` is an array of one dimension in it. What cannot be written to stays so.
+    Numbers become arrays of one dimension. Read-only arrays stay read-only.
     """
     first: Any = parts[0]
     if isinstance(first, tuple):
@@ -30,14 +30,14 @@ def stacked(parts: Sequence[Part], counts: Sequence[int]) -> Part:
 
 @inlined
 def row(stack: Any, run: int) -> Any:
-    """Return row ``run`` of what :func:`stacked` returned, as a view: what the kernels of one run take."""
+    """Return row `run` of a stacked NamedTuple as views, for kernels of a single run."""
     return type(stack)(*(row(each, run) if isinstance(each, tuple) else each[run] for each in stack))
 
 
 @inlined
 def generator_at(generator: Generator, address: int) -> Generator:
-    """Return a generator that works as ``generator`` does with the memory at ``address``.
+    """Return a generator like `generator` with its state at `address`.
 
-    It is for machine code alone: see :func:`rl_tui.agents.batches.seeding.streams_of`.
+    Machine code only; see :func:`rl_tui.agents.batches.seeding.streams_of`.
     """
     raise NotImplementedError

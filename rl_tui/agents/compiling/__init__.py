@@ -1,1 +1,1 @@
-"""Getting machine code: from the cache, from a process of its own, or by compiling it here."""
+"""Machine code: read from the cache, compiled by a worker process, or compiled here."""

@@ -1,4 +1,4 @@
-"""Compiling in the background while runs go on interpreted."""
+"""Compiling in the background while runs continue interpreted."""
 
 from __future__ import annotations
 
@@ -22,17 +22,19 @@ from rl_tui.common.packages import missing_package
 
 
 IDLE_NICENESS: Final = 19
-"""How much lower its priority is once nobody waits."""
+"""Niceness of a worker that is no longer needed."""
 GONE: Final = ""
-"""In place of an answer, from a worker that has ended."""
+"""Answer of a worker that has ended."""
 
 
 class WorkerProcess:
-    """A process that compiles into the cache, and ends with this one, however that ends.
+    """A process that compiles into the cache. It ends with this process in any case.
 
-    With ``alone`` on it does not wait while another process compiles.
+    Args:
+        alone: True to compile without waiting for other processes.
 
-    Raises OSError where no process can be started.
+    Raises:
+        OSError: The process cannot be started.
     """
 
     def __init__(self, *, alone: bool = False) -> None:
@@ -54,7 +56,7 @@ class WorkerProcess:
             self.end()
             raise OSError(str(error)) from error
         self.is_idle = False
-        """Whether it has been told that nobody waits for it."""
+        """True once the worker is no longer needed."""
 
     def _read(self, stdout: IO[bytes]) -> None:
         with stdout:
@@ -63,27 +65,31 @@ class WorkerProcess:
         self._answers.put(GONE)
 
     def ask(self, loop: Loop) -> None:
-        """Ask for ``loop``. Raises OSError where the worker has ended."""
+        """Request `loop`.
+
+        Raises:
+            OSError: The worker has ended.
+        """
         try:
             self._stdin.write(json.dumps(loop).encode() + b"\n")
-        except ValueError as error:  # by our hand
+        except ValueError as error:  # closed by end()
             raise BrokenPipeError(str(error)) from error
 
     def answer(self, seconds: float) -> str | None:
-        """Return its next answer, GONE where it has ended; None if there is none within so many seconds."""
+        """Return the next answer, GONE if the worker has ended, or None after `seconds`."""
         try:
             return self._answers.get(timeout=seconds)
         except Empty:
             return None
 
     def let_others_go_first(self) -> None:
-        """Lower its priority as far as it goes: nobody waits for it any more. Nothing raises it again."""
+        """Give the worker the lowest priority, permanently."""
         self.is_idle = True
         with suppress(AttributeError, OSError):
             os.setpriority(os.PRIO_PROCESS, self._process.pid, IDLE_NICENESS)
 
     def end(self) -> None:
-        """End it, be it in the middle of compiling."""
+        """End the worker, even while it compiles."""
         self._process.kill()
         with suppress(OSError):
             self._stdin.close()
@@ -94,22 +100,21 @@ class WorkerProcess:
 
 
 LONGEST_READ: Final = 2.0
-"""Seconds for which others may rest while machine code is read."""
+"""Longest time in seconds that other work may pause while machine code is read."""
 _SHORT: Final = 0.1
 _LONGEST_REASON: Final = 200
 
 
 class BackgroundCompiler:
-    """Gets machine code in a thread of its own, which lives as long as there is something to do.
+    """A thread that gets machine code and ends when there is nothing to do.
 
-    What is in the cache is read from there. What is not is compiled by a worker process, one for all loops.
-    Where there can be none, or it fails, this process compiles, and is slower meanwhile; so it does where the
-    cache keeps nothing, since nothing would come of a worker's work.
+    Code in the cache is read. Other code is compiled by one worker process for all loops. If that is
+    impossible or fails, or if the cache cannot store code, this process compiles and is slower meanwhile.
     """
 
     def __init__(self) -> None:
         self.failed: dict[Loop, BaseException] = {}
-        """What there is no machine code for, and why: it stays interpreted, and is not tried again."""
+        """Loops without machine code, and the reason. They stay interpreted and are not tried again."""
         self._loading_since: float | None = None
         self._lock = threading.Lock()  # guards everything below
         self._wanted: list[Loop] = []
@@ -119,10 +124,10 @@ class BackgroundCompiler:
         self._worker_helps = True
 
     def want(self, loops: Iterable[Loop]) -> None:
-        """Get these loops, in place of what was wanted until now; what is being compiled is finished.
+        """Request these loops instead of earlier requests. Compiling in progress is finished.
 
-        This does not wait for any, but where there can be no thread. Where nothing is wanted any more, the
-        worker lets everybody else go first, and is ended once it is done.
+        This returns immediately, unless no thread can start. Without requests, the worker gets the lowest
+        priority and ends after its work.
         """
         with self._lock:
             self._wanted = [loop for loop in loops if self._is_missing(loop)]
@@ -130,7 +135,7 @@ class BackgroundCompiler:
                 if not self._wanted:
                     self._worker.let_others_go_first()
                 elif self._worker.is_idle and self._asked not in self._wanted:
-                    self._worker.end()  # nothing raises its priority again, and somebody waits now
+                    self._worker.end()  # its priority stays low, and a run waits now
             if not self._wanted or self._thread is not None:
                 return
             self._thread = threading.Thread(target=self._work, name="background compiler", daemon=True)
@@ -139,28 +144,22 @@ class BackgroundCompiler:
                 return
             except RuntimeError:  # there may be only so many threads
                 self._thread = None
-                self._worker_helps = False  # it takes one too
+                self._worker_helps = False  # a worker needs a thread too
         self._work()
 
     @property
     def is_busy(self) -> bool:
-        """Whether something is being compiled or read."""
+        """True while something is compiled or read."""
         return self._thread is not None
 
     @property
     def is_loading(self) -> bool:
-        """Whether it reads machine code now, which is quick if nothing else wants the interpreter.
-
-        What takes longer than ``LONGEST_READ`` does not count: nothing is to wait for that.
-        """
+        """True while machine code is being read, at most for ``LONGEST_READ`` seconds."""
         since = self._loading_since
         return since is not None and time.monotonic() - since < LONGEST_READ
 
     def finish(self, seconds: float) -> None:
-        """Wait until what is being compiled is in the cache, but not longer than so many seconds.
-
-        Here nothing is wanted any more.
-        """
+        """Wait up to `seconds` until compiling in progress has finished. Nothing new is started."""
         with self._lock:
             self._wanted = []
             thread = self._thread
@@ -169,7 +168,7 @@ class BackgroundCompiler:
             thread.join(_SHORT)
 
     def why_not(self, loops: Iterable[Loop]) -> str:
-        """Return, in a sentence, why none of ``loops`` has or gets machine code; nothing where one may."""
+        """Return why none of `loops` has or gets machine code. Empty if one may."""
         errors = [None if loop in COMPILED_LOOPS else self.failed.get(loop) for loop in loops]
         error = errors[0] if errors else None
         if error is None or None in errors:
@@ -178,17 +177,17 @@ class BackgroundCompiler:
         return f"Runs stay interpreted, far slower than machine code: {reason}"
 
     def get(self, loop: Loop) -> bool:
-        """Have ``loop`` compiled, or read from the cache, by this thread; False where it cannot be had."""
+        """Compile `loop`, or read it from the cache, in this thread. Return False on failure."""
         from rl_tui.agents.compiling.loops import compile_here
 
         try:
             compile_here(loop)
-        except Exception as error:  # whatever a broken installation may raise
+        except Exception as error:  # a broken installation may raise anything
             self.failed[loop] = error
         return loop in COMPILED_LOOPS
 
     def read(self, loop: Loop) -> bool:
-        """Have ``loop`` read from the cache by this thread; False where that does not have it."""
+        """Read `loop` from the cache in this thread. Return False if it is not there."""
         from rl_tui.agents.compiling.loops import load
 
         self._loading_since = time.monotonic()
@@ -226,13 +225,13 @@ class BackgroundCompiler:
         try:
             while (loop := self._next()) is not None:
                 self._get(loop)
-        except BaseException as error:  # a broken installation may even end this thread
+        except BaseException as error:  # a broken installation may even raise SystemExit
             with self._lock:
                 self.failed.update(dict.fromkeys((loop, *self._wanted) if loop else self._wanted, error))
                 self._wanted, self._thread = [], None
 
     def _get(self, loop: Loop) -> None:
-        # Imports all that learns: not before something is wanted
+        # Imported late, because it imports all algorithms
         from rl_tui.agents.compiling.cache_folder import takes_code, was_compiled
 
         if was_compiled(loop) and self.read(loop):
@@ -243,11 +242,10 @@ class BackgroundCompiler:
             self.get(loop)
 
     def _get_from_worker(self, loop: Loop) -> bool:
-        """Have the worker compile ``loop``, and read what it has kept; False where that fails."""
         from rl_tui.agents.compiling.cache_folder import was_compiled
         from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, CodeOrigin
 
-        # Our worker keeps one before the other, and another process either, while ours waits for its turn
+        # The worker, or another process meanwhile, stores these two one after the other
         not_noted = [each for each in (SHARED, loop) if not was_compiled(each)]
         is_new = loop in not_noted
         try:
@@ -265,7 +263,7 @@ class BackgroundCompiler:
                     break
         except OSError:
             answer = GONE
-        if answer in (None, GONE):  # if another process was first, there is nothing to wait for any more
+        if answer in (None, GONE):  # if another process was faster, there is nothing to wait for
             with self._lock:
                 self._end_worker()
         if answer == CodeOrigin.NOT_KEPT:
@@ -276,4 +274,4 @@ class BackgroundCompiler:
 
 
 BACKGROUND: BackgroundCompiler = BackgroundCompiler()
-"""The one of this process."""
+"""The compiler of this process."""

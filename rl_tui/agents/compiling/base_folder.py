@@ -1,7 +1,7 @@
-"""The folder of what is cached, and whether others can write to it.
+"""The cache folder, and the check that other users cannot write to it.
 
-The cache of machine code holds pickles: whoever can write there can run code in every process that reads
-them. So a folder that others can write to is left out.
+The cache of machine code contains pickles. Anyone with write access can run code in every process that reads
+it. So an unsafe folder is not used.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from typing import Final
 
 VARIABLE: Final = "RL_TUI_CACHE_DIR"
 KERNELS: Final = "kernels"
-"""The folder in it that holds machine code."""
+"""Subfolder for machine code."""
 _OTHERS: Final = stat.S_IWGRP | stat.S_IWOTH
 _UMASK: Final = threading.Lock()
 
 
 def base_folder() -> Path:
-    """Return the folder of what is cached: that of RL_TUI_CACHE_DIR, else the platform's for this user.
+    """Return the cache folder: RL_TUI_CACHE_DIR, or the platform's folder for this user.
 
-    One that others can write to is passed over. Where none is left it is the null device, in which no folder
-    can be made.
+    Unsafe folders are skipped. If none is left, the result is the null device, where no folder can be
+    created.
     """
     chosen = os.environ.get(VARIABLE)
     if chosen and not _why_passed_over(Path(chosen)):
@@ -35,7 +35,7 @@ def base_folder() -> Path:
 
 
 def refusals() -> Iterator[str]:
-    """Yield, for each folder that is passed over, a sentence that says why and how to change that."""
+    """Yield a sentence for each skipped folder, with the reason and the fix."""
     chosen = os.environ.get(VARIABLE)
     if chosen:
         why = _why_passed_over(Path(chosen))
@@ -53,11 +53,10 @@ def _why_passed_over(base: Path) -> str:
 
 
 def why_unsafe(folder: Path) -> str:
-    """Return why others could change what is in ``folder``, and what to do; nothing where they cannot.
+    """Return why other users could change files in `folder`, and the fix. Empty if they cannot.
 
-    Neither it nor a folder above it may belong to anybody but us and root, or be writable for others. Above
-    it the sticky bit, as of /tmp, will do: there nobody can take away what is ours. What is not there yet
-    does not count. Windows keeps others away by other means, which are not looked at.
+    The folder and all folders above must belong to this user or root, and must not be writable for others.
+    Above it, a sticky bit as in /tmp is enough. Missing folders are ignored. On Windows nothing is checked.
     """
     if os.name != "posix":
         return ""
@@ -68,7 +67,7 @@ def why_unsafe(folder: Path) -> str:
     for part in reversed(parts):
         try:
             status = os.stat(part)
-        except OSError:  # not there, or out of reach: then nothing in it can be read either
+        except OSError:  # missing or inaccessible, so nothing in it can be read
             return ""
         why = why_others_can_write(status, is_above=part != place)
         if why:
@@ -77,16 +76,20 @@ def why_unsafe(folder: Path) -> str:
 
 
 def why_others_can_write(status: os.stat_result, *, is_above: bool = False) -> str:
-    """Return why somebody else can change what has this ``status``, ``{}`` in place of its path; or nothing.
+    """Return why another user can change something with this `status`, or an empty text.
 
-    The group of the same name as the owner, which has no other member, is the owner.
+    ``{}`` in the text is the place for the path. A group that contains only the owner counts as the owner.
+
+    Args:
+        status: Status of the file or folder.
+        is_above: True for a folder above the cache.
     """
     if status.st_uid not in (0, os.geteuid()):
         return "{} belongs to another user; choose a folder of your own or of root"
     if is_above and status.st_mode & stat.S_ISVTX:
         return ""
     if status.st_mode & stat.S_IWOTH:
-        return "anybody can write to {0}; run chmod -R go-w {0}"
+        return "all users can write to {0}; run chmod -R go-w {0}"
     if status.st_mode & stat.S_IWGRP and not _is_private(status.st_gid, status.st_uid):
         return "its group can write to {0}; run chmod -R go-w {0}"
     return ""
@@ -105,7 +108,7 @@ def _is_private(group: int, owner: int) -> bool:
 
 @contextmanager
 def closed_to_others() -> Iterator[None]:
-    """Let nobody else write to what is made meanwhile, whatever the umask says; one thread at a time."""
+    """Create files that others cannot write to, whatever the umask. One thread at a time."""
     with _UMASK:
         before = os.umask(_OTHERS)
         os.umask(before | _OTHERS)
@@ -120,5 +123,5 @@ def _own_folder() -> Path:
 
     try:
         return platformdirs.user_cache_path("rl-tui", appauthor=False)
-    except RuntimeError:  # there is no home
+    except RuntimeError:  # no home folder
         return Path(os.devnull)

@@ -1,4 +1,4 @@
-"""The folder of machine code on disk, which clones of the program and its images can share."""
+"""The folder of machine code on disk, which copies of the program can share."""
 
 from __future__ import annotations
 
@@ -25,23 +25,22 @@ _OURS: Final = re.compile(r"\d[\w.+]*-[0-9a-f]{16}")
 
 @cache
 def cache_folder() -> Path:
-    """Return the folder of machine code, one for each state of what the code comes from, numba and NumPy.
+    """Return the folder of machine code for this state of the sources, numba and NumPy.
 
-    Numba itself only watches the file of the function it compiles, so that an edited helper in another file
-    would leave stale code behind. Within the folder it keeps machine code for other processors and other
-    versions of Python apart.
+    Numba only checks the file of the compiled function. A changed helper in another file would leave stale
+    code. Inside the folder, numba separates processors and versions of Python.
     """
     return base_folder() / KERNELS / cache_key()
 
 
 @cache
 def takes_code() -> bool:
-    """Return whether machine code can be kept. A kiosk keeps none: what it reads was compiled before."""
+    """Return True if machine code can be stored. A kiosk only reads code compiled earlier."""
     return not in_kiosk() and _writable(cache_folder())
 
 
 def _writable(folder: Path) -> bool:
-    """Tell whether ``folder``, made where it is missing, can be written; its time is then that of now."""
+    """Create `folder` if needed, and return True if it is writable. This updates its time."""
     try:
         with closed_to_others():
             folder.mkdir(parents=True, exist_ok=True)
@@ -54,16 +53,16 @@ def _writable(folder: Path) -> bool:
 
 
 def note_compiled(loop: Loop) -> None:
-    """Note that machine code of ``loop`` is in the cache, where that can be written."""
+    """Note that machine code of `loop` is in the cache, if possible."""
     if takes_code():
         with suppress(OSError):
             _note_of(loop).touch()
 
 
 def was_compiled(loop: Loop) -> bool:
-    """Return whether machine code of ``loop`` ought to be in the cache, though perhaps for another processor.
+    """Return True if machine code of `loop` should be in the cache, perhaps for another processor.
 
-    It is told without numba, in no time.
+    This is fast and needs no numba.
     """
     return _note_of(loop).exists()
 
@@ -74,9 +73,9 @@ def _note_of(loop: Loop) -> Path:
 
 
 def remove_unfinished(now: float) -> None:
-    """Remove what killed processes had begun to write into the cache more than an hour before ``now``.
+    """Remove partial files that killed processes wrote over an hour before `now`.
 
-    ``now`` is in seconds, as file systems count.
+    `now` is in seconds, as in file times.
     """
     if takes_code():
         for file in (*cache_folder().glob("*/*.tmp.*"), *cache_folder().glob("writable-*")):
@@ -86,10 +85,10 @@ def remove_unfinished(now: float) -> None:
 
 
 def prune(kernels: Path, current: Path, now: float) -> None:
-    """Remove the folders in ``kernels`` that no program has started from for thirty days, but ``current``.
+    """Remove folders in `kernels` that were unused for thirty days, except `current`.
 
-    ``now`` is in seconds, as file systems count. A program that runs on an old one for longer has its code in
-    memory, and compiles what else it needs.
+    `now` is in seconds, as in file times. A program still running on an old folder has its code in memory and
+    compiles the rest again.
     """
     with suppress(OSError):
         for folder in kernels.iterdir():

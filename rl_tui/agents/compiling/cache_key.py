@@ -1,9 +1,8 @@
-"""What the machine code of the kernels comes from: the modules that can have put something into it.
+"""The key of the machine code: a hash over all modules that can influence it.
 
-Numba freezes what a kernel reads from a module, its own or one it imports: a helper's code, a number of
-``stop.py``, a place in ``SCHEDULES``. So the key is a hash over every module that marks something as compiled
-or inlined, the one that compiles it, the one that has machine code in place of Python, and all that these
-import, in turn. It is a superset: a few of them only prepare arrays.
+Numba freezes everything that a kernel reads from modules: code of helpers, constants, indices. So the key
+covers every module with marked functions, the compiler module, the module of native replacements, and all
+their imports. It is a superset, since some of them only prepare arrays.
 """
 
 from __future__ import annotations
@@ -22,14 +21,14 @@ NAME: Final = PACKAGE.name
 DECORATORS: Final = "rl_tui.agents.kernels.compiled"
 COMPILER: Final = "rl_tui.agents.compiling.jit"
 NATIVE: Final = "rl_tui.agents.compiling.native"
-# Who imports one of these has kernels, or what they inline
+# A module that imports one of these has kernels, or functions that they inline
 MARKS: Final = frozenset(
     f"{DECORATORS}.{mark}"
     for mark in ("compiled", "compiled_for", "for_kernels", "inlined", "inlined_by_type", "member_of")
 )
 
-# To parse the sources would take ten times as long; the tests hold this against it. The package's name comes
-# first, since what begins with a fixed text is found quickly
+# Parsing would take ten times as long; a test compares the two. The package name comes first, because a fixed
+# prefix is found quickly
 _IMPORT: Final = re.compile(
     rb"rl_tui(?:(?<=from\srl_tui)|(?<=import\srl_tui))([\w.]*)(?: import (\([^)]*\)|.*))?"
 )
@@ -38,15 +37,15 @@ _FOR_TYPES: Final = re.compile(rb"^if TYPE_CHECKING:\n(?:(?:[ \t].*)?\n)*", re.M
 
 
 def cache_key(package: Path = PACKAGE) -> str:
-    """Return numba's version and a hash over NumPy's and the kernels' sources in ``package``, as one name.
+    """Return a name made of numba's version and a hash over NumPy's version and the sources.
 
-    It is the same wherever ``package`` stands. That takes some 5 ms.
+    It does not depend on the location of `package`. It takes about 5 ms.
     """
     from importlib.metadata import PackageNotFoundError, version
 
     try:
         numba = version("numba")
-    except PackageNotFoundError:  # then there is no machine code either
+    except PackageNotFoundError:  # without numba there is no machine code
         numba = "0"
     digest = hashlib.sha256(np.__version__.encode())
     for module, source in sorted(kernel_sources(package).items()):
@@ -56,7 +55,7 @@ def cache_key(package: Path = PACKAGE) -> str:
 
 
 def kernel_sources(package: Path = PACKAGE) -> dict[str, bytes]:
-    """Return the source of every module that the key depends on, by the module's name."""
+    """Return the source of every module that the key depends on, by module name."""
     files = dict(_modules(package))
     room = ".".join(DECORATORS.split(".")[:2])
     read = {module: Path(file).read_bytes() for module, file in files.items() if module.startswith(room)}
@@ -70,15 +69,15 @@ def kernel_sources(package: Path = PACKAGE) -> dict[str, bytes]:
         module = waiting.pop()
         if module in files and module not in found:
             found[module] = read[module] if module in read else Path(files[module]).read_bytes()
-            # How the compiler keeps what it has made puts nothing into it
+            # Its imports only store code and do not influence it
             waiting += imports(found[module]) if module != COMPILER else ()
     return found
 
 
 def imports(source: bytes) -> set[str]:
-    """Return what ``source`` imports of this package when it runs, within functions too.
+    """Return the modules of this package that `source` imports at run time, also inside functions.
 
-    Of ``from a import b`` that is a and a.b, which may be no module.
+    ``from a import b`` gives a and a.b, although a.b may not be a module.
     """
     if b"TYPE_CHECKING" in source:
         source = _FOR_TYPES.sub(b"", source)
@@ -91,7 +90,6 @@ def imports(source: bytes) -> set[str]:
 
 
 def _modules(package: Path) -> Iterator[tuple[str, str]]:
-    """Yield the name and the file of each module in ``package``."""
     for folder, _, names in os.walk(package):
         inside = os.path.relpath(folder, package)
         parts = [NAME] if inside == os.curdir else [NAME, *inside.split(os.sep)]

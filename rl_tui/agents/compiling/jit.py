@@ -1,7 +1,6 @@
-"""The machine code of the kernels; with ``machine_cache.py`` all that knows numba.
+"""Compilation of kernels with numba. Only this module and ``machine_cache.py`` use numba's compiler.
 
-It takes half a second to import and makes nothing by itself: a process that has no use for machine code never
-imports it.
+Importing takes half a second and compiles nothing. A process without machine code never imports it.
 """
 
 from __future__ import annotations
@@ -24,18 +23,18 @@ from rl_tui.agents.compiling.machine_cache import CACHED, cache_of
 from rl_tui.agents.compiling.native import NATIVE, always
 from rl_tui.agents.kernels.compiled import CALLED_BY_KERNELS, COMPILED, FAMILIES, INLINED, Family
 
-# Numba wonders about variables that one branch of an inlined function sets and no other reads. Whether the
-# code is right, the comparison with its interpreted form tells.
+# Numba warns about variables that one branch of an inlined function sets and others do not read. Tests
+# compare the code with its interpreted form
 warnings.simplefilter("ignore", NumbaIRAssumptionWarning)
 
 
 def _keep_written(
     write: Any, args: Any, typemap: Any, func_ir: Any, alias_map: Any, arg_aliases: set[str]
 ) -> None:
-    """Tell numba's elimination of dead code that the array of ``write`` is an argument's.
+    """Tell numba's dead-code elimination that the array of `write` belongs to an argument.
 
-    It follows what an inlined function is given, but not always what it returns: what is written to an array
-    of a NamedTuple that came back from one would silently be left out.
+    Numba follows the arguments of inlined functions, but not always their results. It would silently remove
+    writes to an array of a returned NamedTuple.
     """
     arg_aliases.add(write.target.name)
 
@@ -44,10 +43,10 @@ alias_analysis_extensions[ir.SetItem] = _keep_written
 
 
 def _borrow_generator(kind: Any, generator: Any, context: Any) -> Any:
-    """Take ``generator`` into a kernel without a note that it is held, where nothing would take that back.
+    """Pass `generator` to a kernel without a reference that would never be released.
 
-    Numba makes one at every call, of 64 bytes, and drops it only in code that counts references, which the
-    kernels do without. Their caller holds the generator all the while.
+    Numba allocates 64 bytes per call and frees them only in reference-counted code, which kernels are not.
+    The caller holds the generator during the call.
     """
     if context.context.enable_nrt:
         return boxing.unbox_numpy_random_generator(kind, generator, context)
@@ -67,10 +66,12 @@ _KNOWN: Final = set[Callable[..., Any]]()
 
 
 def dispatcher_of(function: Callable[..., Any]) -> Dispatcher:
-    """Return the compiled form of ``function``: without the GIL, strict IEEE arithmetic, cached on disk.
+    """Return the compiled form of `function`: no GIL, strict IEEE arithmetic, cached on disk.
 
-    Machine code is compiled, or read from the cache, when it is first called with arguments of some types, or
-    by ``compile``. Raises KeyError for a function that is not marked as compiled.
+    It is compiled or read from the cache on the first call with some types, or by ``compile``.
+
+    Raises:
+        KeyError: The function is not marked as compiled.
     """
     with _LOCK:
         _take_in_marks()
@@ -78,11 +79,10 @@ def dispatcher_of(function: Callable[..., Any]) -> Dispatcher:
 
 
 def entry(function: Callable[..., Any], *example: Any) -> Callable[..., Any]:
-    """Return the machine code of ``function`` for arguments of just these types, by position.
+    """Return the machine code of `function` for exactly the types of `example`.
 
-    It is compiled or read from the cache if need be. A call then does not ask for their types, which for a
-    dozen arrays takes longer than looking into them: measured, 8 µs in place of 31. Other types
-    give nonsense.
+    It is compiled or read from the cache if needed. Calls skip the type check, which is slow for a dozen
+    arrays: 8 µs instead of 31. Other types give undefined results.
     """
     machine_code: Callable[..., Any] = dispatcher_of(function).compile(
         tuple(numba.typeof(each) for each in example)
@@ -91,7 +91,7 @@ def entry(function: Callable[..., Any], *example: Any) -> Callable[..., Any]:
 
 
 def _take_in_marks() -> None:
-    """Tell numba's typing of all that was marked since the last time; for one thread at a time."""
+    """Register everything marked since the last call with numba. One thread at a time."""
     for function in INLINED:
         if function not in _KNOWN:
             _inline(function, NATIVE.get(function) or always(function))
@@ -107,7 +107,7 @@ def _take_in_marks() -> None:
                 fastmath=False,
                 error_model="numpy",
                 _nrt=False,
-                no_cfunc_wrapper=True,  # for C, which calls none
+                no_cfunc_wrapper=True,  # only C code would need it
                 no_cpython_wrapper=function in CALLED_BY_KERNELS,
             )(function)
             if CACHED:
@@ -117,7 +117,7 @@ def _take_in_marks() -> None:
 
 
 def _choice(family: Family) -> Callable[..., Callable[..., Any] | None]:
-    """Return what chooses from ``family`` by the type of the first argument."""
+    """Return a function that selects a member of `family` by the type of the first argument."""
 
     def chosen(first: Any, *_: object) -> Callable[..., Any] | None:
         is_known = isinstance(first, types.BaseNamedTuple)
@@ -127,12 +127,11 @@ def _choice(family: Family) -> Callable[..., Callable[..., Any] | None]:
 
 
 def _inline(function: Callable[..., Any], implementation: Callable[..., Any]) -> None:
-    """Let compiled code inline what ``implementation``, given types of arguments, returns for ``function``.
+    """Make compiled code inline the result of `implementation`, called with argument types.
 
-    It is numba's ``overload(function, inline="always")``, but for the time it takes. That types what is
-    inlined anew whenever a call of it is looked at, which happens several times at every level of inlining;
-    here it is typed once for each types of arguments. And that compiles it on its own, only to see whether it
-    can be, which takes longer than all the rest; here whatever it is inlined into will tell.
+    This equals numba's ``overload(function, inline="always")``, but is faster. Numba types inlined code again
+    at every call and level. Here this happens once per types. Numba also compiles it separately, only as a
+    check. Here the surrounding code is the check.
     """
     template = make_overload_template(function, implementation, {}, strict=False, inline="always")
     type_anew, known = template.generic, dict[Any, Any]()
@@ -150,14 +149,14 @@ def _inline(function: Callable[..., Any], implementation: Callable[..., Any]) ->
 
 
 def _only_typed(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Do as ``numba.njit``, for a function that is to be typed but not compiled on its own.
+    """Act like ``numba.njit`` for a function that is typed but never compiled separately.
 
-    A numba that looks elsewhere for whether it may compile just does compile it.
+    If numba ignores this flag, the function is merely compiled as well.
     """
 
     def decorate(function: Callable[..., Any]) -> Any:
         dispatcher = numba.njit(**options)(function)
-        # Its own disable_compile wants something compiled first
+        # numba's disable_compile requires a compiled signature
         dispatcher._can_compile = False
         return dispatcher
 

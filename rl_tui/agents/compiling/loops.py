@@ -1,6 +1,6 @@
-"""Machine code for the loops of all agents: read from the cache, or compiled here.
+"""Machine code for the loops of all agents, from the cache or compiled here.
 
-Only one of the processes that share a cache compiles at a time.
+Of the processes that share a cache, only one compiles at a time.
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ from rl_tui.worlds.mdp.tabular_mdp import smallest_mdp
 
 
 class CompilerLock(FileLock):
-    """What the one holds that compiles; it is released at the end of a ``with``, if it was acquired."""
+    """The lock of the compiling process. A ``with`` block releases it if it was acquired."""
 
     def __init__(self) -> None:
         super().__init__(cache_folder() / "compiling")
 
     def acquire(self) -> bool:
-        """Take the lock; False while another process has it.
+        """Take the lock, and return False while another process holds it.
 
-        Where nothing can be kept, no process waits for another one: there everybody gets one.
+        If the cache cannot store anything, waiting is pointless and everyone gets the lock.
         """
         try:
             return not takes_code() or super().acquire()
@@ -69,12 +69,12 @@ class CompilerLock(FileLock):
 
 
 LOOKED_FOR_EVERY: Final = 0.1
-"""Seconds after which a process that waits for another one's machine code looks for it again."""
+"""Interval in seconds at which a waiting process looks for machine code of another."""
 LONGEST_WAIT: Final = 300.0
-"""Seconds after which a process that compiles is taken for stopped, as by Ctrl+Z; the others go on."""
+"""Seconds after which a compiling process counts as stopped, for example by ctrl+Z."""
 
-# Marks count once their module is imported. One program may have imported more than another, but in the cache
-# all must find the same
+# Marks exist once their module is imported. All programs must find the same in the cache, whatever they
+# imported
 _CALLED_FROM_PYTHON: Final = (
     "rl_tui.agents.batches.digest",
     "rl_tui.agents.batches.seeding",
@@ -86,18 +86,18 @@ _CALLED_FROM_PYTHON: Final = (
 
 
 class CodeOrigin(StrEnum):
-    """How a process came by machine code."""
+    """Origin of machine code."""
 
     FOUND = "found"
-    """It was read from the cache."""
+    """Read from the cache."""
     COMPILED = "compiled"
-    """It was compiled, and is in the cache now."""
+    """Compiled and stored in the cache."""
     NOT_KEPT = "not kept"
-    """The cache did not take what was compiled."""
+    """Compiled, but the cache could not store it."""
 
 
 def all_loops() -> Iterator[Loop]:
-    """Yield every loop of the catalogue."""
+    """Yield every combination of algorithm, policy and kind of world."""
     for algorithm in BY_ID.values():
         if algorithm.planner:
             yield Loop(algorithm.id, "", stepped=False)
@@ -109,7 +109,7 @@ def all_loops() -> Iterator[Loop]:
 
 
 def all_batches() -> Iterator[Loop]:
-    """Yield every loop of many runs by one call: of the agents that learn in a table."""
+    """Yield every loop for batches: agents that learn in worlds with a table."""
     for loop in all_loops():
         if loop.policy and not loop.stepped:
             yield loop._replace(batching=Batching.ONE_BY_ONE)
@@ -118,11 +118,13 @@ def all_batches() -> Iterator[Loop]:
 
 
 def compile_here(loop: Loop) -> CodeOrigin:
-    """Have machine code for ``loop``: read from the cache, or compiled here.
+    """Get machine code for `loop`, from the cache or by compiling.
 
-    Machine code does not depend on the world: it is compiled for the smallest one. Of many processes that
-    share a cache one compiles; the others wait for what it keeps there, and do without numba until then.
-    Raises KeyError where the catalogue has no such algorithm or policy.
+    Code does not depend on the world, so it is compiled for the smallest one. Of the processes that share a
+    cache, one compiles. The others wait for its result without importing numba.
+
+    Raises:
+        KeyError: The algorithm or policy does not exist.
     """
     if loop in COMPILED_LOOPS:
         return CodeOrigin.FOUND
@@ -132,14 +134,14 @@ def compile_here(loop: Loop) -> CodeOrigin:
         nonlocal was_noted
         if was_noted or not was_compiled(loop):
             return False
-        was_noted = True  # by a process of another processor, if it cannot be read
+        was_noted = True  # if unreadable, it was compiled for another processor
         return load(loop)
 
     return compile_in_turn(loop, is_there)
 
 
 def compile_in_turn(loop: Loop, is_there: Callable[[], bool] = lambda: False) -> CodeOrigin:
-    """Do as :func:`compile_here` once no other process compiles, unless it ``is_there`` before."""
+    """Compile `loop` once no other process compiles, unless `is_there` returns True first."""
     longest = time.monotonic() + LONGEST_WAIT
     with CompilerLock() as lock:
         while not is_there():
@@ -150,7 +152,7 @@ def compile_in_turn(loop: Loop, is_there: Callable[[], bool] = lambda: False) ->
 
 
 def compile_alone(loop: Loop) -> CodeOrigin:
-    """Do as :func:`compile_here`, in a process that knows that no other one compiles the same."""
+    """Compile `loop` without waiting for other processes."""
     if ALWAYS_INTERPRETED:
         _make(loop)
         return CodeOrigin.NOT_KEPT
@@ -168,7 +170,7 @@ def compile_alone(loop: Loop) -> CodeOrigin:
 
 
 def load(loop: Loop) -> bool:
-    """Read machine code for ``loop`` from the cache; False where that has none, or not all."""
+    """Read machine code for `loop` from the cache. Return False if it is missing or incomplete."""
     if ALWAYS_INTERPRETED or not cache_folder().is_dir():
         return False
     from rl_tui.agents.compiling.machine_cache import NotCachedError, only_loading
@@ -193,7 +195,7 @@ def _make(loop: Loop) -> None:
 
 
 def compile_what_all_share() -> None:
-    """Have machine code for what every run needs besides its loop."""
+    """Get machine code for everything that runs need in addition to their loop."""
     for module in _CALLED_FROM_PYTHON:
         import_module(module)
     use_machine_code_from_python()
@@ -201,7 +203,11 @@ def compile_what_all_share() -> None:
 
 
 def learner_of(loop: Loop) -> Learner:
-    """Return a learner in the smallest world there is that runs ``loop``. Raises KeyError as above."""
+    """Return a learner in the smallest world that runs `loop`.
+
+    Raises:
+        KeyError: The algorithm or policy does not exist.
+    """
     algorithm, policy = BY_ID[loop.algorithm].id, loop.policy and POLICY_BY_ID[loop.policy].id
     hyperparameters = Hyperparameters(policy=policy) if policy else Hyperparameters()
     if loop.stepped:
@@ -211,7 +217,7 @@ def learner_of(loop: Loop) -> Learner:
 
 
 class _Nowhere:
-    """An environment of one state in which no step is ever taken."""
+    """An environment with one state, in which no step is ever taken."""
 
     def reset(self, seed: int | None = None) -> int:
         return 0

@@ -1,4 +1,4 @@
-"""How numba keeps machine code in the cache, and reads it from there."""
+"""Storing numba's machine code in the cache, and reading it."""
 
 from __future__ import annotations
 
@@ -34,23 +34,23 @@ if CACHED:
 
 
 class NotCachedError(Exception):
-    """The cache has no such machine code, and it is not to be compiled here."""
+    """The cache lacks this machine code, and compiling is not allowed here."""
 
 
 class Saves:
-    """What became of the machine code that this process compiled."""
+    """Counts of machine code that this process compiled and stored."""
 
     kept = 0
-    """How many functions, each for some types of arguments, are in the cache."""
+    """Number of functions, each for some types, that were stored."""
     failed = False
-    """Whether the cache did not take some."""
+    """True if the cache could not store some of them."""
 
 
 SAVES: Final = Saves()
 
 
 class _Thread(threading.local):
-    """What one thread is about."""
+    """The mode of one thread."""
 
     only_loads = False
 
@@ -60,7 +60,7 @@ _THREAD: Final = _Thread()
 
 @contextmanager
 def only_loading() -> Iterator[None]:
-    """Let this thread raise NotCachedError in place of compiling anything that is cached."""
+    """Raise NotCachedError in this thread instead of compiling."""
     _THREAD.only_loads = True
     try:
         yield
@@ -69,13 +69,13 @@ def only_loading() -> Iterator[None]:
 
 
 class _Shared(_CacheLocator):  # type: ignore[misc]
-    """Where the machine code of the program's own functions is, which does not depend on where it stands.
+    """The cache location of our own functions, independent of the installation path.
 
-    Numba has a file's path, and a hash over it, for what here the name of the folder says.
+    Numba uses the path of the file and its hash; here the folder name contains the hash.
     """
 
     def __init__(self, function: Callable[..., Any], file: str) -> None:
-        self._py_file = file  # numba's warnings tell it
+        self._py_file = file  # numba's warnings print it
         self._module, self._line = function.__module__, function.__code__.co_firstlineno
 
     def get_cache_path(self) -> str:
@@ -89,13 +89,13 @@ class _Shared(_CacheLocator):  # type: ignore[misc]
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> _Shared | None:
-        # What is no file was not looked into for the folder's name
+        # a module without a file is not part of the cache key
         ours = function.__module__.startswith(f"{NAME}.") and Path(file).exists()
         return cls(function, file) if ours else None
 
 
 class _FinishedFolder(UserProvidedCacheLocator):  # type: ignore[misc]
-    """Where compiled code is read, and whether it could be written is not tried."""
+    """A read-only cache location that is not tested for writing."""
 
     def ensure_cache_path(self) -> None:
         return
@@ -110,16 +110,16 @@ class _FinishedImplementation(CompileResultCacheImpl):  # type: ignore[misc]
 
 
 class _ForgivingCache(FunctionCache):  # type: ignore[misc]
-    """A cache on disk that rebuilds what it cannot read and does without where it cannot write."""
+    """A cache that rebuilds unreadable files and tolerates write errors."""
 
     _impl_class = _Implementation
 
     def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
         try:
             found = super().load_overload(sig, target_context)
-        except Exception:  # a damaged file raises whatever its bytes happen to spell
+        except Exception:  # a damaged file may raise anything
             with suppress(OSError):
-                self.flush()  # so that the next save starts a new index
+                self.flush()  # the next save then starts a new index
             found = None
         return _for_types(sig, found)
 
@@ -128,12 +128,12 @@ class _ForgivingCache(FunctionCache):  # type: ignore[misc]
             with _saving_alone(), closed_to_others():
                 super().save_overload(sig, data)
             SAVES.kept += 1
-        except Exception:  # unreadable index, full disk, folder gone: the code in memory is all we need
+        except Exception:  # unreadable index, full disk or missing folder: the code in memory is enough
             SAVES.failed = True
 
 
 class _FinishedCache(FunctionCache):  # type: ignore[misc]
-    """A cache on disk that is only read; what is not in it is compiled, and forgotten at the end."""
+    """A cache that is only read. Missing code is compiled and not stored."""
 
     _impl_class = _FinishedImplementation
 
@@ -149,9 +149,9 @@ class _FinishedCache(FunctionCache):  # type: ignore[misc]
 
 
 def _for_types(sig: Any, found: CompileResult | None) -> CompileResult | None:
-    """Return what was ``found`` if it is for the types of ``sig``; raise NotCachedError where it must be.
+    """Return `found` if it fits the types of `sig`, else None, or raise NotCachedError if required.
 
-    Two programs that save at the same moment may give the same number to code for different types.
+    Two programs that save at the same moment may use the same number for different types.
     """
     if found is not None and tuple(found.signature.args) == tuple(normalize_signature(sig)[0]):
         return found
@@ -162,9 +162,9 @@ def _for_types(sig: Any, found: CompileResult | None) -> CompileResult | None:
 
 @contextmanager
 def _saving_alone() -> Iterator[None]:
-    """Wait until no other process saves: the index of a function would lose what one of two adds at once.
+    """Wait until no other process saves, because simultaneous saves would lose index entries.
 
-    A process that was stopped while it saves is not waited for, and neither is any where there are no locks.
+    It waits a few seconds at most, and not at all without file locks.
     """
     lock = FileLock(FOLDER / "saving")
     try:
@@ -178,6 +178,6 @@ def _saving_alone() -> Iterator[None]:
 
 
 def cache_of(function: Callable[..., Any]) -> FunctionCache:
-    """Return the cache of the machine code of ``function``, where code is ``CACHED`` at all."""
+    """Return the cache for the machine code of `function`. It must exist (``CACHED``)."""
     with closed_to_others():
         return (_FinishedCache if READ_ONLY else _ForgivingCache)(function)

@@ -1,8 +1,8 @@
-"""What machine code has in place of the Python of some inlined functions, PCG64 first.
+"""Replacements for some inlined functions in machine code, mainly PCG64.
 
 M. E. O'Neill, *PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for Random Number
-Generation* (2014): a linear congruential generator of 128 bits with XSL-RR output. Its state stays where
-NumPy's generator keeps it.
+Generation* (2014): a 128-bit linear congruential generator with XSL-RR output. Its state stays in NumPy's
+generator.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _I64, _I128 = ir.IntType(64), ir.IntType(128)
 
 
 def _next_uniform(context: Any, generator: Any) -> Any:
-    """Step the PCG64 of ``generator`` and return the upper 53 bits of its output as a number in [0, 1)."""
+    """Step the PCG64 of `generator`, and return the upper 53 bits of its output as a number in [0, 1)."""
 
     def generate(target: Any, builder: Any, signature: Any, args: Any) -> Any:
         struct = cgutils.create_struct_proxy(generator)(target, builder, value=args[0])
@@ -52,7 +52,7 @@ def _next_uniform(context: Any, generator: Any) -> Any:
 
 
 def _with_state_at(context: Any, generator: Any, address: Any) -> Any:
-    """Return ``generator`` with the state at ``address`` in place of its own."""
+    """Return `generator` with the state at `address` instead of its own."""
 
     def generate(target: Any, builder: Any, signature: Any, args: Any) -> Any:
         struct = cgutils.create_struct_proxy(generator)(target, builder, value=args[0])
@@ -83,7 +83,7 @@ def _generator_at(generator: Generator, address: int) -> Generator:
 
 
 def _row_of(stack: Any, _: Any) -> Implementation:
-    """Return what takes a row of a NamedTuple of this type, written out field by field."""
+    """Return a function that takes a row of this NamedTuple type, generated field by field."""
     names = list(stack.instance_class._fields)
     parts = [
         f"row(stack.{name}, run)" if isinstance(part, types.BaseNamedTuple) else f"stack.{name}[run]"
@@ -96,7 +96,7 @@ def _row_of(stack: Any, _: Any) -> Implementation:
 
 
 def always(implementation: Implementation) -> Callable[..., Implementation]:
-    """Return what chooses ``implementation`` whatever the types are."""
+    """Return a chooser that ignores types and returns `implementation`."""
     return lambda *_: implementation
 
 
@@ -104,4 +104,4 @@ NATIVE: Final[dict[Implementation, Callable[..., Implementation]]] = {
     row: _row_of,
     generator_at: always(_generator_at),
 } | ({uniform: always(_uniform)} if has_low_word_first() else {})
-"""For each function what chooses its implementation by the types of its arguments."""
+"""Chooser of the implementation by argument types, for each replaced function."""

@@ -1,4 +1,4 @@
-"""Machine code that is kept in the cache before anybody needs it."""
+"""Filling the cache with machine code in advance."""
 
 from __future__ import annotations
 
@@ -22,18 +22,24 @@ from rl_tui.common.errors import UserError
 
 
 class Warmed(NamedTuple):
-    """How many loops this process has compiled, and how many were in the cache, or came from another one."""
+    """Number of loops compiled by this process, and of loops found in the cache or compiled elsewhere."""
 
     compiled: int
     found: int
 
 
 def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], None]) -> Warmed:
-    """Have ``loops`` in the cache, compiled by so many processes at once; each is read to see that it is.
+    """Compile `loops` into the cache with several processes, and check that they can be read.
 
-    Of several programs that do this for one cache the first compiles, and the others wait for it.
-    ``on_progress`` is told how many loops are done, of how many. Raises UserError where the cache does not
-    keep them.
+    If several programs do this for one cache, the first compiles and the others wait.
+
+    Args:
+        loops: Loops to compile.
+        workers: Number of processes.
+        on_progress: Called with (loops done, all loops).
+
+    Raises:
+        UserError: The cache cannot store machine code.
     """
     if ALWAYS_INTERPRETED:
         raise UserError("NUMBA_DISABLE_JIT is set: unset it to have machine code")
@@ -45,7 +51,7 @@ def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], 
         while not lock.acquire() and time.monotonic() < longest:
             on_progress(sum(map(was_compiled, loops)), len(loops))
             time.sleep(LOOKED_FOR_EVERY)
-        # What another process has compiled meanwhile is there
+        # Another process may have compiled some meanwhile
         missing = [loop for loop in loops if loop in noted or not was_compiled(loop)]
         outcomes = [CodeOrigin.FOUND] * (len(loops) - len(missing))
         on_progress(len(outcomes), len(loops))
@@ -59,10 +65,10 @@ def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], 
 
 
 def _compiled(loops: list[Loop], workers: int) -> Iterator[CodeOrigin]:
-    """Yield how each of ``loops`` was come by, as soon as it is.
+    """Yield the origin of each of `loops` as soon as it is known.
 
-    Each algorithm has a worker of its own, which takes its memory with it. Where there can be none, or it
-    dies, this process compiles.
+    Each algorithm has its own worker, which returns its memory at the end. If a worker cannot start or dies,
+    this process compiles.
     """
     waiting = [list(group) for _, group in groupby(loops, key=lambda loop: loop.algorithm)]
     busy = dict[WorkerProcess, list[Loop]]()
@@ -96,7 +102,7 @@ def _worker_asked_for(loops: list[Loop]) -> WorkerProcess | None:
         worker = WorkerProcess(alone=True)
     except OSError:
         return None
-    with suppress(OSError):  # it has ended already, and will say so
+    with suppress(OSError):  # the worker has ended, as its answer shows
         for loop in loops:
             worker.ask(loop)
     return worker

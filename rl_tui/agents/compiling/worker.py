@@ -1,7 +1,7 @@
-"""A process that compiles for another one, and knows nothing but the loops of the catalogue.
+"""A worker process that compiles loops for another process.
 
-On stdin it reads which to compile, each a line of JSON, and answers each with a line on stdout. It ends with
-its stdin, and imports nothing of a user's.
+It reads requests from stdin as lines of JSON, and answers each with a line on stdout. It ends with its stdin
+and imports no user code.
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ if TYPE_CHECKING:
     from rl_tui.agents.kernels.machine_code import Loop
 
 NICENESS: Final = 5
-"""How much lower its priority is while somebody waits."""
+"""Niceness of the worker while its result is needed."""
 
 
 def main(*, alone: bool) -> None:
-    """Compile what stdin asks for until that ends, be it in the middle of compiling.
+    """Compile requests from stdin until it closes, which also interrupts compiling.
 
-    With ``alone`` on it does not wait while another process compiles for the same cache.
+    Args:
+        alone: True to compile without waiting for other processes.
     """
     with suppress(AttributeError, OSError):
         os.nice(NICENESS)
@@ -34,11 +35,11 @@ def main(*, alone: bool) -> None:
     threading.Thread(target=_read, args=(sys.stdin, asked), daemon=True).start()
     from rl_tui.agents.compiling.loops import compile_alone, compile_in_turn
 
-    # What another process keeps meanwhile, the one that asks reads by itself
+    # The asking process itself reads what others store meanwhile
     try:
         work(iter(asked.get, ""), sys.stdout, compile_alone if alone else compile_in_turn)
     finally:
-        os._exit(1)  # the other thread may hold stdin, which Python's own farewell would want
+        os._exit(1)  # the other thread may hold stdin, which Python's shutdown needs
 
 
 def _read(stdin: TextIO, asked: SimpleQueue[str]) -> None:
@@ -48,7 +49,7 @@ def _read(stdin: TextIO, asked: SimpleQueue[str]) -> None:
 
 
 def work(lines: Iterable[str], stdout: TextIO, come_by: Callable[[Loop], CodeOrigin]) -> None:
-    """Have ``come_by`` called with the loop of each of ``lines``, and write its outcome to ``stdout``."""
+    """Call `come_by` with the loop in each of `lines`, and write its result to `stdout`."""
     from rl_tui.agents.kernels.machine_code import Loop
 
     for line in lines:

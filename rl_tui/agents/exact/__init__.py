@@ -1,1 +1,1 @@
-"""Exact solutions of a finite MDP and exact evaluation of any policy in it."""
+"""Exact solutions of finite MDPs, and exact evaluation of policies."""

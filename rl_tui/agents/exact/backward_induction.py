@@ -1,4 +1,4 @@
-"""Values of a finite horizon, step by step from its end (Sutton & Barto, 2nd ed., equations 4.4 and 4.10)."""
+"""Values over a finite horizon, computed backwards (Sutton & Barto, 2nd ed., equations 4.4 and 4.10)."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, machine_c
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, smallest_mdp
 
-# Sweeps by whole arrays, where there is no compiler. They add in the order of the kernels, for the same bits:
-# the first outcome of every pair, then the second of those that have one; likewise the pairs of every state
+# Sweeps with whole arrays, used without machine code. They add in the order of the kernels to get the same
+# bits: the first outcome of every pair, then every second one, and so on; pairs of states likewise
 
 
 class Model(NamedTuple):
-    """What a sweep over all states reads: the expected reward of each pair, [P], and outcomes' weights, [O].
+    """The data of a sweep: expected reward of each pair, [P], and weight of each outcome, [O].
 
-    The ``weight`` of an outcome is that of the value of the state it leads to: 0 where the episode ends.
+    The weight multiplies the value of the next state. It is 0 at the end of an episode.
     """
 
     first_pair: IntArray
@@ -30,18 +30,18 @@ class Model(NamedTuple):
 
 
 class Rank(NamedTuple):
-    """The k-th part of each owner that has so many: the owners, and their k-th parts, [n] each."""
+    """The k-th parts of all owners that have one: owners and parts, [n] each."""
 
     owners: IntArray
     parts: IntArray
 
 
 Sweep = Callable[[FloatArray], FloatArray]
-"""Returns the values of all states, [S], one step earlier than those it is given, [S]."""
+"""Maps state values, [S], to the values one step earlier, [S]."""
 
 
 def following(model: Model, policy: FloatArray) -> Sweep:
-    """Return the sweep that follows ``policy``, [P] (equation 4.4)."""
+    """Return the sweep that follows `policy`, [P] (equation 4.4)."""
     outcomes = list(_ranks(model.first_outcome))
     pairs = [_of_those_taken(rank, policy) for rank in _ranks(model.first_pair)]
 
@@ -71,7 +71,7 @@ def optimising(model: Model) -> Sweep:
 
 
 def seconds_of(model: Model) -> float:
-    """Return how long a sweep takes, roughly: some operations for each rank, and some for each outcome."""
+    """Return the approximate duration of a sweep in seconds."""
     ranks = int(np.diff(model.first_outcome).max(initial=0)) + int(np.diff(model.first_pair).max(initial=0))
     return 8e-6 * ranks + 2e-8 * len(model.next_state)
 
@@ -89,14 +89,17 @@ def _of_those_taken(rank: Rank, policy: FloatArray) -> Rank:
 
 
 def _ranks(first: IntArray) -> Iterator[Rank]:
-    """Yield the first parts, the second ones, and so on; owner n has those ``first[n]`` .. ``first[n+1]``."""
+    """Yield the first parts of all owners, then the second parts, and so on.
+
+    Owner n has the parts ``first[n]`` .. ``first[n+1]``.
+    """
     counts = np.diff(first)
     for number in range(int(counts.max(initial=0))):
         owners = np.flatnonzero(counts > number)
         yield Rank(owners, first[owners] + number)
 
 
-# Seconds. To import numba takes half a second, and to compile a sweep two more
+# In seconds. Importing numba takes 0.5 s, compiling a sweep 2 s more
 FIRST_LOOK: Final = 0.3
 WORTH_COMPILING: Final = 3.0
 
@@ -104,18 +107,33 @@ WORTH_COMPILING: Final = 3.0
 def policy_values(
     mdp: TabularMDP, policy: FloatArray, steps: int, reward: FloatArray | None = None
 ) -> FloatArray:
-    """Return the expected sum of rewards, [S], of ``policy``, [P], over at most ``steps`` steps.
+    """Compute the expected sum of rewards of a policy from each state.
 
-    ``reward``, [O], takes the place of the world's own.
+    Args:
+        mdp: The world.
+        policy: Probability of each pair, [P].
+        steps: Horizon in steps.
+        reward: Rewards to use instead of the world's own, [O].
+
+    Returns:
+        Values, [S].
     """
     model = model_of(mdp, mdp.reward if reward is None else reward)
     return _swept(_follow, (model, policy), lambda: following(model, policy), mdp.states, steps)
 
 
 def best_values(mdp: TabularMDP, gamma: float, steps: int) -> FloatArray:
-    """Return the highest expected discounted sum of rewards, [S], over at most ``steps`` steps.
+    """Compute the highest expected discounted sum of rewards from each state.
 
-    It is that of the best policy that may look at the clock.
+    The policy may depend on the remaining time.
+
+    Args:
+        mdp: The world.
+        gamma: Discount, 0 to 1.
+        steps: Horizon in steps.
+
+    Returns:
+        Values, [S].
     """
     model = model_of(mdp, mdp.reward, gamma)
     return _swept(_optimise, (model,), lambda: optimising(model), mdp.states, steps)
@@ -128,10 +146,10 @@ def _swept(
     states: int,
     steps: int,
 ) -> FloatArray:
-    """Return the values, [S], after ``steps`` sweeps.
+    """Return the values, [S], after `steps` sweeps.
 
-    The kernel does them where its machine code is there. Else whole arrays do, with the same bits; but after
-    a while, if many are left and values still move, it is worth to have machine code.
+    Without machine code, whole arrays do the sweeps, with the same bits. If many sweeps remain and values
+    still change, machine code is compiled after a while.
     """
     v, later = np.zeros((2, states))
     left = steps
@@ -140,7 +158,7 @@ def _swept(
         while left and not (seconds * (steps - left) > FIRST_LOOK and seconds * left > WORTH_COMPILING):
             v = sweep(later)
             left -= 1
-            if np.array_equal(v, later):  # what has come to rest, to the last bit, rests for ever
+            if np.array_equal(v, later):  # values equal to the last bit never change again
                 return v
             later = v.copy()
     if left:
@@ -149,7 +167,13 @@ def _swept(
 
 
 def model_of(mdp: TabularMDP, reward: FloatArray, gamma: float = 1.0) -> Model:
-    """Return what sweeps over the states of ``mdp`` read, with these rewards, [O]."""
+    """Return the data for sweeps over `mdp`.
+
+    Args:
+        mdp: The world.
+        reward: Reward of each outcome, [O].
+        gamma: Discount, 0 to 1.
+    """
     total = np.add.reduceat(mdp.probability, mdp.first_outcome[:-1])
     probability = mdp.probability / total[mdp.outcome_pair]
     return Model(
@@ -179,7 +203,7 @@ def _follow(
     v: FloatArray,
     later: FloatArray,
 ) -> None:
-    """Leave the values of ``policy``, ``steps`` steps earlier than ``later``, in ``v``, both [S]."""
+    """Write the values of `policy`, `steps` steps before `later`, to `v`, both [S]."""
     for _ in range(steps):
         moved = False
         for state in range(len(v)):
@@ -192,7 +216,7 @@ def _follow(
                     value += policy[pair] * total
             v[state] = value
             moved = moved or value != later[state]
-        # What has come to rest, to the last bit, rests for ever
+        # Values equal to the last bit never change again
         if not moved:
             break
         for state in range(len(v)):
@@ -206,7 +230,7 @@ def _optimise(
     v: FloatArray,
     later: FloatArray,
 ) -> None:
-    """Leave the best values, ``steps`` steps earlier than ``later``, in ``v``, both [S]."""
+    """Write the best values, `steps` steps before `later`, to `v`, both [S]."""
     for _ in range(steps):
         moved = False
         for state in range(len(v)):

@@ -1,4 +1,4 @@
-"""A finite MDP as exact solvers take it: in extended precision, with one state for every end."""
+"""A finite MDP for exact solvers: in extended precision, with one common end state."""
 
 from __future__ import annotations
 
@@ -17,12 +17,11 @@ ExtendedArray = npt.NDArray[np.longdouble]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExactModel:
-    """What the solvers share of ``mdp``.
+    """Data of `mdp` shared by the solvers.
 
-    State number S, one beyond the last, stands for every end: terminated outcomes land there, and values are
-    [S+1] arrays that hold the value of the end too, 0 unless the question is another. ``live`` lists the N
-    states that own pairs. Probabilities are scaled to sum to 1 in their pair; numbers are numpy's long
-    double, which holds more digits than a float on most machines.
+    State number S represents all ends: terminated outcomes lead there. Value arrays are [S+1] and contain the
+    value of the end, normally 0. `live` lists the N states with pairs. Probabilities are scaled to sum to 1
+    in each pair. Numbers are numpy's long double, which is more precise than a float on most machines.
     """
 
     mdp: TabularMDP
@@ -35,26 +34,33 @@ class ExactModel:
 
     @property
     def end(self) -> int:
-        """The state that stands for every end: S."""
+        """The common end state, S."""
         return self.mdp.states
 
     @property
     def is_live(self) -> BoolArray:
-        """Which states own pairs, [S+1]."""
+        """True for states with pairs, [S+1]."""
         mask = np.zeros(self.end + 1, dtype=np.bool_)
         mask[self.live] = True
         return mask
 
     @property
     def pairs_each(self) -> IntArray:
-        """How many pairs each live state owns, [N]."""
+        """Number of pairs of each live state, [N]."""
         return np.diff(self.mdp.first_pair)[self.live]
 
     def advantage(self, v: ExtendedArray, gamma: float) -> ExtendedArray:
-        """Return q(s, a) − v(s) of every pair, [P], for state values ``v``, [S+1] (equation 4.6).
+        """Return q(s, a) − v(s) of every pair (equation 4.6).
 
-        Differences of values keep the digits that γ v(s′) − v(s) would lose where γ is near 1 and values are
-        large.
+        It sums differences of values. These keep the digits that γ v(s′) − v(s) would lose for γ near 1 and
+        large values.
+
+        Args:
+            v: State values, [S+1].
+            gamma: Discount, 0 to 1.
+
+        Returns:
+            Advantages, [P].
         """
         own = v[self.pair_state]
         gain = self.probability * (self.reward + gamma * (v[self.landing] - own[self.outcome_pair]))
@@ -62,19 +68,24 @@ class ExactModel:
         return summed - (1.0 - np.longdouble(gamma)) * own
 
     def best(self, of_pairs: ExtendedArray) -> ExtendedArray:
-        """Return the highest of ``of_pairs``, [P], in every live state, [N]."""
+        """Return the highest of the pair values, [P], in every live state, [N]."""
         highest: ExtendedArray = np.maximum.reduceat(of_pairs, self.mdp.first_pair[self.live])
         return highest
 
     def steps_to(self, goals: Iterable[int], usable: BoolArray) -> IntArray:
-        """Return the fewest steps, [S+1], in which luck may lead from each state to one of ``goals``.
+        """Return the fewest possible steps from each state to one of `goals`.
 
-        Only ``usable`` pairs, [P], are taken; the end may be a goal. −1 where no goal can be reached.
+        Args:
+            goals: States, possibly the end.
+            usable: True for pairs that may be taken, [P].
+
+        Returns:
+            Steps, [S+1]; −1 if no goal can be reached.
         """
         return self._ways(usable).steps_to(goals)
 
     def endless(self, usable: BoolArray) -> IntArray:
-        """Return the live states, [n], from which ``usable`` pairs, [P], lead to no end, rising."""
+        """Return the live states, [n], from which `usable` pairs, [P], never lead to an end, in order."""
         may_end = self._ways(usable).leading_to(np.array([self.end]))
         return self.live[~may_end[self.live]]
 
@@ -84,17 +95,17 @@ class ExactModel:
 
 
 class Ways:
-    """Ways from states to states, ``source`` to ``target``, [n] each, to be searched from their ends."""
+    """Edges between states, `source` to `target`, [n] each, for backward searches."""
 
     def __init__(self, source: IntArray, target: IntArray, states: int) -> None:
         ways = np.sort(target * states + source)
-        ways = ways[np.diff(ways, prepend=-1) > 0]  # each once: a world that slips has some of them often
+        ways = ways[np.diff(ways, prepend=-1) > 0]  # without duplicates, which slips cause
         self._before: IntArray = ways % states
         self._first: IntArray = np.searchsorted(ways, states * np.arange(states + 1))
         self._states = states
 
     def steps_to(self, goals: Iterable[int]) -> IntArray:
-        """Return the fewest steps, [S+1], from each state to one of ``goals``, −1 where none is reached."""
+        """Return the fewest steps, [S+1], from each state to one of `goals`, or −1."""
         before, first = self._before.tolist(), self._first.tolist()
         steps = [-1] * self._states
         queue = list(goals)
@@ -108,12 +119,12 @@ class Ways:
         return np.array(steps, dtype=np.int64)
 
     def leading_to(self, goals: IntArray) -> BoolArray:
-        """Return from which states luck may lead to one of ``goals``, [n], themselves among them, [S+1]."""
+        """Return the states that can reach one of `goals`, [n], including the goals, [S+1]."""
         return reachable(self._first, self._before, goals)
 
 
 def exact_model(mdp: TabularMDP) -> ExactModel:
-    """Return the solvers' view of ``mdp``."""
+    """Return the solvers' view of `mdp`."""
     probability = mdp.probability.astype(np.longdouble)
     total = np.add.reduceat(probability, mdp.first_outcome[:-1])
     return ExactModel(

@@ -1,8 +1,8 @@
 """The exact wait until an agent learns anything, and its cause.
 
-While all estimates are equal, the behaviour of the agent is known: apart from exploring, it breaks
-ties at random or takes the first action. Every episode therefore has the same chance to reach an
-outcome that changes an estimate.
+While all estimates are equal, the behaviour of the agent is known. Apart from exploring, it breaks ties at
+random or takes the first action. So every episode has the same chance to reach an outcome that changes an
+estimate.
 """
 
 from __future__ import annotations
@@ -28,17 +28,19 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 # The wait
 
 
-# Of a chance: what rounding may have left of it without a time limit
+# Relative rounding error of a chance without a time limit
 _RELATIVE_PRECISION: Final = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """How long the first update that tells anything lets people wait.
+    """The wait for the first update that changes an estimate.
 
-    ``chance`` is that of one episode. ``mean_episodes`` counts the episode itself: 1 at least; None where the
-    chance is 0, or where an episode that tells nothing may go on for ever. ``median_episodes`` is the least
-    number of episodes within which it is as likely as not; None where no number is enough.
+    Args:
+        chance: Chance of one episode, 0 to 1.
+        mean_episodes: Mean number of episodes, counting the successful one. None if the chance is 0, or if an
+            episode may never end.
+        median_episodes: Smallest number of episodes with a chance of at least one half, or None.
     """
 
     chance: float
@@ -47,31 +49,37 @@ class Wait:
 
 
 def first_wait(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episode: int = 0) -> Wait:
-    """Return how long nothing is learned by an agent whose estimates all equal ``initial_q``.
+    """Compute how long an agent learns nothing while all its estimates equal ``initial_q``.
 
-    An update tells something if it moves the estimate: where r + γ·Q·[not ended] differs from Q, in floats as
-    the agent computes it, with the step size of ``episode`` (from 0) on. The last step of the time limit
-    bootstraps as any other does; noise on a reward always tells something. The mean over next actions of
-    Expected SARSA is Q here, as it is in numbers without rounding.
+    An outcome changes an estimate if r + γ · Q · [not ended] differs from Q. This is decided in floats, as
+    the agent computes it. The last step before the time limit bootstraps like any other. Noisy rewards always
+    count. The mean over next actions in Expected SARSA is taken as Q, without rounding.
 
-    Raises NoExactAnswer, with the reason, unless the agent updates one pair a step by one step, acts
-    ε-greedily with a constant ε, and lives in a world that does not drift.
+    Args:
+        mdp: The world.
+        algorithm: Id of the algorithm.
+        hyperparameters: Settings.
+        episode: Episode (from 0) whose step size applies.
+
+    Raises:
+        NoExactAnswer: The agent does not update exactly one pair per step, its policy is not ε-greedy with
+            constant ε, or the world drifts.
     """
     _check_known(mdp, algorithm, hyperparameters, episode)
     tells = telling_outcomes(mdp, hyperparameters, _step_size(hyperparameters, episode))
     return _known_waits(mdp)(tells.tobytes(), _first_policy(mdp, hyperparameters).tobytes())
 
 
-@lru_cache(maxsize=1)  # no world is kept alive but the last one asked about
+@lru_cache(maxsize=1)  # keeps only the latest world in memory
 def _known_waits(mdp: TabularMDP) -> Callable[[bytes, bytes], Wait]:
-    """Return :func:`_wait` in the world ``mdp``, which remembers some of its answers."""
+    """Return :func:`_wait` for the world `mdp`, with a cache of results."""
     return lru_cache(maxsize=16)(partial(_wait, mdp))
 
 
 def _wait(mdp: TabularMDP, telling: bytes, chances: bytes) -> Wait:
-    """Return the wait for an outcome that tells something, [O], with the policy ``chances``, [P].
+    """Return the wait for a telling outcome, [O], under a policy, [P], both as bytes.
 
-    Few settings change either of these arrays, a step size hardly ever: so waits are kept by their bytes.
+    Few settings change these arrays, so results are cached by their bytes.
     """
     tells, policy = np.frombuffer(telling, np.bool_), np.frombuffer(chances)
     stopped = replace(mdp, terminated=mdp.terminated | tells)
@@ -79,15 +87,27 @@ def _wait(mdp: TabularMDP, telling: bytes, chances: bytes) -> Wait:
 
 
 def steps_to_tell(mdp: TabularMDP, tells: BoolArray) -> int | None:
-    """Return the fewest steps, 1 or more, from the start to one of the outcomes ``tells``, [O].
+    """Return the fewest steps from the start to one of the outcomes `tells`, [O].
 
-    None where there is no such way, whatever is done and however many steps were allowed.
+    The time limit is ignored.
+
+    Returns:
+        Steps, 1 or more, or None if no policy gets there.
     """
     return _nearest(exact_model(mdp), tells, np.ones(mdp.pairs, dtype=np.bool_))
 
 
 def telling_outcomes(mdp: TabularMDP, hyperparameters: Hyperparameters, alpha: float) -> BoolArray:
-    """Return which outcomes, [O], move an estimate of ``initial_q`` by a step of size ``alpha``."""
+    """Return the outcomes that change an estimate of ``initial_q``.
+
+    Args:
+        mdp: The world.
+        hyperparameters: Settings.
+        alpha: Step size.
+
+    Returns:
+        Truth values, [O].
+    """
     q = hyperparameters.initial_q
     error = mdp.reward + hyperparameters.gamma * np.where(mdp.terminated, 0.0, q) - q
     moves: BoolArray = (q + alpha * error != q) | ((mdp.reward_std > 0.0) & (alpha > 0.0))
@@ -95,22 +115,22 @@ def telling_outcomes(mdp: TabularMDP, hyperparameters: Hyperparameters, alpha: f
 
 
 def _check_known(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episode: int) -> None:
-    """Raise NoExactAnswer, saying why, where episodes are not all alike or their updates not known."""
+    """Raise NoExactAnswer if episodes differ or their updates are unknown."""
     agent, policy = algorithm_of(algorithm), POLICY_BY_ID[hyperparameters.policy]
     if agent.planner:
         raise NoExactAnswer(f"{agent.name} plans with the model: it needs no luck to find a reward")
     if not agent.updates_own_pair:
         names = [each.name for each in BY_ID.values() if each.updates_own_pair]
         known = f"{', '.join(names[:-1])} and {names[-1]}"
-        raise NoExactAnswer(f"{agent.name} does more than one update by one step; known for {known} only")
+        raise NoExactAnswer(f"{agent.name} does not update one pair per step; known for {known} only")
     if not policy.explores_by_epsilon:
         raise NoExactAnswer(f"the policy is {policy.name}; the wait is known for ε-greedy agents only")
     if hyperparameters.epsilon_schedule != "constant" and hyperparameters.epsilon_decay != 0.0:
         raise NoExactAnswer("ε changes from episode to episode; the wait is known for a constant ε only")
     if mdp.drift_std > 0.0:
-        raise NoExactAnswer("the rewards of this world drift: no two episodes are alike")
+        raise NoExactAnswer("the rewards of this world drift, so episodes differ")
     if hyperparameters.alpha_at(episode) and _falls_to_zero(hyperparameters):
-        raise NoExactAnswer("α falls towards 0: episodes are not alike, and after some of them nothing moves")
+        raise NoExactAnswer("α falls towards 0, so episodes differ, and later ones change nothing")
 
 
 def _falls_to_zero(hyperparameters: Hyperparameters) -> bool:
@@ -120,20 +140,19 @@ def _falls_to_zero(hyperparameters: Hyperparameters) -> bool:
 
 
 def _step_size(hyperparameters: Hyperparameters, episode: int) -> float:
-    """Return α in ``episode``; the sample average takes the whole of the first target."""
+    """Return α in `episode`; 1 for the sample average, which takes the first target completely."""
     alpha = hyperparameters.alpha_at(episode)
     return 1.0 if alpha is None else alpha
 
 
 def _first_policy(mdp: TabularMDP, hyperparameters: Hyperparameters) -> FloatArray:
-    """Return what is done while all estimates are equal, [P]."""
+    """Return the policy while all estimates are equal, [P]."""
     if hyperparameters.ties == "random":
         return uniform_policy(mdp)
     return softened(mdp, greedy_policy(mdp, np.zeros(mdp.pairs), "first"), hyperparameters.epsilon)
 
 
 def _limited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wait:
-    """Return the wait where episodes have a time limit: none goes on for ever."""
     nearest = _nearest(exact_model(stopped), tells, policy > 0.0)
     if nearest is None or nearest > stopped.time_limit:
         return Wait(0.0, None, None)
@@ -145,7 +164,7 @@ def _limited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wait:
 
 
 def _may_time_out_or_end(stopped: TabularMDP, tells: BoolArray, usable: BoolArray) -> BoolArray:
-    """Return the states, [S], from which an episode may be over within the time limit and tell nothing."""
+    """Return the states, [S], from which an episode may end or time out without a telling outcome."""
     silent = ~tells & usable[stopped.outcome_pair]
     source = stopped.pair_state[stopped.outcome_pair][silent]
     ends, target = stopped.terminated[silent], stopped.next_state[silent]
@@ -160,7 +179,6 @@ def _may_time_out_or_end(stopped: TabularMDP, tells: BoolArray, usable: BoolArra
 
 
 def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wait:
-    """Return the wait where nothing cuts an episode off."""
     model, usable, start = exact_model(stopped), policy > 0.0, stopped.start_state
     can_tell = _steps_before(model, tells, usable) >= 0
     if not can_tell[start].any():
@@ -176,7 +194,7 @@ def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wai
     error = chain.solve(1.0, can_tell, chances, tells.astype(np.longdouble))
     chance = _representable(stopped.average_at_start(chances))
     if error > _RELATIVE_PRECISION * chance:
-        raise NoExactAnswer("without a time limit so small a chance cannot be told from rounding")
+        raise NoExactAnswer("without a time limit, a chance this small is lost in rounding")
     if chain.always_ends():
         return Wait(chance, 1.0 / chance, _median(chance))
     another = max(0.0, chain.chance_of_ending() - chance)
@@ -184,33 +202,34 @@ def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wai
 
 
 def _nearest(model: ExactModel, tells: BoolArray, usable: BoolArray) -> int | None:
-    """Return the fewest steps from the start to an outcome that tells, by ``usable`` pairs, [P]."""
+    """Return the fewest steps from the start to a telling outcome by `usable` pairs, [P], or None."""
     steps = _steps_before(model, tells, usable)[model.mdp.start_state]
     return int(steps[steps >= 0].min()) + 1 if (steps >= 0).any() else None
 
 
 def _steps_before(model: ExactModel, tells: BoolArray, usable: BoolArray) -> IntArray:
-    """Return in how few steps each state, [S+1], comes to one with an outcome that tells; −1: never."""
+    """Return the fewest steps from each state, [S+1], to one with a telling outcome, or −1."""
     telling = np.unique(model.pair_state[model.outcome_pair[tells & usable[model.outcome_pair]]])
     return model.steps_to(telling.tolist(), usable)
 
 
 def _representable(chance: float) -> float:
-    """Return ``chance``, at most 1. Raises NoExactAnswer where floats have no number so small."""
+    """Return `chance`, at most 1. Raise NoExactAnswer if it is too small for a float."""
     if chance <= 0.0 or math.isinf(1.0 / chance):
         raise NoExactAnswer("the chance of an episode is above 0, but smaller than any number here")
     return min(1.0, chance)
 
 
 def _median(chance: float) -> int:
-    """Return the least n with 1 − (1 − chance)ⁿ ≥ ½, for a chance above 0."""
+    """Return the smallest n with 1 − (1 − chance)ⁿ ≥ ½, for a chance above 0."""
     return 1 if chance >= 0.5 else math.ceil(math.log(0.5) / math.log1p(-chance))
 
 
 def _median_of_those_that_end(chance: float, another: float) -> int | None:
-    """Return the median where an episode tells nothing, but ends, with probability ``another`` only.
+    """Return the median if an episode can also run forever.
 
-    Within n episodes something was told with probability chance · (1 − anotherⁿ) / (1 − another).
+    `another` is the probability that an episode ends without a telling outcome. The chance of success within
+    n episodes is chance · (1 − anotherⁿ) / (1 − another).
     """
     if chance >= 0.5:
         return 1
@@ -221,9 +240,9 @@ def _median_of_those_that_end(chance: float, another: float) -> int | None:
 # Its cause and remedies
 
 
-# A remedy makes the wait at most so many times as long as it is
+# Largest ratio of new to old wait for a remedy
 _WORTH_SAYING: Final = 0.5
-# A setting is the cause if another value of it alone does that
+# Largest ratio for a setting to count as the cause
 _CAUSES: Final = 0.1
 _EPSILONS: Final = (0.1, 0.3, 0.5, 1.0)
 _OPTIMISTIC: Final = (1.0, 10.0)
@@ -231,18 +250,18 @@ _USUAL_ALPHA: Final = Hyperparameters().alpha
 
 
 class Cause(StrEnum):
-    """What is to blame, where it can be proved."""
+    """A proven cause of the wait."""
 
-    ALPHA = "alpha"  # the step size moves nothing
-    NO_REWARD = "no-reward"  # no outcome that can be reached tells anything
-    TIME_LIMIT = "time-limit"  # the nearest that does is further than an episode is long
-    TIES = "ties"  # random ties alone would make the wait a tenth, or less
-    EPSILON = "epsilon"  # another ε alone would
+    ALPHA = "alpha"  # the step size changes nothing
+    NO_REWARD = "no-reward"  # no reachable outcome changes an estimate
+    TIME_LIMIT = "time-limit"  # the nearest one is beyond the time limit
+    TIES = "ties"  # random ties would cut the wait to a tenth
+    EPSILON = "epsilon"  # another ε would cut the wait to a tenth
 
 
 @dataclass(frozen=True, slots=True)
 class Remedy:
-    """The hyper-parameter ``setting`` at ``value``, all else as it is, and the wait that comes of it."""
+    """A changed `setting` with its `value`, and the resulting wait."""
 
     setting: str
     value: float | str
@@ -251,11 +270,14 @@ class Remedy:
 
 @dataclass(frozen=True, slots=True)
 class FirstUpdate:
-    """How long nothing is learned, why, and what would help.
+    """The wait for the first update, its cause and remedies.
 
-    ``cause`` is None where no single setting can be proved to be it. ``distance`` is the fewest steps from
-    the start to an outcome that tells anything, by any actions and without a time limit; None where there is
-    none. ``remedies`` at least halve the mean wait; the shortest comes first.
+    Args:
+        wait: The wait.
+        cause: The cause, or None if no single setting is proven to be it.
+        distance: Fewest steps from the start to an outcome that changes an estimate, without a time limit, or
+            None.
+        remedies: Changes that at least halve the mean wait, best first.
     """
 
     wait: Wait
@@ -267,12 +289,19 @@ class FirstUpdate:
 def first_update(
     mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episode: int = 0
 ) -> FirstUpdate:
-    """Return the wait of :func:`~rl_tui.agents.exact.first_update.first_wait`, its cause and remedies.
+    """Compute the wait for the first update, its cause and remedies.
 
-    ``episode``, from 0, is the one that comes next. Raises NoExactAnswer where that does.
+    Args:
+        mdp: The world.
+        algorithm: Id of the algorithm.
+        hyperparameters: Settings.
+        episode: Next episode, from 0.
+
+    Raises:
+        NoExactAnswer: The wait is unknown; see :func:`first_wait`.
     """
     wait = first_wait(mdp, algorithm, hyperparameters, episode)
-    # By the largest step size: that of the agent may be what moves nothing
+    # With the largest step size, because the agent's own may change nothing
     distance = steps_to_tell(mdp, telling_outcomes(mdp, hyperparameters, 1.0))
     if wait.chance == 1.0:
         return FirstUpdate(wait, None, distance, ())
@@ -287,12 +316,12 @@ def first_update(
 
 
 def _candidates(hyperparameters: Hyperparameters) -> Iterator[Sequence[tuple[str, float | str]]]:
-    """Yield values to try in place of those in force, those of one setting at a time."""
+    """Yield values to try, grouped by setting."""
     if not hyperparameters.sample_average:
         yield [("step_size_schedule", "constant")]
         yield [("alpha", _USUAL_ALPHA)]
     if hyperparameters.ties == "first":
-        # while all is equal, ε counts only where ties are not random
+        # while all estimates are equal, ε matters only without random ties
         yield [("ties", "random")]
         yield [("epsilon", epsilon) for epsilon in _EPSILONS]
     yield [("initial_q", value) for value in _OPTIMISTIC]
@@ -305,7 +334,6 @@ def _best_of(
     episode: int,
     values: Sequence[tuple[str, float | str]],
 ) -> Remedy | None:
-    """Return the value with the shortest wait, the first of several; None where no wait is known."""
     best = None
     for setting, value in values:
         changed = hyperparameters.changed(setting, value)

@@ -1,6 +1,6 @@
 """Flip points: every γ in (0, 1) at which the optimal actions of a state change.
 
-Everything is decided in whole numbers, so rounding neither hides nor invents a flip point.
+All decisions use integers, so rounding neither hides nor invents a flip point.
 """
 
 from __future__ import annotations
@@ -36,17 +36,17 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 # Real roots of polynomials
 
 
-# Two roots that stand as close as this are asked for what their polynomials have in common
+# Roots this close are tested for a common factor of their polynomials
 CLOSE: Final = Fraction(1, 2**40)
-# Far below half the distance of two floats in (0, 1) that matter to anybody
+# Far below half the distance of neighbouring floats in (0, 1)
 CLOSER_THAN_FLOATS: Final = Fraction(1, 2**90)
 
 
 @dataclass(frozen=True, slots=True)
 class RealRoot:
-    """The one root of ``polynomial`` between ``lower`` and ``upper``, where it is not 0.
+    """The only root of `polynomial` between `lower` and `upper`, which are not roots.
 
-    ``sign`` is that of the polynomial at ``lower``, −1 or 1; at ``upper`` it is the other.
+    `sign` is the sign of the polynomial at `lower`, −1 or 1; at `upper` it is opposite.
     """
 
     polynomial: Polynomial
@@ -56,25 +56,25 @@ class RealRoot:
 
     @property
     def width(self) -> Fraction:
-        """How far apart the two bounds are."""
+        """Distance of the two bounds."""
         return self.upper - self.lower
 
     def refined(self) -> RealRoot:
-        """Return the same root within at most two thirds of the width."""
+        """Return the same root with at most two thirds of the width."""
         middle, sign = _split(self.polynomial, self.lower, self.upper)
         if sign == self.sign:
             return RealRoot(self.polynomial, middle, self.upper, sign)
         return RealRoot(self.polynomial, self.lower, middle, self.sign)
 
     def within(self, width: Fraction) -> RealRoot:
-        """Return the same root within at most that width."""
+        """Return the same root with at most this width."""
         root = self
         while root.width > width:
             root = root.refined()
         return root
 
     def nearest_float(self) -> float:
-        """Return the float nearest to the root; of two that are equally near, either."""
+        """Return the float nearest to the root, or either of two equally near ones."""
         root = self
         while float(root.lower) != float(root.upper) and root.width > CLOSER_THAN_FLOATS:
             root = root.refined()
@@ -82,9 +82,11 @@ class RealRoot:
 
 
 def in_order(one: RealRoot, other: RealRoot) -> tuple[int, RealRoot, RealRoot]:
-    """Return −1, 0 or 1 where ``one`` is less than, equal to or greater than ``other``, and both, refined.
+    """Compare two roots.
 
-    Where they are not equal their bounds no longer overlap.
+    Returns:
+        −1, 0 or 1 for less, equal or greater, and both roots refined. The bounds of different roots no longer
+        overlap.
     """
     shared: Polynomial | None = None
     while True:
@@ -95,7 +97,7 @@ def in_order(one: RealRoot, other: RealRoot) -> tuple[int, RealRoot, RealRoot]:
         if shared is None and max(one.width, other.width) <= CLOSE:
             shared = common_factor(one.polynomial, other.polynomial)
             lower, upper = max(one.lower, other.lower), min(one.upper, other.upper)
-            # A root of both polynomials in both intervals is the root of either there
+            # A common root inside both intervals is the root of each
             sign = sign_at(shared, lower)
             if sign != sign_at(shared, upper):
                 equal = RealRoot(shared, lower, upper, sign)
@@ -107,15 +109,24 @@ def in_order(one: RealRoot, other: RealRoot) -> tuple[int, RealRoot, RealRoot]:
 
 
 def first_change(given: Polynomial, lower: Fraction, upper: Fraction) -> RealRoot | None:
-    """Return the least root between the two at which the sign of ``given`` changes, None if there is none.
+    """Return the smallest root between the bounds where `given` changes its sign, or None.
 
-    ``given`` is primitive and not 0 at either end.
+    Args:
+        given: Primitive polynomial that is not 0 at the bounds.
+        lower: Lower bound.
+        upper: Upper bound.
     """
     return _change(given, lower, upper, from_below=True)
 
 
 def last_change(given: Polynomial, lower: Fraction, upper: Fraction) -> RealRoot | None:
-    """Return the greatest such root."""
+    """Return the largest root between the bounds where `given` changes its sign, or None.
+
+    Args:
+        given: Primitive polynomial that is not 0 at the bounds.
+        lower: Lower bound.
+        upper: Upper bound.
+    """
     return _change(given, lower, upper, from_below=False)
 
 
@@ -131,14 +142,14 @@ def _change(given: Polynomial, lower: Fraction, upper: Fraction, *, from_below: 
             middle, _ = _split(simple, lower, upper)
             halves = [(lower, middle), (middle, upper)]
             pending += reversed(halves) if from_below else halves
-        # An even multiple root only touches 0
+        # A root of even multiplicity only touches 0
         elif bound == 1 and sign_at(given, lower) != sign_at(given, upper):
             return RealRoot(simple, lower, upper, sign_at(simple, lower))
     return None
 
 
 def _split(given: Polynomial, lower: Fraction, upper: Fraction) -> tuple[Fraction, int]:
-    """Return a fraction near the middle at which ``given`` is not 0, and the sign there."""
+    """Return a fraction near the middle where `given` is not 0, and the sign there."""
     for parts in count(2):
         for part in range(-(-parts // 3), 2 * parts // 3 + 1):
             middle = lower + (upper - lower) * Fraction(part, parts)
@@ -152,16 +163,19 @@ def _split(given: Polynomial, lower: Fraction, upper: Fraction) -> tuple[Fractio
 
 ZERO: Final = Fraction(0)
 ONE: Final = Fraction(1)
-# A root is first found this well, so that farther ones are seen to be farther at once
+# First precision of a root, so that farther roots are recognized quickly
 NARROW: Final = Fraction(1, 2**16)
 
 
 @dataclass(frozen=True, slots=True)
 class OptimalInterval:
-    """The largest open interval of γ on which ``policy``, [N] pairs, is optimal.
+    """The largest open interval of γ on which a policy is optimal.
 
-    ``optimal`` marks all pairs that are optimal on it, [P]: the same everywhere, but for single γ at which
-    others are as good. ``lower`` is None where it begins at 0, ``upper`` where it ends at 1.
+    Args:
+        policy: The policy, [N] pairs.
+        optimal: True for all pairs optimal on the interval, [P]. At single γ, others may be equally good.
+        lower: Lower end; None: 0.
+        upper: Upper end; None: 1.
     """
 
     policy: tuple[int, ...]
@@ -171,9 +185,11 @@ class OptimalInterval:
 
 
 def optimal_intervals(model: RationalModel, guess: Sequence[int]) -> list[OptimalInterval]:
-    """Return the intervals from 0 to 1; each ends where the next begins.
+    """Return all intervals from 0 to 1. Each ends where the next begins.
 
-    ``guess``, [N] pairs, is any policy; the search is quick if it is optimal at some γ near 1/2.
+    Args:
+        model: The world in integers.
+        guess: Any policy, [N] pairs. The search is fast if it is optimal for some γ near 1/2.
     """
     found = _between(model, None, None, guess)
     place = 0
@@ -189,7 +205,7 @@ def optimal_intervals(model: RationalModel, guess: Sequence[int]) -> list[Optima
 def _between(
     model: RationalModel, left: OptimalInterval | None, right: OptimalInterval | None, guess: Sequence[int]
 ) -> list[OptimalInterval]:
-    """Return an interval between ``left`` (None: 0) and ``right`` (None: 1), none where they meet."""
+    """Return an interval between `left` (None: 0) and `right` (None: 1), or nothing if they meet."""
     lower, upper = left and left.upper, right and right.lower
     if (left and not lower) or (right and not upper):
         return []
@@ -197,7 +213,7 @@ def _between(
         order, lower, upper = in_order(lower, upper)
         if order == 0:
             return []
-    # Roots that differ may still share a bound, with each other or with an end
+    # Different roots may still share a bound, with each other or with an end
     while lower and lower.upper == (upper.lower if upper else ONE):
         lower = lower.refined()
     while upper and upper.lower == ZERO:
@@ -206,13 +222,12 @@ def _between(
 
 
 def _around(model: RationalModel, lower: Fraction, upper: Fraction, guess: Sequence[int]) -> OptimalInterval:
-    """Return the interval around some γ between the two."""
     for gamma in _fractions_between(lower, upper):
         policy, values = _optimal_policy(model, gamma, guess)
         advantages = [primitive(values.advantage(pair)) for pair in model.pairs]
         inside = {without_roots_at_ends(advantage) for advantage in advantages if advantage}
         crossing = [advantage for advantage in sorted(inside) if variations(advantage, ZERO, ONE)]
-        # Where an action is as good at this γ alone, an interval might end here: another γ is taken
+        # If an action is equally good only at this γ, an interval may end here, so try another γ
         if all(sign_at(advantage, gamma) for advantage in crossing):
             return OptimalInterval(
                 policy=policy,
@@ -225,7 +240,7 @@ def _around(model: RationalModel, lower: Fraction, upper: Fraction, guess: Seque
 
 
 def _fractions_between(lower: Fraction, upper: Fraction) -> Iterator[Fraction]:
-    """Yield fractions between the two whose denominators are powers of 2, the smallest first."""
+    """Yield fractions between the bounds with powers of 2 as denominators, smallest first."""
     for bits in count(1):
         first, last = math.floor(lower * 2**bits) + 1, math.ceil(upper * 2**bits)
         yield from (Fraction(odd, 2**bits) for odd in range(first | 1, last, 2))
@@ -234,7 +249,7 @@ def _fractions_between(lower: Fraction, upper: Fraction) -> Iterator[Fraction]:
 def _optimal_policy(
     model: RationalModel, gamma: Fraction, guess: Sequence[int]
 ) -> tuple[tuple[int, ...], PolicyValues]:
-    """Return a policy that is optimal at ``gamma``, [N] pairs, and its values (page 80, from ``guess``)."""
+    """Return an optimal policy at `gamma`, [N] pairs, and its values (page 80, from `guess`)."""
     policy = tuple(guess)
     while True:
         values = policy_values(model, policy)
@@ -250,7 +265,7 @@ def _optimal_policy(
 
 
 def _nearest_above(advantages: Sequence[Polynomial], gamma: Fraction) -> RealRoot | None:
-    """Return the least γ above ``gamma`` at which one of the ``advantages`` becomes positive, if one does."""
+    """Return the smallest γ above `gamma` where one of the `advantages` becomes positive, or None."""
     nearest: RealRoot | None = None
     for advantage in advantages:
         while nearest and not sign_at(advantage, nearest.upper):
@@ -265,7 +280,7 @@ def _nearest_above(advantages: Sequence[Polynomial], gamma: Fraction) -> RealRoo
 
 
 def _nearest_below(advantages: Sequence[Polynomial], gamma: Fraction) -> RealRoot | None:
-    """Return the greatest γ below ``gamma`` at which one of them becomes positive as γ falls, if one does."""
+    """Return the largest γ below `gamma` where one of them becomes positive as γ falls, or None."""
     nearest: RealRoot | None = None
     for advantage in advantages:
         while nearest and not sign_at(advantage, nearest.lower):
@@ -282,18 +297,24 @@ def _nearest_below(advantages: Sequence[Polynomial], gamma: Fraction) -> RealRoo
 # The optimal path from the start
 
 
-# Chances that floats cannot hold, such as 1/3, may differ by less
+# Tolerance for chances that floats cannot represent, such as 1/3
 AS_LIKELY: Final = 1e-9
 
 
 def way_from_start(model: ExactModel, optimal: BoolArray) -> BoolArray | None:
-    """Return the states, [S+1], to which ``optimal`` pairs, [P], most likely lead from the start.
+    """Return the states on the most likely path of optimal actions from the start.
 
-    From a state the way goes on to where its actions lead with the highest chance, all outcomes that land
-    there taken together; to stay is not to go on. Where several places are likeliest, or several actions
-    optimal, or the start is drawn, all are followed. The way comes to the end, or it goes round where no luck
-    at all leads to the end. Where it goes round only until a slip leads out, it does not tell what becomes of
-    the episode: None.
+    From each state the path follows the most likely next state, combining outcomes with the same next state.
+    Staying is ignored. Ties, several optimal actions and several starts are all followed. The path reaches
+    the end, or it circles in a part from which the end cannot be reached.
+
+    Args:
+        model: The world.
+        optimal: True for optimal pairs, [P].
+
+    Returns:
+        Truth values, [S+1], or None if the path circles until a slip leads out. Then it does not show how the
+        episode continues.
     """
     source = model.pair_state[model.outcome_pair]
     moves = np.flatnonzero(optimal[model.outcome_pair] & (model.landing != source))
@@ -320,10 +341,7 @@ MIDDLE: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """What changes in one state: the pairs, numbers into [P], that are optimal ``before`` and ``after``.
-
-    Before is below the flip's γ, after is above it.
-    """
+    """The change in one state: the pairs, indices into [P], that are optimal below and above γ."""
 
     state: int
     before: tuple[int, ...]
@@ -332,14 +350,15 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class Flip:
-    """A γ at which the optimal actions change: ``gamma`` is the float nearest to it.
+    """A value of γ at which optimal actions change.
 
-    ``turns`` are the states whose optimal actions are others on its two sides, in their order.
-    ``turns_the_way`` tells whether one of them is a start, or stands on the way from it below or above
-    (:func:`~rl_tui.agents.exact.flips.way_from_start`). Where there is no way on one of the sides, only
-    the start itself counts.
-    ``expected_return`` is that of the optimal policy below and above, uniform over its ties: undiscounted,
-    within the time limit, None where it has none.
+    Args:
+        gamma: The float nearest to it.
+        turns_the_way: True if a changed state is a start, or on the optimal path below or above
+            (:func:`~rl_tui.agents.exact.flips.way_from_start`). Without a path, only starts count.
+        expected_return: Undiscounted return of the optimal policy below and above, uniform over ties, within
+            the time limit. None without one.
+        turns: States whose optimal actions differ on the two sides, in order.
     """
 
     gamma: float
@@ -349,12 +368,13 @@ class Flip:
 
 
 def flips(mdp: TabularMDP) -> tuple[Flip, ...]:
-    """Return the flips of ``mdp``, rising in γ: all of them and no other, whatever the floats.
+    """Return all flip points of `mdp`, rising in γ. None is missed or invented by rounding.
 
-    Probabilities and rewards are read as the nearest fractions with denominators up to 10⁶, and everything is
-    decided in whole numbers. Where an action is as good at a single γ, and the sets on both sides are the
-    same, nothing flips. Raises NoExactAnswer where more than 100 states are live, or a number that is not 0
-    is too small to be read.
+    Probabilities and rewards are read as the nearest fractions with denominators up to 10⁶. A γ at which an
+    action is only momentarily as good is not a flip point.
+
+    Raises:
+        NoExactAnswer: More than 100 states have pairs, or a non-zero number is too small.
     """
     reason = why_refused(mdp)
     if reason:
@@ -372,14 +392,14 @@ def flips(mdp: TabularMDP) -> tuple[Flip, ...]:
 
 
 def why_refused(mdp: TabularMDP) -> str:
-    """Return why the flips of ``mdp`` are not worked out, by its size; empty where they are."""
+    """Return why flip points of `mdp` are not computed, judged by its size. Empty if they are."""
     live = int(np.count_nonzero(np.diff(mdp.first_pair)))
     most = counted(MOST_STATES, "state")
     return f"flips are worked out for at most {most}; here {live:,} are live" if live > MOST_STATES else ""
 
 
 class _Side(NamedTuple):
-    """What is optimal on one side of a flip, [P], what it earns, and its way from the start if it has one."""
+    """One side of a flip point: optimal pairs, [P], their return, and the path from the start, if any."""
 
     optimal: BoolArray
     expected_return: float | None
@@ -387,7 +407,7 @@ class _Side(NamedTuple):
 
 
 def _guess(model: ExactModel) -> list[int]:
-    """Return a policy, [N] pairs, that is most likely optimal at γ = 1/2."""
+    """Return a policy, [N] pairs, that is probably optimal at γ = 1/2."""
     mdp = model.mdp
     v = np.append(best_values(mdp, MIDDLE, mdp.states), 0.0).astype(np.longdouble)
     advantage = model.advantage(v, MIDDLE).tolist()

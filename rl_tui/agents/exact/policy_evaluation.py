@@ -20,20 +20,24 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 class NoExactAnswer(UserError):  # noqa: N818 - it is an answer
-    """There is no exact answer (at γ = 1: a state that cannot reach an end, a loop that gains for ever)."""
+    """There is no exact answer, for example because a loop gains forever at γ = 1."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """The optimal values and policy for an unlimited horizon.
+    """Optimal values and policy for an unlimited horizon.
 
-    ``v`` is [S] (0 where a state owns no pair), ``q`` [P]. ``best`` [P] marks the pairs within 1e-9 of the
-    best of their state, ``greedy`` [P] those of them that are shown as the optimal policy: all below γ = 1;
-    at γ = 1 those of :func:`~rl_tui.agents.exact.solve.ending_ties`, since a choice among the best
-    pairs may never end there, and earns what they promise only if it does. ``value_at_start`` averages v over
-    the start distribution. ``policy`` has a pair for each of the N states that own some, best to within
-    rounding: the one whose values these are. ``iterations`` counts the policies that policy iteration
-    evaluated.
+    Args:
+        gamma: The discount.
+        v: Value of each state, [S]; 0 for states without pairs.
+        q: Value of each pair, [P].
+        best: True for pairs within 1e-9 of the best of their state, [P].
+        greedy: The best pairs shown as the optimal policy, [P]. At γ = 1 these are
+            :func:`~rl_tui.agents.exact.solve.ending_ties`, because other choices among the best pairs may
+            never end.
+        value_at_start: Mean of `v` over the start distribution.
+        policy: The evaluated policy, [N] pairs of the live states.
+        iterations: Number of policies that policy iteration evaluated.
     """
 
     gamma: float
@@ -47,11 +51,13 @@ class Solution:
 
 
 class Returns(NamedTuple):
-    """What an optimal policy earns undiscounted, within the time limit.
+    """Undiscounted returns within the time limit.
 
-    ``expected_return`` is that of the greedy policy of a solution, uniform over its ties;
-    ``best_expected_return`` that of the best policy that may look at the clock. Without a time limit both are
-    of an unlimited horizon, None where that has no answer.
+    Without a time limit the horizon is unlimited, and None means no answer.
+
+    Args:
+        expected_return: Return of the greedy policy of a solution, uniform over ties.
+        best_expected_return: Return of the best policy, which may use the elapsed time.
     """
 
     expected_return: float | None
@@ -64,7 +70,7 @@ class Returns(NamedTuple):
 MOST_ROUNDS: Final = 50
 PRECISION: Final = 1e-10
 RELATIVE_PRECISION: Final = 1e-15
-# Up to so many states the matrix is dense
+# Largest number of states with a dense matrix
 MOST_DENSE: Final = 400
 
 Solver = Callable[[FloatArray], FloatArray]
@@ -76,10 +82,12 @@ class SingularMatrixError(Exception):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PolicyValue:
-    """The values ``v``, [S], of a policy; 0 where a state owns no pair.
+    """Values of a policy.
 
-    NaN, at γ = 1 only, where the policy may run for ever into a part of the world that goes on paying.
-    ``at_start`` is the average over the start distribution, None where that meets a NaN.
+    Args:
+        v: Value of each state, [S]; 0 for states without pairs. NaN, at γ = 1 only, if the policy may collect
+            rewards forever.
+        at_start: Mean over the start distribution, or None if that involves NaN.
     """
 
     v: FloatArray
@@ -87,10 +95,10 @@ class PolicyValue:
 
 
 class _Moves(NamedTuple):
-    """All that may happen when a policy is followed, n outcomes in the order of the N live states.
+    """All n outcomes possible under a policy, in the order of the N live states.
 
-    The k-th happens in the state ``source`` with the probability ``weight``, is the world's ``outcome``, and
-    leads to ``target``, [n] each. Those of a live state begin at ``first`` and sum to ``total``, [N] each.
+    `source`, `outcome`, `target` and `weight` (its probability) are [n]. The outcomes of a live state begin
+    at `first` and have the sum `total`, [N] each.
     """
 
     source: IntArray
@@ -102,7 +110,7 @@ class _Moves(NamedTuple):
 
 
 def _moves_of(model: ExactModel, policy: FloatArray) -> _Moves:
-    """Return what may happen under ``policy``, [P]."""
+    """Return the possible outcomes under `policy`, [P]."""
     outcome = np.flatnonzero((policy > 0.0)[model.outcome_pair])
     pair = model.outcome_pair[outcome]
     source = model.pair_state[pair]
@@ -113,10 +121,13 @@ def _moves_of(model: ExactModel, policy: FloatArray) -> _Moves:
 
 
 class PolicyChain:
-    """The Markov chain that ``policy``, [P], makes of a model, and its figures over an unlimited horizon.
+    """The Markov chain of a policy, and its exact figures over an unlimited horizon.
 
-    What was searched or factorised for one question serves the next. Each figure raises NoExactAnswer where
-    rounding would spoil it.
+    Searches and factorizations are reused. Each figure raises NoExactAnswer if rounding would spoil it.
+
+    Args:
+        model: The world.
+        policy: Probability of each pair, [P].
     """
 
     def __init__(self, model: ExactModel, policy: FloatArray) -> None:
@@ -124,12 +135,12 @@ class PolicyChain:
         self._moves = _moves_of(model, policy)
         self._ways: Ways | None = None
         self._endings: tuple[BoolArray, BoolArray] | None = None
-        # Only the last: that of a large world takes hundreds of megabytes
+        # only the latest, because a large world takes hundreds of megabytes
         self._factorised: tuple[float, bytes] | None = None
         self._solver: Solver | None = None
 
     def value(self, gamma: float) -> PolicyValue:
-        """Return the values for ``gamma`` in [0, 1]. At γ = 1 an endless part that pays nothing adds 0."""
+        """Return the values for `gamma` in [0, 1]. At γ = 1 an endless part without rewards adds 0."""
         model = self._model
         if gamma == 1.0:
             v = self._undiscounted()
@@ -149,7 +160,7 @@ class PolicyChain:
         return min(1.0, max(0.0, self._model.mdp.average_at_start(chance)))
 
     def expected_length(self) -> float | None:
-        """Return the expected number of steps of an episode, None where it may never end."""
+        """Return the expected number of steps of an episode, or None if it may never end."""
         if not self.always_ends():
             return None
         _, may_fail = self._find_endings()
@@ -158,20 +169,26 @@ class PolicyChain:
         return self._model.mdp.average_at_start(length)
 
     def always_ends(self) -> bool:
-        """Return True if every episode ends with probability 1, given time enough."""
+        """Return True if every episode ends with probability 1, given enough time."""
         _, may_fail = self._find_endings()
         return not may_fail[self._model.mdp.start_state].any()
 
     def solve(
         self, gamma: float, unknown: BoolArray, v: ExtendedArray, reward: ExtendedArray | None = None
     ) -> float:
-        """Set v(s) = E[R + γ v(S′)] in the ``unknown`` states, given ``v``, [S+1], in all others.
+        """Solve v(s) = E[R + γ v(S′)] for some states, given the values of all others.
 
-        ``unknown``, [S+1], marks live states from which the policy comes to others where γ = 1. ``reward``,
-        [O], takes the place of the world's own. Returns what rounding may have left, judged by the last
-        correction.
+        Args:
+            gamma: Discount, 0 to 1.
+            unknown: True for the live states to solve, [S+1]. At γ = 1 the policy must leave them.
+            v: Values, [S+1], changed in place.
+            reward: Rewards to use instead of the world's own, [O].
 
-        Raises NoExactAnswer where that is more than 1e-10 (and 1e-15 of the largest value).
+        Returns:
+            Size of the last correction, an estimate of the rounding error.
+
+        Raises:
+            NoExactAnswer: The error exceeds 1e-10 and 1e-15 of the largest value.
         """
         if not unknown.any():
             return 0.0
@@ -184,7 +201,7 @@ class PolicyChain:
         solver = self._solver_of(gamma, unknown)
         error = np.inf
         for _ in range(MOST_ROUNDS):
-            # Differences of values keep the digits that γ v(s′) − v(s) would lose where γ is near 1
+            # Differences keep the digits that γ v(s′) − v(s) would lose for γ near 1
             gain = np.add.reduceat(moves.weight * (v[moves.target] - v[moves.source]), moves.first)
             residual = (earned + gamma * gain - stops * v[model.live])[inside]
             correction = solver(residual.astype(np.float64))
@@ -198,12 +215,12 @@ class PolicyChain:
         return error
 
     def _undiscounted(self) -> ExtendedArray:
-        """Return the values at γ = 1, [S+1], NaN where there are none."""
+        """Return the values at γ = 1, [S+1], with NaN where they do not exist."""
         model, moves = self._model, self._moves
         paying = np.zeros(model.end + 1, dtype=np.bool_)
         paying[moves.source[model.reward[moves.outcome] != 0.0]] = True
         to_be_paid = self._may_come_to(paying)
-        # A state from which no end and no part without rewards can be reached is paid for ever
+        # A state that reaches neither an end nor a part without rewards collects rewards forever
         undefined = self._may_come_to(~self._may_come_to(~to_be_paid))
         v = np.zeros(model.end + 1, dtype=np.longdouble)
         self.solve(1.0, to_be_paid & ~undefined, v)
@@ -211,7 +228,7 @@ class PolicyChain:
         return v
 
     def _find_endings(self) -> tuple[BoolArray, BoolArray]:
-        """Return from which states, [S+1], it may come to an end, and from which it may never do so."""
+        """Return the states, [S+1], that may end, and those that may never end."""
         if self._endings is None:
             is_end = np.arange(self._model.end + 1) == self._model.end
             can_end = self._may_come_to(is_end)
@@ -219,7 +236,7 @@ class PolicyChain:
         return self._endings
 
     def _may_come_to(self, goals: BoolArray) -> BoolArray:
-        """Return from which states luck may lead to one of ``goals``, themselves among them, [S+1] both."""
+        """Return the states that can reach one of `goals`, including the goals, [S+1] both."""
         if self._ways is None:
             self._ways = Ways(self._moves.source, self._moves.target, self._model.end + 1)
         return self._ways.leading_to(np.flatnonzero(goals))
@@ -227,7 +244,7 @@ class PolicyChain:
     def _solver_of(self, gamma: float, unknown: BoolArray) -> Solver:
         wanted = gamma, unknown.tobytes()
         if self._solver is None or self._factorised != wanted:
-            self._solver = None  # its memory, before another's is taken
+            self._solver = None  # frees memory before the next one is made
             try:
                 self._solver = _chain_solver(self._moves, gamma, unknown)
             except SingularMatrixError:
@@ -237,19 +254,19 @@ class PolicyChain:
 
 
 def always_ends(mdp: TabularMDP, policy: FloatArray) -> bool:
-    """Return True if ``policy``, [P], ends every episode with probability 1, given time enough."""
+    """Return True if `policy`, [P], ends every episode with probability 1, given enough time."""
     return PolicyChain(exact_model(mdp), policy).always_ends()
 
 
 def _chain_solver(moves: _Moves, gamma: float, unknown: BoolArray) -> Solver:
-    """Return the solver of I − γ P under ``moves``, restricted to the ``unknown`` states, [S+1]."""
+    """Return the solver of I − γ P under `moves`, restricted to the `unknown` states, [S+1]."""
     index = np.cumsum(unknown) - 1
     size = int(index[-1]) + 1
     source, target, weight = moves.source, moves.target, moves.weight.astype(np.float64)
     leaving = unknown[source] & (target != source) & (weight > 0.0)
     staying_inside = leaving & unknown[target]
     rows, columns = index[source[staying_inside]], index[target[staying_inside]]
-    # Summed from what leaves, the diagonal keeps the digits that 1 − γ p(s | s) would lose
+    # summing what leaves keeps the digits that 1 − γ p(s | s) would lose
     left = np.bincount(index[source[leaving]], weights=weight[leaving], minlength=size)
     diagonal = np.arange(size)
     solver_of = _dense if size <= MOST_DENSE else _sparse
@@ -268,9 +285,10 @@ def _too_ill_conditioned(gamma: float) -> NoExactAnswer:
 
 
 def _dense(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
-    """Return the function b → A⁻¹ b for A, [size, size], with these entries, summed where they meet.
+    """Return b → A⁻¹ b for the matrix A, [size, size]. Entries at the same place are summed.
 
-    Raises :class:`SingularMatrixError`.
+    Raises:
+        SingularMatrixError: A has no inverse.
     """
     matrix = np.bincount(rows * size + columns, weights=entries, minlength=size * size).reshape(size, size)
     try:
@@ -281,14 +299,14 @@ def _dense(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) ->
 
 
 def _sparse(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
-    """Return what :func:`_dense` does, without taking memory for all that is 0."""
-    # scipy takes a quarter of a second to import and most worlds never need it
+    """Return the same as :func:`_dense`, with a sparse matrix."""
+    # scipy takes 0.25 s to import, and most worlds never need it
     from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import splu
 
     try:
-        # A chain leads to few states, so that columns have next to nothing in common: taken one by one they
-        # are done in two thirds of the time, of 8,000 states
+        # columns of a chain have little in common; one at a time takes two thirds of the time (measured with
+        # 8,000 states)
         factors = splu(csc_matrix((entries, (rows, columns)), shape=(size, size)), relax=1, panel_size=1)
     except RuntimeError as fault:
         raise SingularMatrixError from fault

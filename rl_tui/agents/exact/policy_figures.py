@@ -29,15 +29,15 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 # Expected visits to each state
 
 
-# Up to so many states the matrix is dense
+# Largest number of states with a dense matrix
 MOST_DENSE: Final = 400
 
 Step = Callable[[FloatArray], FloatArray]
-"""From where the agent stands, [S] probabilities, to where it does a step later if the episode goes on."""
+"""Maps the distribution over states, [S], to the one after a step of continuing episodes."""
 
 
 class _Entries(NamedTuple):
-    """The entries of the matrix of a step: how likely it leads from ``source`` to ``target``, [n] each."""
+    """Entries of a step matrix: the chance to go from `source` to `target`, [n] each."""
 
     source: IntArray
     target: IntArray
@@ -45,10 +45,17 @@ class _Entries(NamedTuple):
 
 
 def expected_visits(mdp: TabularMDP, policy: FloatArray, steps: int) -> FloatArray:
-    """Return in how many of the first ``steps`` steps, on average, each state is where the agent stands, [S].
+    """Compute how often each state is visited in the first steps, on average.
 
-    One pass serves every sum over an episode: the average of a figure of each state, weighted so, is its
-    expected sum. ``policy``, [P], is followed from the start distribution.
+    Weighted with these counts, any per-state number gives its expected sum over an episode.
+
+    Args:
+        mdp: The world.
+        policy: Probability of each pair, [P], followed from the start distribution.
+        steps: Number of steps.
+
+    Returns:
+        Expected visits, [S].
     """
     now = np.zeros(mdp.states)
     np.add.at(now, mdp.start_state, mdp.start_probability)
@@ -65,7 +72,7 @@ def _one_by_one(step: Step, now: FloatArray, steps: int) -> FloatArray:
     visits = np.zeros_like(now)
     for done in range(steps):
         later = step(now)
-        if np.array_equal(later, now):  # what has come to rest, to the last bit, rests for ever
+        if np.array_equal(later, now):  # equal to the last bit, so it never changes again
             return visits + (steps - done) * now
         visits += now
         now = later
@@ -73,7 +80,7 @@ def _one_by_one(step: Step, now: FloatArray, steps: int) -> FloatArray:
 
 
 def _by_doubling(matrix: FloatArray, now: FloatArray, steps: int) -> FloatArray:
-    """Return (1 + M + M² + …) x of so many terms, in twos: (1 + M) x, and from there on by steps of M²."""
+    """Return (1 + M + M² + …) x with this many terms, by doubling: (1 + M) x, then steps of M²."""
     visits = np.zeros_like(now)
     while steps:
         if steps % 2:
@@ -99,7 +106,7 @@ def _dense(entries: _Entries, size: int) -> FloatArray:
 
 
 def _sparse(entries: _Entries, size: int) -> Step:
-    # scipy takes a quarter of a second to import and most worlds never need it
+    # scipy takes 0.25 s to import, and most worlds never need it
     from scipy.sparse import csr_matrix
 
     step: Step = csr_matrix((entries.chance, (entries.target, entries.source)), shape=(size, size)).dot
@@ -112,18 +119,23 @@ def _sparse(entries: _Entries, size: int) -> Step:
 SUM_TOLERANCE: Final = 1e-9
 
 Choice = int | Mapping[int, float]
-"""What is done in a state: one pair, or the probability of each of some pairs."""
+"""What to do in a state: one pair, or the probabilities of some pairs."""
 
 
 def uniform_policy(space: FiniteSpace) -> FloatArray:
-    """Return the policy, [P], that picks uniformly among all legal actions."""
+    """Return the policy, [P], that takes all available actions equally."""
     return uniform_over(space, np.ones(space.pairs, dtype=np.bool_))
 
 
 def uniform_over(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
-    """Return the policy that picks uniformly among ``chosen`` pairs, at least one a live state.
+    """Return the policy that takes the `chosen` pairs of each state equally.
 
-    Both are [P], or [B, P] for as many policies.
+    Args:
+        space: States and actions.
+        chosen: Truth values, [P] or [B, P], at least one in each live state.
+
+    Returns:
+        Probabilities of the same shape.
     """
     first, count = _live_states(space)
     share = 1.0 / np.add.reduceat(chosen, first, axis=-1, dtype=np.float64)
@@ -131,20 +143,30 @@ def uniform_over(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
 
 
 def greedy_policy(space: FiniteSpace, q: FloatArray, ties: Ties) -> FloatArray:
-    """Return the policy that is greedy for ``q``; both are [P], or [B, P] for as many policies.
+    """Return the greedy policy for estimates.
 
-    Ties are exact equality, as the agent itself compares: ``random`` picks among them uniformly, ``first``
-    takes the first action.
+    Args:
+        space: States and actions.
+        q: Estimates, [P] or [B, P].
+        ties: ``random`` shares ties evenly, ``first`` takes the first action. Only equal floats tie.
+
+    Returns:
+        Probabilities of the same shape.
     """
     tied = best_pairs(space, q)
     return uniform_over(space, tied) if ties == "random" else _first_of(space, tied)
 
 
 def best_pairs(space: FiniteSpace, of_pairs: FloatArray, slack: float = 0.0) -> BoolArray:
-    """Return which pairs have the greatest of the numbers ``of_pairs`` of their state: all ties.
+    """Return all pairs with the greatest number in their state.
 
-    Both are [P], or [B, P] for as many sets of numbers. Those that have less by at most ``slack``, 0 or more,
-    count as well.
+    Args:
+        space: States and actions.
+        of_pairs: Numbers, [P] or [B, P].
+        slack: Tolerance, 0 or more.
+
+    Returns:
+        Truth values of the same shape.
     """
     first, count = _live_states(space)
     greatest = np.maximum.reduceat(of_pairs, first, axis=-1)
@@ -152,20 +174,31 @@ def best_pairs(space: FiniteSpace, of_pairs: FloatArray, slack: float = 0.0) -> 
 
 
 def softened(space: FiniteSpace, policy: FloatArray, epsilon: float) -> FloatArray:
-    """Return the policy, [P], that takes a uniformly random action ``epsilon`` of the time, else ``policy``.
+    """Mix a policy with random actions (equation 2.2, ε-soft policies of section 5.4).
 
-    ``epsilon`` is in [0, 1]. The random action may be the one that ``policy`` takes (equation 2.2 and the
-    ε-soft policies of section 5.4).
+    Args:
+        space: States and actions.
+        policy: Probability of each pair, [P].
+        epsilon: Probability of a random action, 0 to 1. It may be the policy's own.
+
+    Returns:
+        Probabilities, [P].
     """
     return (1.0 - epsilon) * policy + epsilon * uniform_policy(space)
 
 
 def policy_of_choices(space: FiniteSpace, choices: Mapping[int, Choice]) -> FloatArray:
-    """Return the policy, [P], that does in each state what ``choices`` says: a pair, or the chance of each.
+    """Build a policy from the choice in each state.
 
-    A state that is not among them picks uniformly among its legal actions. Chances are scaled to sum to
-    exactly 1. Raises ValueError where a pair is not one of its state, or chances are below 0 or do not sum
-    to 1 (±1e-9).
+    Args:
+        space: States and actions.
+        choices: A pair, or the probability of several, by state. Other states act randomly.
+
+    Returns:
+        Probabilities, [P], scaled to sum to exactly 1.
+
+    Raises:
+        ValueError: A pair belongs to another state, or probabilities are negative or do not sum to 1 (±1e-9).
     """
     policy = uniform_policy(space)
     for state, choice in choices.items():
@@ -174,7 +207,7 @@ def policy_of_choices(space: FiniteSpace, choices: Mapping[int, Choice]) -> Floa
         if not all(pair in own for pair in chances):
             raise ValueError(f"state {state}: not all of {list(chances)} are its pairs")
         if not all(chance >= 0.0 for chance in chances.values()) or not abs(total - 1.0) <= SUM_TOLERANCE:
-            raise ValueError(f"state {state}: {list(chances.values())} are no probabilities that sum to 1")
+            raise ValueError(f"state {state}: {list(chances.values())} are not probabilities that sum to 1")
         policy[own.start : own.stop] = 0.0
         for pair, chance in chances.items():
             policy[pair] = chance / total
@@ -188,7 +221,7 @@ def _first_of(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
 
 
 def _live_states(space: FiniteSpace) -> tuple[IntArray, IntArray]:
-    """Return the first pair of every state that owns any, and how many it owns."""
+    """Return the first pair and the number of pairs of every state with pairs."""
     count = np.diff(space.first_pair)
     live = count > 0
     return space.first_pair[:-1][live], count[live]
@@ -202,16 +235,18 @@ Answer = TypeVar("Answer")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PolicyFigures:
-    """What a policy is worth.
+    """Exact figures of a policy.
 
-    ``v``, [S], is discounted and of an unlimited horizon, NaN where there is no value (at γ = 1 only);
-    ``value_at_start`` is its average at the start. The others are of an episode from the start within the
-    time limit, of an unlimited horizon without one: ``expected_return``, undiscounted, ``steps``, its
-    expected length, and ``ends``, the probability that it ends.
+    An endless part without rewards adds 0. With rewards, the value (at γ = 1) and the return are None. None
+    also means that rounding would spoil the number.
 
-    An endless part that pays nothing adds 0 to value and return; one that pays makes the value (at γ = 1) and
-    the return None. Without a time limit ``steps`` is None where the policy may never end. So is whatever
-    rounding would spoil.
+    Args:
+        v: Discounted value of each state over an unlimited horizon, [S]; NaN if it does not exist (γ = 1
+            only).
+        value_at_start: Mean of `v` at the start.
+        expected_return: Undiscounted return of an episode within the time limit.
+        steps: Expected length of an episode. None if, without a time limit, it may never end.
+        ends: Probability that an episode ends, 0 to 1.
     """
 
     v: FloatArray | None
@@ -228,10 +263,12 @@ class _Episode(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BatchFigures:
-    """Figures of B greedy policies and of the estimates they are from, [B] each; NaN where there is none.
+    """Figures of B greedy policies, [B] each, with NaN for missing numbers.
 
-    ``value_at_start`` and ``expected_return`` are those of :class:`PolicyFigures`, ``max_error`` the largest
-    difference between estimates and Q*.
+    Args:
+        value_at_start: As in :class:`PolicyFigures`.
+        expected_return: As in :class:`PolicyFigures`.
+        max_error: Largest difference between estimates and Q*.
     """
 
     value_at_start: FloatArray
@@ -240,9 +277,15 @@ class BatchFigures:
 
 
 def figures(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyFigures:
-    """Return what ``policy``, [P], is worth for ``gamma`` in [0, 1]."""
+    """Compute the exact figures of a policy.
+
+    Args:
+        mdp: The world.
+        policy: Probability of each pair, [P].
+        gamma: Discount, 0 to 1.
+    """
     alone = policy[np.newaxis]
-    chain_of = cache(_chains(mdp, alone))  # what one figure took serves the next
+    chain_of = cache(_chains(mdp, alone))  # figures share searches and factorizations
     values, returns = _values_and_returns(mdp, alone, gamma, chain_of)
     steps, ends = _within_limit(mdp, policy) if mdp.time_limit else _unlimited(chain_of(0))
     return PolicyFigures(
@@ -253,10 +296,16 @@ def figures(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyFigures:
 def batch_figures(
     mdp: TabularMDP, q: FloatArray, ties: Ties, gamma: float, optimum: Solution | None
 ) -> BatchFigures:
-    """Return the figures of the estimates ``q``, [B, P], of B runs, and of the policies greedy for them.
+    """Compute the figures of the greedy policies of B runs.
 
-    Each has the bits that :func:`figures` gives it. ``gamma`` is in [0, 1]; ``optimum`` is the exact answer
-    for it, None where there is none. Equal policies are evaluated once.
+    Each equals the result of :func:`figures`, bit for bit. Equal policies are evaluated once.
+
+    Args:
+        mdp: The world.
+        q: Estimates, [B, P].
+        ties: How ties are broken.
+        gamma: Discount, 0 to 1.
+        optimum: Exact solution for `gamma`, or None.
     """
     distinct, place = distinct_policies(greedy_policy(mdp, q, ties))
     values, returns = _values_and_returns(mdp, distinct, gamma, _chains(mdp, distinct))
@@ -265,28 +314,44 @@ def batch_figures(
 
 
 def expected_return(mdp: TabularMDP, policy: FloatArray) -> float | None:
-    """Return the expected undiscounted return of ``policy``, [P], from the start, within the time limit.
+    """Compute the expected undiscounted return of a policy within the time limit.
 
-    Without a time limit the horizon is unlimited: None where the policy may come to a part of the world that
-    it never leaves and that goes on paying, or where rounding would spoil the answer. Small worlds have it by
-    machine code, quickly enough to be asked again and again while a run goes on.
+    Small worlds use machine code and are fast enough for every frame of a run.
+
+    Args:
+        mdp: The world.
+        policy: Probability of each pair, [P].
+
+    Returns:
+        The return. None if, without a time limit, the policy may collect rewards forever, or if rounding
+        would spoil it.
     """
     return _if_there(expected_returns(mdp, policy[np.newaxis]))
 
 
 def expected_returns(mdp: TabularMDP, policies: FloatArray) -> FloatArray:
-    """Return what :func:`expected_return` gives each of ``policies``, [B, P]; [B], NaN in place of None.
+    """Compute :func:`expected_return` for many policies. Equal policies are evaluated once.
 
-    Equal policies are evaluated once.
+    Args:
+        mdp: The world.
+        policies: Probabilities, [B, P].
+
+    Returns:
+        Returns, [B], with NaN instead of None.
     """
     distinct, place = distinct_policies(policies)
     return returns_of(mdp, distinct, _chains(mdp, distinct))[place]
 
 
 def chance_of_ending(mdp: TabularMDP, policy: FloatArray) -> float | None:
-    """Return the probability that an episode of ``policy``, [P], ends, within the time limit if there is one.
+    """Compute the probability that an episode ends, within the time limit if there is one.
 
-    None where rounding would spoil the answer.
+    Args:
+        mdp: The world.
+        policy: Probability of each pair, [P].
+
+    Returns:
+        The probability, or None if rounding would spoil it.
     """
     if mdp.time_limit:
         return _within_limit(mdp, policy).ends
@@ -296,7 +361,7 @@ def chance_of_ending(mdp: TabularMDP, policy: FloatArray) -> float | None:
 def _values_and_returns(
     mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: ChainOf
 ) -> tuple[ValuesOfPolicies, FloatArray]:
-    """Return the values of ``policies``, [B, P], and what they earn undiscounted from the start, [B]."""
+    """Return the values of `policies`, [B, P], and their undiscounted returns, [B]."""
     values = values_of(mdp, policies, gamma, chain_of)
     if gamma == 1.0 and not mdp.time_limit:
         return values, values.at_start
@@ -309,7 +374,6 @@ def _chains(mdp: TabularMDP, policies: FloatArray) -> ChainOf:
 
 
 def _within_limit(mdp: TabularMDP, policy: FloatArray) -> _Episode:
-    """Return the figures of an episode that is cut short at the time limit."""
     visits = expected_visits(mdp, policy, mdp.time_limit)
     total = np.add.reduceat(mdp.probability, mdp.first_outcome[:-1])
     pairs = visits[mdp.pair_state] * policy / total
@@ -318,12 +382,11 @@ def _within_limit(mdp: TabularMDP, policy: FloatArray) -> _Episode:
 
 
 def _unlimited(chain: PolicyChain) -> _Episode:
-    """Return the figures of an episode that goes on until it ends."""
     return _Episode(_if_exact(chain.expected_length), _if_exact(chain.chance_of_ending))
 
 
 def _if_there(figure: FloatArray) -> float | None:
-    """Return the one ``figure``, [1], None in place of NaN."""
+    """Return the single number in `figure`, [1], or None for NaN."""
     number = float(figure[0])
     return None if np.isnan(number) else number
 

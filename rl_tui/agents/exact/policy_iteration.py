@@ -16,7 +16,7 @@ SMALLEST_GAIN: Final = 1e-12
 NOISE: Final = 32 * float(np.finfo(np.longdouble).eps)
 LONGEST_WARM_UP: Final = 1_000
 LONGEST_FROM_NEAR: Final = 250
-# A sweep that moves values by no more, of the largest, leaves next to nothing to improve
+# After a sweep with relative changes up to this, little is left to improve
 AT_REST: Final = 1e-13
 BETWEEN_LOOKS: Final = 5
 MOST_NAMES: Final = 6
@@ -24,9 +24,10 @@ MOST_NAMES: Final = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimum:
-    """The optimal values ``v``, [S+1], and q − v, [P]; ``iterations`` counts evaluations of a policy.
+    """Optimal values `v`, [S+1], and advantages q − v, [P].
 
-    ``policy``, [N] pairs, is the one found last: at γ = 1 it ends with probability 1.
+    `policy`, [N] pairs, is the final policy; at γ = 1 it ends with probability 1. `iterations` counts
+    evaluations.
     """
 
     v: ExtendedArray
@@ -38,12 +39,20 @@ class Optimum:
 def policy_iteration(
     model: ExactModel, gamma: float, start: IntArray | None = None, near: FloatArray | None = None
 ) -> Optimum:
-    """Return the best values over an unlimited horizon.
+    """Compute the best values over an unlimited horizon.
 
-    At γ = 1 they are the best over the policies that end with probability 1: it starts from such a policy.
-    That is ``start``, [N] pairs, where it is given and ends: a good one saves time and changes nothing else.
-    Below γ = 1 so do values ``near`` the best, [S], but that rounding may be another in the last place.
-    Raises NoExactAnswer, at γ = 1, naming a state that cannot reach an end or a loop that gains for ever.
+    At γ = 1 they are the best over all policies that end with probability 1, and the search starts from such
+    a policy.
+
+    Args:
+        model: The world.
+        gamma: Discount, 0 to 1.
+        start: First policy at γ = 1, [N] pairs, used if it ends. It only saves time.
+        near: Values near the best, [S], for γ below 1. They save time and may change the last digit by
+            rounding.
+
+    Raises:
+        NoExactAnswer: At γ = 1 a state cannot reach an end, or a loop gains forever.
     """
     if gamma < 1.0:
         policy = _far_sighted(model, gamma, near)
@@ -58,7 +67,7 @@ def policy_iteration(
         error = PolicyChain(model, _probabilities(model, policy)).solve(gamma, model.is_live, v)
         advantage = model.advantage(v, gamma)
         better = _improved(model, policy, advantage, _least_gain(v, gamma, error))
-        # A policy that comes back is as good as the others of the circle: rounding alone tells them apart
+        # A repeated policy is equally good; only rounding made a difference
         if better.tobytes() in seen:
             return Optimum(v, advantage, policy, len(seen))
         if gamma == 1.0:
@@ -67,13 +76,13 @@ def policy_iteration(
 
 
 def _least_gain(v: ExtendedArray, gamma: float, error: float) -> float:
-    """Return the gain above which an action is changed: more than rounding can feign."""
+    """Return the gain that exceeds rounding and justifies another action."""
     noise = NOISE * float(np.abs(v).max())
     return max(SMALLEST_GAIN, noise, 4 * error) if gamma == 1.0 else max(SMALLEST_GAIN * (1 - gamma), noise)
 
 
 def _improved(model: ExactModel, policy: IntArray, advantage: ExtendedArray, least_gain: float) -> IntArray:
-    """Return the greedy policy, [N] pairs; keep those of ``policy`` that gain no more than the least."""
+    """Return the greedy policy, [N] pairs, but keep actions with a gain up to the least one."""
     highest = model.best(advantage)
     best = np.flatnonzero(advantage == np.repeat(highest, model.pairs_each))
     first = np.flatnonzero(np.diff(model.pair_state[best], prepend=-1))
@@ -81,7 +90,7 @@ def _improved(model: ExactModel, policy: IntArray, advantage: ExtendedArray, lea
 
 
 def _far_sighted(model: ExactModel, gamma: float, near: FloatArray | None) -> IntArray:
-    """Return the greedy policy, [N], for a long finite horizon: a start that leaves little to improve."""
+    """Return the greedy policy, [N], for a long finite horizon, as a good start."""
     mdp = model.mdp
     if mdp.states <= MOST_DENSE:
         v = best_values(mdp, gamma, min(mdp.states, LONGEST_WARM_UP))
@@ -92,9 +101,9 @@ def _far_sighted(model: ExactModel, gamma: float, near: FloatArray | None) -> In
 
 
 def _swept(model: ExactModel, gamma: float, near: FloatArray | None) -> FloatArray:
-    """Return values, [S], after sweeps of value iteration, until one moves them by next to nothing.
+    """Return values, [S], after sweeps of value iteration until changes are negligible.
 
-    They begin at ``near``; where that is too far off to come to rest soon, and without it, at 0.
+    They start at `near`. Without it, or if it converges too slowly, they start at 0.
     """
     from scipy.sparse import csr_array
 
@@ -104,7 +113,7 @@ def _swept(model: ExactModel, gamma: float, near: FloatArray | None) -> FloatArr
     following = csr_array((sweep.weight, sweep.next_state, sweep.first_outcome), shape=shape)
     reward, each, first = sweep.pair_reward, int(model.pairs_each[0]), mdp.first_pair[model.live]
     is_even = bool((model.pairs_each == each).all())
-    if is_even:  # action by action the best of each state is found in a quarter of the time
+    if is_even:  # grouped by action, the best of each state is found four times as fast
         order = np.arange(mdp.pairs).reshape(-1, each).T.ravel()
         following, reward = following[order], reward[order]
 
@@ -127,7 +136,7 @@ def _swept(model: ExactModel, gamma: float, near: FloatArray | None) -> FloatArr
 
 
 def _way_out(model: ExactModel) -> IntArray:
-    """Return a policy, [N], sure to end: it takes what most likely comes nearer to an end."""
+    """Return a policy, [N], that surely ends: it takes the actions most likely to approach an end."""
     steps = model.steps_to([model.end], np.ones(model.mdp.pairs, dtype=np.bool_))
     lost = model.live[steps[model.live] < 0]
     if len(lost):
@@ -139,9 +148,9 @@ def _way_out(model: ExactModel) -> IntArray:
 
 
 def _check_that_it_ends(model: ExactModel, policy: IntArray) -> None:
-    """Raise NoExactAnswer where an improvement of a policy that ends does not end.
+    """Raise NoExactAnswer if the improvement of an ending policy may never end.
 
-    Its loop then holds a changed action, so that its mean reward a step, the mean gain of its states, is
+    Its loop then contains a changed action, so the mean reward per step, the mean gain of its states, is
     above 0.
     """
     usable = _probabilities(model, policy) > 0.0
@@ -159,7 +168,7 @@ def _names(model: ExactModel, states: IntArray) -> str:
 
 
 def _loop_from(model: ExactModel, usable: BoolArray, state: int) -> IntArray:
-    """Return the states of a loop to which the ``usable`` pairs, [P], lead from ``state`` and never out."""
+    """Return the states of a loop that `usable` pairs, [P], reach from `state` and never leave."""
     used = usable[model.outcome_pair]
     source, target = model.pair_state[model.outcome_pair][used], model.landing[used]
     while True:

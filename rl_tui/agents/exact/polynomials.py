@@ -1,7 +1,7 @@
-"""Polynomials with whole coefficients: signs, sign variations, common factors, all without rounding.
+"""Exact arithmetic with integer polynomials: signs, sign variations and common factors.
 
-A polynomial is the tuple of its coefficients, that of the constant first; the last is not 0, and the
-polynomial 0 is empty.
+A polynomial is the tuple of its coefficients, constant first. The last one is not 0; the polynomial 0 is
+empty.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from typing import Final
 
 Polynomial = tuple[int, ...]
 
-# Running sums between two looks at their signs
+# Number of running sums between sign checks
 LOOK_EVERY: Final = 3
 
 
 def polynomial(coefficients: Iterable[int]) -> Polynomial:
-    """Return the polynomial with these coefficients, zeros at the end left out."""
+    """Return the polynomial with these coefficients, without trailing zeros."""
     kept = list(coefficients)
     while kept and not kept[-1]:
         kept.pop()
@@ -28,13 +28,13 @@ def polynomial(coefficients: Iterable[int]) -> Polynomial:
 
 
 def primitive(given: Polynomial) -> Polynomial:
-    """Return ``given`` divided by what is common to its coefficients, a positive number."""
+    """Divide `given` by the greatest common divisor of its coefficients."""
     common = math.gcd(*given)
     return given if common <= 1 else tuple(each // common for each in given)
 
 
 def scaled_value(given: Sequence[int], at: Fraction) -> int:
-    """Return the value at ``at`` times its denominator to the power of len(given) − 1, a whole number."""
+    """Return the value at `at`, times its denominator to the power len(given) − 1, as an integer."""
     numerator, denominator = at.numerator, at.denominator
     value, scale = 0, 1
     for coefficient in reversed(given):
@@ -44,19 +44,24 @@ def scaled_value(given: Sequence[int], at: Fraction) -> int:
 
 
 def sign_at(given: Polynomial, at: Fraction) -> int:
-    """Return the sign of the value at ``at``: −1, 0 or 1."""
+    """Return the sign of the value at `at`: −1, 0 or 1."""
     value = scaled_value(given, at)
     return (value > 0) - (value < 0)
 
 
 def variations(given: Polynomial, lower: Fraction, upper: Fraction) -> int:
-    """Return Descartes' bound of the roots between ``lower`` and ``upper``, both left out.
+    """Return Descartes' bound of the number of roots between the bounds.
 
     It counts the sign changes among the coefficients of (1 + t)ⁿ p((lower·t + upper) / (1 + t)), whose
-    positive roots are those in between. The number of roots, each as often as it is multiple, is that or less
-    by an even number: 0 and 1 are exact.
+    positive roots correspond to these roots. The number of roots, with multiplicity, is the bound or less by
+    an even number. So 0 and 1 are exact.
+
+    Args:
+        given: The polynomial.
+        lower: Lower bound, excluded.
+        upper: Upper bound, excluded.
     """
-    # p(lower + (upper − lower)·s), whose roots in (0, 1) are wanted
+    # p(lower + (upper − lower)·s) has the wanted roots in (0, 1)
     moved = list(given)
     if lower:
         moved = _shifted_by_one(_stretched(moved, lower))
@@ -67,23 +72,23 @@ def variations(given: Polynomial, lower: Fraction, upper: Fraction) -> int:
 
 
 def without_roots_at_ends(given: Polynomial) -> Polynomial:
-    """Return ``given``, not 0 everywhere, without its roots at 0 and 1; its signs in between stay."""
+    """Remove the roots at 0 and 1 from `given`, which is not 0. Signs in between do not change."""
     rest = list(given)
     while not rest[0]:
         del rest[0]
     while not sum(rest):
-        # by 1 − γ, which is positive on (0, 1)
+        # divide by 1 − γ, which is positive on (0, 1)
         rest = list(accumulate(rest))[:-1]
     return tuple(rest)
 
 
 def derivative(given: Polynomial) -> Polynomial:
-    """Return the derivative."""
+    """Return the derivative of `given`."""
     return tuple(power * each for power, each in enumerate(given) if power)
 
 
 def quotient(dividend: Polynomial, divisor: Polynomial) -> Polynomial | None:
-    """Return ``dividend`` / ``divisor``, None where that is no polynomial with whole coefficients."""
+    """Return `dividend` / `divisor`, or None if it is not an integer polynomial."""
     rest = list(dividend)
     result = [0] * max(0, len(dividend) - len(divisor) + 1)
     for place in reversed(range(len(result))):
@@ -99,13 +104,12 @@ def quotient(dividend: Polynomial, divisor: Polynomial) -> Polynomial | None:
 def common_factor(one: Polynomial, other: Polynomial) -> Polynomial:
     """Return the greatest common divisor of two primitive polynomials, itself primitive.
 
-    The values at a large whole x have a greatest common divisor too, and its digits in base x, from
-    −x/2 to x/2, are the coefficients that are looked for, times a number of at most x/2. Proof that a
-    candidate C is the greatest where it divides both: let C·Q be the greatest. Q(x) divides that number, so
-    that |Q(x)| ≤ x/2. But each root of Q is one of either polynomial, so at most 1 + h in size, where h is
-    the lesser of their largest coefficients: were Q not constant, |Q(x)| ≥ x − 1 − h > x/2 as x > 2h + 2.
-    Larger and larger x come to an end: what the values have in common beyond the divisor divides the
-    resultant of what is left of the two.
+    The values at a large integer x have a greatest common divisor. Its digits in base x, from −x/2 to x/2,
+    are the coefficients of the result times a number of at most x/2. Proof that a candidate C dividing both
+    is the greatest: let C·Q be the greatest. Q(x) divides that number, so |Q(x)| ≤ x/2. Each root of Q is a
+    root of both polynomials, so at most 1 + h in size, where h is the smaller of their largest coefficients.
+    If Q were not constant, |Q(x)| ≥ x − 1 − h > x/2, as x > 2h + 2. Increasing x terminates: the common part
+    of the values beyond the divisor divides the resultant of the cofactors.
     """
     base = 4 * min(max(map(abs, one)), max(map(abs, other))) + 9
     while True:
@@ -117,7 +121,7 @@ def common_factor(one: Polynomial, other: Polynomial) -> Polynomial:
 
 
 def square_free(given: Polynomial) -> Polynomial:
-    """Return the primitive polynomial with the roots of ``given``, a primitive one, each of them once."""
+    """Return the primitive polynomial with the roots of the primitive `given`, each once."""
     repeated = common_factor(given, primitive(derivative(given)))
     result = quotient(given, repeated)
     assert result is not None
@@ -125,7 +129,7 @@ def square_free(given: Polynomial) -> Polynomial:
 
 
 def _stretched(given: list[int], by: Fraction) -> list[int]:
-    """Return the coefficients of p(by · x), times a positive number that makes them whole."""
+    """Return the coefficients of p(by · x), times a positive number that makes them integers."""
     result = given
     if by.numerator != 1:
         result = list(map(mul, result, _powers(by.numerator, len(given))))
@@ -135,12 +139,11 @@ def _stretched(given: list[int], by: Fraction) -> list[int]:
 
 
 def _powers(base: int, many: int) -> list[int]:
-    """Return the first powers of ``base``, from 1 on."""
     return list(accumulate(repeat(base, many - 1), mul, initial=1))
 
 
 def _shifted_by_one(given: list[int]) -> list[int]:
-    """Return the coefficients of p(x + 1): by running sums, each of which leaves one coefficient (Horner)."""
+    """Return the coefficients of p(x + 1) by running sums (Horner)."""
     running = given[::-1]
     result = []
     while running:
@@ -150,9 +153,9 @@ def _shifted_by_one(given: list[int]) -> list[int]:
 
 
 def _changes_of_shifted(given: list[int]) -> int:
-    """Return how often the sign changes among the coefficients of p(x + 1), zeros left out.
+    """Return the number of sign changes among the coefficients of p(x + 1), ignoring zeros.
 
-    Where what is left is all of one sign, so are the coefficients to come.
+    If all remaining sums have one sign, so have the remaining coefficients.
     """
     running = given[::-1]
     changes, last = 0, 0
@@ -167,7 +170,7 @@ def _changes_of_shifted(given: list[int]) -> int:
 
 
 def _digits(number: int, base: int) -> Polynomial:
-    """Return the polynomial of the digits of ``number``, from −base/2 to base/2, made primitive."""
+    """Return the polynomial of the digits of `number`, from −base/2 to base/2, made primitive."""
     digits = []
     while number:
         digit = number % base

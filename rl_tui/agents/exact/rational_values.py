@@ -1,10 +1,9 @@
 """The values of a policy as functions of γ: quotients of two polynomials.
 
-V = Σ γᵏ PᵏR, so each value is a power series in γ. Its coefficients obey a linear recurrence, as PᵏR
-does (Cayley–Hamilton theorem). Such a series is a quotient N(γ) / D(γ), and the recurrence gives D. It
-is found modulo many primes, where numbers stay small, and then reconstructed in whole numbers.
-Finally, (I − γP) N = D R is checked in whole numbers: an unlucky prime costs another attempt, never a
-wrong answer.
+V = Σ γᵏ PᵏR, so each value is a power series in γ. Its coefficients follow a linear recurrence, as PᵏR does
+(Cayley–Hamilton theorem). Such a series is a quotient N(γ) / D(γ), and the recurrence gives D. It is found
+modulo many primes, with small numbers, and then reconstructed in integers. Finally, (I − γP) N = D R is
+checked in integers: an unlucky prime costs another attempt, never a wrong answer.
 """
 
 from __future__ import annotations
@@ -32,11 +31,13 @@ LARGEST_DENOMINATOR: Final = 10**6
 
 @dataclass(frozen=True, slots=True)
 class RationalPair:
-    """What follows one pair (state, action), in whole numbers.
+    """The outcomes of one pair in integers.
 
-    ``state`` and the states of ``moves`` are numbers into the live states. A move (state, weight) happens
-    with probability weight / ``scale``; what is left of ``scale`` ends the episode. ``reward`` is ``scale``
-    times the expected reward, in the model's unit of reward.
+    Args:
+        state: Index of its live state.
+        scale: Common denominator. The rest of it ends the episode.
+        reward: `scale` times the expected reward, in the model's unit.
+        moves: (live state, weight) with the probability weight / `scale`.
     """
 
     state: int
@@ -47,11 +48,12 @@ class RationalPair:
 
 @dataclass(frozen=True, slots=True)
 class RationalModel:
-    """An MDP of N live states in whole numbers.
+    """An MDP of N live states in integers.
 
-    ``live`` lists the states that own pairs, [N]; ``pairs`` stand in the order of the MDP, [P], and live
-    state n owns those of ``pairs_of[n]``. Rewards are counted in a unit that makes them whole: the unit is
-    positive, so that what is optimal does not depend on it.
+    Args:
+        live: States with pairs, [N].
+        pairs: Pairs in the order of the MDP, [P]. Rewards use a positive unit that makes them integers.
+        pairs_of: Range of the pairs of each live state, [N].
     """
 
     live: tuple[int, ...]
@@ -60,11 +62,13 @@ class RationalModel:
 
 
 def rational_model(mdp: TabularMDP) -> RationalModel:
-    """Return ``mdp`` in whole numbers.
+    """Convert `mdp` to integers.
 
-    Each probability and reward is read as the nearest fraction with a denominator of at most 10⁶; the
-    probabilities of a pair are then scaled to sum to exactly 1. Raises NoExactAnswer where one that is not 0
-    would be read as 0.
+    Probabilities and rewards become the nearest fractions with denominators up to 10⁶. Then the probabilities
+    of each pair are scaled to sum to exactly 1.
+
+    Raises:
+        NoExactAnswer: A non-zero number would become 0.
     """
     live = np.flatnonzero(np.diff(mdp.first_pair)).tolist()
     number = {state: place for place, state in enumerate(live)}
@@ -100,7 +104,7 @@ def _read(value: float) -> Fraction:
 
 
 def _pair(state: int, outcomes: list[tuple[Fraction, int, int | None]]) -> RationalPair:
-    """Return the pair of ``state`` with these outcomes: chance, reward, the live state that follows."""
+    """Return the pair of `state` from its outcomes: chance, reward, next live state."""
     denominator = math.lcm(*(chance.denominator for chance, _, _ in outcomes))
     weights = [int(chance * denominator) for chance, _, _ in outcomes]
     common = math.gcd(*weights)
@@ -115,32 +119,38 @@ def _pair(state: int, outcomes: list[tuple[Fraction, int, int | None]]) -> Ratio
 # Arithmetic modulo primes
 
 
-# Of Python's whole numbers, of any size
+# Python integers of any size
 WholeArray = npt.NDArray[np.object_]
 
-# Primes lie below 2³⁰: so many products of two residues, and a residue, add up to less than 2⁶³
+# Primes are below 2³⁰, so this number of products of two residues, plus a residue, stays below 2⁶³
 BITS: Final = 30
 PRODUCTS: Final = 7
 WITNESSES: Final = (2, 3, 5, 7)
 
 
 def primes() -> Iterator[int]:
-    """Yield the primes between 2²⁹ and 2³⁰, the largest first: far more than are needed."""
+    """Yield the primes between 2²⁹ and 2³⁰, largest first. There are far more than needed."""
     return (number for number in range(2**BITS - 1, 2 ** (BITS - 1), -2) if _is_prime(number))
 
 
 def column(moduli: Sequence[int], dimensions: int) -> IntArray:
-    """Return the K ``moduli`` as an array to calculate with others, [K, …], of so many dimensions."""
+    """Return K moduli as an array [K, 1, …] with this number of dimensions."""
     shaped: IntArray = np.array(moduli, dtype=np.int64).reshape(-1, *[1] * (dimensions - 1))
     return shaped
 
 
 def shortest_recurrence(terms: IntArray, moduli: Sequence[int]) -> IntArray | None:
-    """Return the coefficients, [K, L + 1], of the shortest linear recurrences of ``terms``, [K, T].
+    """Return the shortest linear recurrence of sequences modulo primes (Berlekamp–Massey algorithm).
 
-    Modulo each of K primes c[0] is 1, and c[0]·t[k] + c[1]·t[k−1] + … + c[L]·t[k−L] is 0 for each k from L
-    on (the algorithm of Berlekamp and Massey). 2N terms of a sequence that has a recurrence of length N tell
-    it. None where the primes do not all take the same steps towards it, which is rare.
+    Modulo each prime c[0] is 1, and c[0]·t[k] + c[1]·t[k−1] + … + c[L]·t[k−L] is 0 for all k ≥ L. A
+    recurrence of length N needs 2N terms.
+
+    Args:
+        terms: Sequence for each prime, [K, T].
+        moduli: The K primes.
+
+    Returns:
+        Coefficients c, [K, L + 1], or None in the rare case that the primes need different steps.
     """
     modulus = column(moduli, 2)
     current, earlier = np.zeros((2, len(moduli), terms.shape[1] + 2), dtype=np.int64)
@@ -166,9 +176,11 @@ def shortest_recurrence(terms: IntArray, moduli: Sequence[int]) -> IntArray | No
 
 
 def whole_numbers(residues: IntArray, moduli: Sequence[int]) -> WholeArray:
-    """Return the whole numbers with these ``residues``, [K, …], modulo K primes.
+    """Return the integers nearest to 0 with these residues (mixed radix, after Garner).
 
-    Of those that differ by the product of the primes each is the nearest to 0. Mixed radix, after Garner.
+    Args:
+        residues: Residues, [K, …].
+        moduli: The K primes.
     """
     digits: list[IntArray] = []
     for number, prime in enumerate(moduli):
@@ -187,7 +199,7 @@ def whole_numbers(residues: IntArray, moduli: Sequence[int]) -> WholeArray:
 
 
 def _is_prime(number: int) -> bool:
-    """Return True if ``number``, odd and below 2³⁰, is a prime (the test of Miller and Rabin)."""
+    """Return True if `number`, odd and below 2³⁰, is prime (Miller–Rabin test)."""
     odd, halvings = number - 1, 0
     while odd % 2 == 0:
         odd, halvings = odd // 2, halvings + 1
@@ -208,24 +220,24 @@ PROJECTION_SEED: Final = 1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PolicyValues:
-    """The values of a policy: that of live state n is ``numerators[n]`` / ``denominator``, functions of γ.
+    """Values of a policy as functions of γ: ``numerators[n]`` / `denominator` for live state n.
 
-    The coefficients are whole, that of the constant first: ``denominator`` is [M], ``numerators`` [N, M], and
-    the last of each numerator is 0. The denominator is positive for γ in [0, 1).
+    Coefficients are integers, constant first: `denominator` is [M], `numerators` [N, M] with a last
+    coefficient of 0. The denominator is positive for γ in [0, 1).
     """
 
     denominator: WholeArray
     numerators: WholeArray
 
     def advantage(self, pair: RationalPair) -> Polynomial:
-        """Return q(s, a) − v(s) of ``pair``, times its scale and the denominator (equation 4.6)."""
+        """Return q(s, a) − v(s) of `pair`, times its scale and the denominator (equation 4.6)."""
         total = pair.reward * self.denominator - pair.scale * self.numerators[pair.state]
         for state, weight in pair.moves:
             total[1:] += weight * self.numerators[state, :-1]
         return polynomial(total.tolist())
 
     def at(self, gamma: Fraction) -> ValuesAt:
-        """Return the values at ``gamma``."""
+        """Return the values at `gamma`."""
         return ValuesAt(
             gamma,
             scaled_value(self.denominator.tolist(), gamma),
@@ -235,30 +247,30 @@ class PolicyValues:
 
 @dataclass(frozen=True, slots=True)
 class ValuesAt:
-    """The values of a policy at one γ: that of live state n is ``numerators[n]`` / ``denominator``."""
+    """Values of a policy at one γ: ``numerators[n]`` / `denominator` for live state n."""
 
     gamma: Fraction
     denominator: int
     numerators: Sequence[int]
 
     def advantage(self, pair: RationalPair) -> Fraction:
-        """Return q(s, a) − v(s) of ``pair``, times the denominator."""
+        """Return q(s, a) − v(s) of `pair`, times the denominator."""
         later = sum(weight * self.numerators[state] for state, weight in pair.moves)
         gained = pair.reward * self.denominator - pair.scale * self.numerators[pair.state]
         return (gained + self.gamma * later) / pair.scale
 
 
 def policy_values(model: RationalModel, policy: Sequence[int]) -> PolicyValues:
-    """Return the values of ``policy``, [N] pairs.
+    """Compute the values of `policy`, [N] pairs, as functions of γ.
 
-    With P the transitions of the policy and R its rewards, V = R + γ P R + γ² P² R + … (equation 3.14). The
-    vectors Pᵏ R follow a linear recurrence; its coefficients are those of the denominator D, and N = D · V
-    ends before the power that is the recurrence's length. D divides det(I − γ P), whose roots are 1/λ for the
-    eigenvalues λ of P, none of them inside (−1, 1).
+    With the transitions P and the rewards R of the policy, V = R + γ P R + γ² P² R + … (equation 3.14). The
+    vectors Pᵏ R follow a linear recurrence. Its coefficients form the denominator D, and N = D · V stops
+    before the power equal to the length of the recurrence. D divides det(I − γ P), whose roots are 1/λ for
+    the eigenvalues λ of P, none inside (−1, 1).
 
-    The recurrence is found modulo some primes from the numbers u · Pᵏ R, for a random u, and pieced together;
-    (I − γ P) N = D · R is then checked in whole numbers. What is found is no longer than the true recurrence,
-    so that D has no factor too many: none that could be 0 or negative.
+    The recurrence is found modulo some primes from the numbers u · Pᵏ R, for a random u, and reconstructed.
+    Then (I − γ P) N = D · R is checked in integers. The result is not longer than the true recurrence. So D
+    has no extra factor that could be 0 or negative.
     """
     pairs = [model.pairs[number] for number in policy]
     for attempt in count():
@@ -269,9 +281,9 @@ def policy_values(model: RationalModel, policy: Sequence[int]) -> PolicyValues:
 
 
 def _pieced_together(pairs: Sequence[RationalPair], attempt: int) -> PolicyValues | None:
-    """Return what is most likely the values of the policy that takes ``pairs``; None on a rare failure."""
+    """Return the probable values of the policy that takes `pairs`, or None on a rare failure."""
     scale = math.prod(pair.scale for pair in pairs)
-    # D, scaled so that D(0) is the product of all scales, is whole, and so is N; |λ| ≤ 1 and |Pᵏ R| ≤ |R|
+    # D is an integer polynomial if D(0) is the product of all scales, and so is N; |λ| ≤ 1 and |Pᵏ R| ≤ |R|
     bound = 2 * scale * 2 ** len(pairs) * max(1, *(abs(pair.reward) for pair in pairs))
     moduli = _primes_for(pairs, bound, skipped=attempt)
     krylov = _krylov(pairs, moduli)
@@ -287,7 +299,7 @@ def _pieced_together(pairs: Sequence[RationalPair], attempt: int) -> PolicyValue
 
 
 def _primes_for(pairs: Sequence[RationalPair], bound: int, skipped: int) -> list[int]:
-    """Return primes with a product above ``bound`` that divide no scale, not those that were tried before."""
+    """Return new primes with a product above `bound` that divide no scale."""
     wanted = bound.bit_length() // (BITS - 1) + 1
     scales = {pair.scale for pair in pairs}
     usable = (prime for prime in primes() if all(scale % prime for scale in scales))
@@ -303,7 +315,7 @@ def _primes_for(pairs: Sequence[RationalPair], bound: int, skipped: int) -> list
 def _krylov(pairs: Sequence[RationalPair], moduli: Sequence[int]) -> IntArray:
     """Return Pᵏ R modulo each prime for k below 2N, [K, 2N, N]."""
     count_ = len(pairs)
-    moves = [pair.moves or ((count_, 0),) for pair in pairs]  # a state too many, worth 0, for those that end
+    moves = [pair.moves or ((count_, 0),) for pair in pairs]  # an extra state of value 0
     first = np.cumsum([0, *map(len, moves)])[:-1]
     landing = np.array([state for each in moves for state, _ in each])
     weights = [
@@ -329,12 +341,12 @@ def _krylov(pairs: Sequence[RationalPair], moduli: Sequence[int]) -> IntArray:
 
 
 def _inverses(pairs: Sequence[RationalPair], moduli: Sequence[int]) -> list[tuple[int, list[int]]]:
-    """Return of each prime the inverses of the scales, [N]."""
+    """Return each prime with the inverses of the scales, [N]."""
     return [(prime, [pow(pair.scale, -1, prime) for pair in pairs]) for prime in moduli]
 
 
 def _truncated_product(recurrence: IntArray, krylov: IntArray, moduli: Sequence[int]) -> IntArray:
-    """Return the coefficients of the numerators modulo each prime, [K, L + 1, N]; the last are 0."""
+    """Return the numerators modulo each prime, [K, L + 1, N]. The last coefficients are 0."""
     length = recurrence.shape[1] - 1
     result = np.zeros((len(moduli), length + 1, krylov.shape[2]), dtype=np.int64)
     modulus = column(moduli, 3)

@@ -1,4 +1,4 @@
-"""The exact solution of a world: its optimal values and policy, and their return."""
+"""The exact solution of a world: optimal values, optimal policy, and their return."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def endless_states(mdp: TabularMDP) -> BoolArray:
-    """Return the states, [S], that an episode may come to and from which no policy can reach an end.
+    """Return the states, [S], that episodes may reach and that never end under any policy.
 
-    None of them where a time limit cuts every episode off. It takes some milliseconds for 10,000 states.
+    With a time limit there are none. For 10,000 states this takes a few milliseconds.
     """
     return np.zeros(mdp.states, dtype=np.bool_) if mdp.time_limit else states_without_end(mdp)
 
 
 def states_without_end(mdp: TabularMDP) -> BoolArray:
-    """Return the states, [S], as :func:`endless_states` does, but with the time limit left aside.
+    """Return the same as :func:`endless_states`, but ignore the time limit.
 
-    None of them where no episode ends but by the time limit: there that is the end.
+    If only the time limit ends episodes, there are none, because then it is the end.
     """
     live = _is_live(mdp)
     endless = live & ~_comes_to_an_end(mdp, np.ones(len(mdp.next_state), dtype=np.bool_))
@@ -37,11 +37,10 @@ def states_without_end(mdp: TabularMDP) -> BoolArray:
 
 
 def endless_part(mdp: TabularMDP, policy: FloatArray) -> int | None:
-    """Return a state that ``policy``, [P], may come to from the start and from which it never ends.
+    """Return a state that `policy`, [P], may reach and from which it never ends, or None.
 
-    None where it ends with probability 1, whatever the time limit: that is left aside. A chain of finitely
-    many states never ends, with a chance above 0, just where it can come to such a state, so that this is
-    decided by ways alone, exactly.
+    The time limit is ignored. A finite chain runs forever with positive probability exactly if it can reach
+    such a state, so the search over edges is exact.
     """
     followed = policy[mdp.outcome_pair] > 0.0
     goes_on = followed & ~mdp.terminated
@@ -53,25 +52,25 @@ def endless_part(mdp: TabularMDP, policy: FloatArray) -> int | None:
 
 
 def steps_from_start(mdp: TabularMDP) -> IntArray:
-    """Return the fewest steps, [S], in which luck may lead from a start to each state, be it an end.
+    """Return the fewest possible steps, [S], from a start to each state, or −1.
 
-    −1 where no policy can reach it. The time limit is left aside.
+    The time limit is ignored.
     """
     ways = Ways(mdp.next_state, mdp.pair_state[mdp.outcome_pair], mdp.states)
     return ways.steps_to(mdp.start_state[mdp.start_probability > 0.0].tolist())
 
 
 def never_reached(mdp: TabularMDP) -> IntArray:
-    """Return the states, [N], rising, that no episode comes to: no way leads there within the time limit."""
+    """Return the states, [N], that no episode can reach within the time limit, in order."""
     steps = steps_from_start(mdp)
     is_too_far = steps > mdp.time_limit if mdp.time_limit else np.zeros(mdp.states, dtype=np.bool_)
     return np.flatnonzero((steps < 0) | is_too_far)
 
 
 def shortest_way(mdp: TabularMDP, usable: BoolArray) -> int | None:
-    """Return the fewest steps in which luck may lead by ``usable`` pairs, [P], from a start to an end.
+    """Return the fewest possible steps from a start to an end by `usable` pairs, [P], or None.
 
-    The time limit is left aside. None where they lead to no end.
+    The time limit is ignored.
     """
     model = exact_model(mdp)
     from_start = model.steps_to([model.end], usable)[mdp.start_state[mdp.start_probability > 0.0]]
@@ -80,10 +79,10 @@ def shortest_way(mdp: TabularMDP, usable: BoolArray) -> int | None:
 
 
 def staying_states(model: ExactModel, usable: BoolArray) -> BoolArray:
-    """Return the states, [S+1], in which some choice among the ``usable`` pairs, [P], never ends.
+    """Return the states, [S+1], in which some choice among the `usable` pairs, [P], never ends.
 
-    It is the largest set each of whose states owns a usable pair with all outcomes in the set: whatever has
-    no such pair is taken out, until all have one.
+    This is the largest set in which every state has a usable pair with all outcomes inside. States without
+    such a pair are removed until none is left.
     """
     inside = model.is_live
     used = usable[model.outcome_pair]
@@ -111,7 +110,7 @@ def _is_live(mdp: TabularMDP) -> BoolArray:
 
 
 def _comes_to_an_end(mdp: TabularMDP, usable: BoolArray) -> BoolArray:
-    """Return from which states, [S], the ``usable`` outcomes, [O], can lead to an end."""
+    """Return the states, [S], from which the `usable` outcomes, [O], can lead to an end."""
     source = mdp.pair_state[mdp.outcome_pair]
     goes_on = usable & ~mdp.terminated
     ways = Ways(source[goes_on], mdp.next_state[goes_on], mdp.states)
@@ -125,13 +124,17 @@ TIE: Final = 1e-9
 
 
 def solve(mdp: TabularMDP, gamma: float, near: FloatArray | None = None) -> Solution:
-    """Return the optimal values and policy of ``mdp`` for ``gamma`` in [0, 1], exact to 1e-9.
+    """Compute the optimal values and policy, exact to 1e-9.
 
-    Values ``near`` the best, [S], such as those of a world that is almost the same, save time; all that
-    depends on them is rounding in the last place.
+    Args:
+        mdp: The world.
+        gamma: Discount, 0 to 1.
+        near: Values near the best, [S], for example of a similar world. They save time and may change the
+            last digit by rounding.
 
-    Raises NoExactAnswer, in one line, where γ = 1 leaves no best value or γ < 1 is too near to 1 to compute
-    it.
+    Raises:
+        NoExactAnswer: At γ = 1 there is no best value, or γ is too close to 1 to compute it.
+        ValueError: `gamma` is out of range.
     """
     if not 0.0 <= gamma <= 1.0:
         raise ValueError(f"gamma is {gamma}; expected a number in [0, 1]")
@@ -139,7 +142,7 @@ def solve(mdp: TabularMDP, gamma: float, near: FloatArray | None = None) -> Solu
     optimum = policy_iteration(model, gamma, near=near)
     advantage = optimum.advantage
     best = advantage >= np.repeat(model.best(advantage), model.pairs_each) - TIE
-    best[optimum.policy] = True  # where values are so large that rounding is more than that
+    best[optimum.policy] = True  # in case values are so large that rounding exceeds the tolerance
     greedy = ending_ties(model, best) if gamma == 1.0 else best
     return Solution(
         gamma=gamma,
@@ -154,15 +157,15 @@ def solve(mdp: TabularMDP, gamma: float, near: FloatArray | None = None) -> Solu
 
 
 def greedy_return(mdp: TabularMDP, solution: Solution) -> float | None:
-    """Return what the greedy policy of ``solution``, that of ``mdp``, earns: see :class:`Returns`."""
+    """Return the return of the greedy policy of `solution`; see :class:`Returns`."""
     return expected_return(mdp, uniform_over(mdp, solution.greedy))
 
 
 def returns(mdp: TabularMDP, solution: Solution) -> Returns:
-    """Return what the greedy policy of ``solution``, that of ``mdp``, and the best policy earn."""
+    """Return the returns of the greedy policy of `solution`, and of the best policy."""
     if mdp.time_limit:
         return Returns(greedy_return(mdp, solution), best_expected_return(mdp))
-    if solution.gamma == 1.0 or bool(mdp.terminated.all()):  # nothing is discounted
+    if solution.gamma == 1.0 or bool(mdp.terminated.all()):  # discounting has no effect
         best: float | None = solution.value_at_start
         is_best = True
     else:
@@ -174,9 +177,10 @@ def returns(mdp: TabularMDP, solution: Solution) -> Returns:
 
 
 def best_expected_return(mdp: TabularMDP) -> float | None:
-    """Return the expected return of the best policy that may look at the clock, within the time limit.
+    """Return the return of the best policy that may use the elapsed time, within the time limit.
 
-    Without a time limit that of the best policy that ends with probability 1; None where γ = 1 has no answer.
+    Without a time limit it is the best policy that ends with probability 1. None means that γ = 1 has no
+    answer.
     """
     if mdp.time_limit:
         return mdp.average_at_start(best_values(mdp, 1.0, mdp.time_limit))
@@ -185,7 +189,7 @@ def best_expected_return(mdp: TabularMDP) -> float | None:
 
 
 def _undiscounted(model: ExactModel, start: IntArray | None) -> Optimum | None:
-    """Return the optimum at γ = 1, None where there is none; ``start``, [N] pairs, may be a good policy."""
+    """Return the optimum at γ = 1, or None. `start`, [N] pairs, may be a good first policy."""
     try:
         return policy_iteration(model, 1.0, start=start)
     except NoExactAnswer:
@@ -193,17 +197,17 @@ def _undiscounted(model: ExactModel, start: IntArray | None) -> Optimum | None:
 
 
 def ending_ties(model: ExactModel, tied: BoolArray) -> BoolArray:
-    """Return those of the ``tied`` pairs, [P], among which every choice ends with probability 1.
+    """Return the `tied` pairs, [P], among which every choice ends with probability 1.
 
-    ``tied`` marks the best pairs of each live state at γ = 1, by some of which an end can be reached from
-    everywhere. A state's rank is the fewest steps in which luck may lead from it to an end by tied pairs. A
-    tied pair is dropped if it stays for certain among states in which some choice never ends, and none of
-    its outcomes has a lower rank; nothing is dropped where no choice can go on for ever.
+    `tied` marks the best pairs of each live state at γ = 1. Some of them lead to an end from everywhere. The
+    rank of a state is the fewest possible steps to an end by tied pairs. A tied pair is dropped if it surely
+    stays among states in which some choice never ends, and none of its outcomes has a lower rank. If no
+    choice can run forever, nothing is dropped.
 
-    Proof: a choice that may go on for ever would come to a closed set of states, in which some choice never
-    ends; so each of its pairs was kept for an outcome of lower rank, which the state of least rank in the
-    set cannot have. A choice among best pairs that ends with probability 1 attains V*, since along it
-    V*(s) = E[R + V*(S′)] adds up, step by step, to the expected return.
+    Proof: a choice that may run forever would reach a closed set of states in which some choice never ends.
+    Each of its pairs was kept because of an outcome with lower rank, which is impossible for the state of
+    least rank. A choice among best pairs that ends with probability 1 attains V*, because V*(s) = E[R +
+    V*(S′)] adds up to the expected return along it.
     """
     rank = model.steps_to([model.end], tied)
     lower = rank[model.landing] < rank[model.pair_state][model.outcome_pair]

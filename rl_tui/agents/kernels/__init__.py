@@ -1,1 +1,1 @@
-"""Compiled functions that others call, and the cache that keeps all machine code."""
+"""The compiled loops and their data."""

@@ -1,4 +1,4 @@
-"""What every loop does after an update, whatever the algorithm, and what it records for people to look at."""
+"""The part of every loop after an update, and the record of steps for display."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from rl_tui.agents.last_step import LastStep
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 TD_ERRORS_KEPT: Final = 256
-# The fields of a last step, by kind and in its order, as they are recorded
+# Names of the recorded fields of LastStep by kind, in its order
 _WHOLE: Final = [field.name for field in fields(LastStep) if field.type in ("int", "bool")]
 _FLAGS: Final = [field.name for field in fields(LastStep) if field.type == "bool"]
 _REAL: Final = [field.name for field in fields(LastStep) if field.type == "float"]
 
 
 class StepRecord(NamedTuple):
-    """What is recorded of the steps taken.
+    """The record of recent steps.
 
-    Of the last one the ``whole`` fields of :class:`LastStep` and the ``real`` ones. Of the last
-    updates the ``td_errors`` and the ``pairs`` that moved, [TD_ERRORS_KEPT] each: that of update k (from 0)
-    at k modulo the room for them, ``updates[0]`` being how many there were.
+    `whole` and `real` are the fields of the last :class:`LastStep`. `td_errors` and `pairs`, [TD_ERRORS_KEPT]
+    each, are ring buffers of recent updates: update k (from 0) is at k modulo their size. ``updates[0]``
+    counts all updates.
     """
 
     whole: IntArray
@@ -36,7 +36,7 @@ class StepRecord(NamedTuple):
 
 
 def new_record() -> StepRecord:
-    """Return the record of no step."""
+    """Return an empty record."""
     return StepRecord(
         np.zeros(len(_WHOLE), np.int64),
         np.zeros(len(_REAL)),
@@ -48,11 +48,11 @@ def new_record() -> StepRecord:
 
 @inlined
 def after_update(record: StepRecord, update: Update) -> int:
-    """Keep the TD error of ``update``, if there was one; return DIVERGED where an estimate ran away, else 0.
+    """Store the TD error of `update`, if any. Return DIVERGED if an estimate diverged, else 0.
 
-    It is called once a step, with the update that is told of. The further ones that traces, a model or the
-    end of an episode bring in the same step have no TD error here. What is watched for needs the state in
-    which the next step starts, so it is asked later: see :func:`rl_tui.agents.kernels.watch.watched`.
+    It is called once per step, with the reported update. Further updates of the same step (traces, model, end
+    of episode) store no TD error. Watched events depend on the start of the next step, so they are checked
+    later; see :func:`rl_tui.agents.kernels.watch.watched`.
     """
     if update.pair >= 0:
         place = record.updates[0] % TD_ERRORS_KEPT
@@ -60,7 +60,7 @@ def after_update(record: StepRecord, update: Update) -> int:
         record.td_errors[place] = target - update.before
         record.pairs[place] = update.pair
         record.updates[0] += 1
-    # Written so that NaN is caught too
+    # this form also catches NaN
     return DONE if abs(update.extreme) <= LARGEST_ESTIMATE else DIVERGED
 
 
@@ -78,9 +78,9 @@ def record_step(
     experience: Experience,
     update: Update,
 ) -> None:
-    """Record one step and what was learned from it; ``outcome`` is −1 where it is not known.
+    """Record one step and its update. `outcome` is −1 if unknown.
 
-    It is called and not inlined, so that all loops share one.
+    It is not inlined, so that all loops share its code.
     """
     whole, real = record.whole, record.real
     whole[0], whole[1], whole[2], whole[3] = step, episode, experience.state, experience.pair
@@ -94,7 +94,7 @@ def record_step(
 
 
 def read_record(record: StepRecord) -> LastStep | None:
-    """Return the recorded step, None before the first."""
+    """Return the recorded step, or None before the first."""
     found = dict(zip((*_WHOLE, *_REAL), (*record.whole.tolist(), *record.real.tolist()), strict=True))
     found |= {name: bool(found[name]) for name in _FLAGS}
     return LastStep(**found) if found["step"] else None

@@ -1,7 +1,7 @@
-"""The marks of what is compiled; the functions themselves stay plain, and Python calls them as they are.
+"""Decorators that mark functions for compilation. Python still calls the plain functions.
 
-So every kernel has an interpreted form, bit for bit the same, which needs no compiler. It knows nothing of
-numba: ``jit.py`` makes the machine code of what is marked here.
+So every kernel has an interpreted form with the same bits, without a compiler. This module knows nothing of
+numba; ``jit.py`` compiles the marked functions.
 """
 
 from __future__ import annotations
@@ -13,23 +13,23 @@ Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
 
 COMPILED: Final[list[Callable[..., Any]]] = []
-"""What machine code calls: compiled once for each types of arguments, and shared by all that call it."""
+"""Functions called by machine code, compiled once per argument types and shared."""
 
 CALLED_FROM_PYTHON: Final[dict[Callable[..., Any], Callable[[], tuple[Any, ...]]]] = {}
-"""Those of them that Python calls, and what gives an example of their arguments, whose types never differ."""
+"""Those called by Python, with a function that returns example arguments. Their types never vary."""
 
 CALLED_BY_KERNELS: Final = set[Callable[..., Any]]()
-"""Those of them that nothing but machine code calls."""
+"""Those called only by machine code."""
 
 INLINED: Final[list[Callable[..., Any]]] = []
-"""What machine code inlines."""
+"""Functions that machine code inlines."""
 
 FAMILIES: Final[list[Family]] = []
-"""What machine code inlines after a choice by the type of the first argument."""
+"""Functions that machine code inlines after a choice by the type of the first argument."""
 
 
 class Family(NamedTuple):
-    """What ``dispatch`` chooses from: ``members`` by the type of the first argument, else ``otherwise``."""
+    """A function `dispatch` with `members` by type of the first argument, else `otherwise`."""
 
     dispatch: Callable[..., Any]
     members: dict[type, Callable[..., Any]]
@@ -37,7 +37,7 @@ class Family(NamedTuple):
 
 
 def compiled(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Mark ``function`` as one that machine code calls."""
+    """Mark `function` as called by machine code."""
     COMPILED.append(function)
     return function
 
@@ -45,9 +45,9 @@ def compiled(function: Callable[Parameters, Result]) -> Callable[Parameters, Res
 def compiled_for(
     example: Callable[[], tuple[Any, ...]],
 ) -> Callable[[Callable[Parameters, Result]], Callable[Parameters, Result]]:
-    """Mark a function as :func:`compiled`, and as one that Python calls with types that are always the same.
+    """Mark a function as :func:`compiled`, and as called from Python with constant argument types.
 
-    They are those of the arguments that ``example`` returns, by position. Python calls it by
+    `example` returns arguments of these types, by position. Python calls the function through
     :func:`rl_tui.agents.kernels.machine_code.fastest`.
     """
 
@@ -59,28 +59,28 @@ def compiled_for(
 
 
 def for_kernels(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Mark ``function`` as :func:`compiled`, and as one whose machine code nothing but kernels calls.
+    """Mark `function` as :func:`compiled` and called only by kernels.
 
-    It takes less time to compile, since Python's objects need not be taken apart.
+    It compiles faster, since it needs no conversion of Python objects.
     """
     CALLED_BY_KERNELS.add(function)
     return compiled(function)
 
 
 def inlined(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Mark ``function`` as one that machine code inlines.
+    """Mark `function` as inlined by machine code.
 
-    A call costs two to four times the work it does, since every array's reference is counted at every call.
+    A call would cost two to four times its work, because every call counts the references of all arrays.
     """
     INLINED.append(function)
     return function
 
 
 def inlined_by_type(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Make ``function`` a family of inlined functions, one for each NamedTuple type of its first argument.
+    """Make `function` a family of inlined functions, chosen by the NamedTuple type of the first argument.
 
-    Members join with :func:`member_of`; types without a member get ``function`` itself. Machine code has the
-    choice made while it is compiled, and pays nothing for it.
+    Members join with :func:`member_of`. Types without a member use `function` itself. Machine code makes the
+    choice at compile time, at no cost.
     """
     members: dict[type, Callable[..., Any]] = {}
 
@@ -95,16 +95,16 @@ def inlined_by_type(function: Callable[Parameters, Result]) -> Callable[Paramete
 
 
 def has_member(dispatch: Callable[..., Any], first_type: type) -> bool:
-    """Return whether a ``first_type`` has a member of its own in the family ``dispatch``."""
+    """Return True if `first_type` has its own member in the family `dispatch`."""
     return first_type in dispatch.__dict__["members"]
 
 
 def member_of(
     dispatch: Callable[..., Any], first_type: type
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Let ``dispatch`` choose the decorated function where its first argument is a ``first_type``."""
-    # Before it looks closer, Numba tells NamedTuples apart by the names of type and fields: of two algorithms
-    # that both remember a Memory(q, visits), one would run the other's code
+    """Add the decorated function to the family `dispatch` for a first argument of `first_type`."""
+    # Numba first compares NamedTuples by type name and fields. Two algorithms with a Memory(q, visits) would
+    # share code without unique names
     first_type.__name__ = f"{first_type.__module__}.{first_type.__qualname__}"
 
     def join(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -1,4 +1,4 @@
-"""The one draw that nearly every step needs, uniform on [0, 1)."""
+"""The uniform random draw that nearly every step needs."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from rl_tui.agents.kernels.compiled import inlined
 
 @inlined
 def uniform(generator: Generator) -> float:
-    """Return a draw from [0, 1); machine code steps the PCG64 of ``generator`` in place, with the same bits.
+    """Return a draw from [0, 1). Machine code steps the PCG64 of `generator` directly, with the same bits.
 
-    See :mod:`rl_tui.agents.compiling.native`: a call to the generator costs as much as all else in a step.
+    A call of the generator would cost as much as the rest of a step. See
+    :mod:`rl_tui.agents.compiling.native`.
     """
     return generator.random()

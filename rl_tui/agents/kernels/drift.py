@@ -1,4 +1,4 @@
-"""Which arms of a bandit are the best, also where means drift (Sutton & Barto, 2nd ed., section 2.5)."""
+"""The best arms of a bandit, even if means drift (Sutton & Barto, 2nd ed., section 2.5)."""
 
 from __future__ import annotations
 
@@ -15,12 +15,11 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 class Drift(NamedTuple):
-    """``optimal``, [P], marks the best arms of a bandit; nothing in any other world.
+    """`optimal`, [P], marks the best arms of a bandit, and nothing in other worlds.
 
-    Where rewards drift, ``mean`` and ``offset``, [P], are the expected rewards now and how far they have
-    moved; else both are empty. Only there the loop itself adds up, [1] each, since the world last changed:
-    the ``regret`` of all pulls, each against the means of its moment; ``best_total``, what the best arm of
-    each moment would have brought; and how many pulls were ``optimal_pulls``.
+    If rewards drift, `mean` and `offset`, [P], are the current means and their drift; otherwise both are
+    empty. Then the loop also sums up, [1] each, since the last change of the world: the `regret` of all
+    pulls, `best_total` of the best arm of each moment, and the number of `optimal_pulls`.
     """
 
     optimal: BoolArray
@@ -32,7 +31,7 @@ class Drift(NamedTuple):
 
 
 class Drifted(NamedTuple):
-    """Sums over the pulls since the world last changed, each by the means then: see :class:`Drift`."""
+    """Sums over the pulls since the last change of the world; see :class:`Drift`."""
 
     regret: float
     best_total: float
@@ -40,14 +39,14 @@ class Drifted(NamedTuple):
 
 
 def drifted_by(drift: Drift) -> Drifted | None:
-    """Return the sums; None where no means drift."""
+    """Return the sums, or None if no means drift."""
     if not len(drift.offset):
         return None
     return Drifted(float(drift.regret[0]), float(drift.best_total[0]), int(drift.optimal_pulls[0]))
 
 
 def new_drift(space: FiniteSpace) -> Drift:
-    """Return how things stand before the first step."""
+    """Return the drift before the first step."""
     optimal, mean, drifts = np.zeros(space.pairs, np.bool_), np.empty(0), False
     if isinstance(space, TabularMDP) and is_bandit(space):
         mean = space.expected_reward
@@ -60,7 +59,7 @@ def new_drift(space: FiniteSpace) -> Drift:
 
 @inlined
 def drift_on(drift: Drift, tables: Tables, pair: int, generator: Generator) -> None:
-    """Add up what ``pair`` has cost, then let the mean of every arm take a step of its random walk."""
+    """Add the regret of `pair`, then let the mean of every arm drift one step."""
     if len(drift.mean) > 0:
         best = 0
         for arm in range(len(drift.mean)):

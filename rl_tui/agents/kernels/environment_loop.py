@@ -1,4 +1,4 @@
-"""The agent–environment loop where the environment has no table: the same algorithms, a step at a time."""
+"""The agent–environment loop for environments without a transition table, one step per call."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MOST_SEEDS: Final = 2**31
 
 
 class Chosen(NamedTuple):
-    """The action on its way, [1] each: its pair, and whether it was drawn to explore (1) or not (0)."""
+    """The chosen action, [1] each: its pair, and 1 if it was drawn to explore."""
 
     pair: IntArray
     explored: IntArray
@@ -66,9 +66,8 @@ def turn(
 ) -> int:
     """Learn from the result of the chosen action, if there is one, then choose the next.
 
-    ``start`` is where the next episode starts, if this one is over. Returns the state–action pair to take, or
-    −1 − :class:`Stop` where nothing more is to be done. One call a step, since every call costs more than
-    what it does.
+    `start` is the start of the next episode, if this one is over. Returns the pair to take, or −1 −
+    :class:`Stop` if the loop must stop. One call per step, because a call costs more than its work.
     """
     step = position.step[0]
     episode = position.episodes[0]
@@ -78,7 +77,7 @@ def turn(
     params = with_alpha(params, scheduled(schedules.alpha, episode))
     stop = 0
     if has_result:
-        # Take action A, observe R, S′: the caller has just done that
+        # Take action A, observe R, S′: done by the caller
         experience = Experience(state, chosen.pair[0], reward, next_state, terminated, truncated)
         step += 1
         position.rewards[position.episode_step[0] % REWARDS_KEPT] = reward
@@ -110,7 +109,7 @@ def turn(
             position.first_reward_episode[0] = episode + 1
         stop = after_update(record, update)
         if stop != 0:
-            pass  # an estimate ran away: nothing else counts
+            pass  # an estimate diverged, so nothing else matters
         elif terminated or truncated:
             logged = log.finished[0]
             log.returns[logged] = position.episode_return[0]
@@ -148,12 +147,19 @@ def turn(
 
 
 class SteppedLoop:
-    """One environment and where it stands; its own randomness starts from a draw of ``world``.
+    """One environment and its current episode, seeded by a draw from `world`.
 
-    ``pair_action``, [P], says which action a pair is. ``state`` is the one in which the first episode
-    starts, ``failure`` says, in one line, at which step the environment broke down and why, empty while it
-    did not. ``time_budget`` is for how many seconds :meth:`advance` begins new steps. Raises
-    EnvironmentFailedError where it cannot even start.
+    `state` is the start of the first episode. `failure` describes an error of the environment in one line,
+    and is empty otherwise. `time_budget` is the number of seconds during which :meth:`advance` starts new
+    steps.
+
+    Args:
+        environment: The environment.
+        world: Stream of the world.
+        pair_action: Action of each pair, [P].
+
+    Raises:
+        EnvironmentFailedError: The environment cannot start.
     """
 
     def __init__(self, environment: Environment, world: Generator, pair_action: IntArray) -> None:
@@ -182,10 +188,10 @@ class SteppedLoop:
         episodes: int,
         in_machine_code: bool,
     ) -> Stop:
-        """Take at most ``steps`` steps, or until ``episodes`` more have ended, or ``time_budget`` has.
+        """Take steps until the step, episode or time limit is reached.
 
-        The bits are those of the compiled loop where the environment gives the same results. Where it breaks
-        down the loop stops after the last sound step, with all that was learned from it.
+        The bits equal those of the compiled loop if the environment returns the same results. If it fails,
+        the loop stops after the last valid step and keeps what was learned.
         """
         args = (memory, rule, params, schedules, tables, position, log, record, watch, self._chosen, learner)
         last_step = int(position.step[0]) + steps
@@ -211,13 +217,13 @@ class SteppedLoop:
             if result.terminated or result.truncated:
                 start = self._start(result.next_state, step)
             if self.failure or time.perf_counter() >= until:
-                last_step = 0  # the step itself was sound: learn from it, and choose nothing after it
+                last_step = 0  # the step itself was valid: learn from it, but choose no further action
             pair = take_turn(*args, True, *result, start, last_step, last_episode)
         stop = Stop(-1 - pair)
         return Stop.WORLD_FAILED if self.failure and stop is not Stop.DIVERGED else stop
 
     def _start(self, otherwise: int, step: int) -> int:
-        """Begin an episode after ``step`` and return where it starts; ``otherwise`` if that fails."""
+        """Start an episode after `step` and return its state, or `otherwise` on failure."""
         try:
             return self._environment.reset()
         except EnvironmentFailedError as failure:

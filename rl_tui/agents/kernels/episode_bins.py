@@ -1,4 +1,4 @@
-"""Finished episodes, added up in bins of equal width: for the curve of a run, and for the mean of many."""
+"""Finished episodes summed up in bins of equal width, for learning curves."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class EpisodeBins(NamedTuple):
-    """Bins of ``width`` episodes, ``used`` of them in use, all but the last one full."""
+    """Bins of `width` episodes. `used` of them are in use, all full except the last."""
 
     width: IntArray
     used: IntArray
@@ -30,7 +30,7 @@ def _no_episodes() -> tuple[Any, ...]:
 
 @compiled_for(_no_episodes)
 def fold(bins: EpisodeBins, returns: FloatArray, lengths: IntArray) -> None:
-    """Add finished episodes one after the other, merging bins in pairs whenever all are full."""
+    """Add finished episodes. When all bins are full, merge them in pairs."""
     width, used = bins.width[0], bins.used[0]
     total = bins.total_return[0]
     done = 0
@@ -72,7 +72,7 @@ def fold(bins: EpisodeBins, returns: FloatArray, lengths: IntArray) -> None:
 
 
 def empty_bins(bins: int) -> EpisodeBins:
-    """Return room for ``bins`` bins of one episode each, an even number, with none in use."""
+    """Return `bins` empty bins (an even number) of one episode each."""
     return EpisodeBins(
         width=np.ones(1, np.int64),
         used=np.zeros(1, np.int64),
@@ -86,7 +86,7 @@ def empty_bins(bins: int) -> EpisodeBins:
 
 
 class CurveSums(NamedTuple):
-    """Sums over the episodes of each bin, [B] each: returns, lengths, and optimal actions."""
+    """Sums over the episodes of each bin, [B] each: returns, lengths and optimal actions."""
 
     returns: FloatArray
     lengths: IntArray
@@ -107,7 +107,7 @@ def collect(
     lengths: IntArray,
     optimal: BoolArray,
 ) -> None:
-    """Add episodes to their bins; the first of them comes after ``done`` others."""
+    """Add episodes, which follow `done` earlier ones, to their bins."""
     for index in range(len(returns)):
         here = (done + index) // width
         sums.returns[here] += returns[index]

@@ -1,4 +1,4 @@
-"""The agent–environment loop, compiled: one driver for all algorithms (Sutton & Barto, 2nd ed., Fig. 3.1)."""
+"""The compiled agent–environment loop, common to all algorithms (Sutton & Barto, 2nd ed., Fig. 3.1)."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from rl_tui.agents.kernels.tables import Tables, landing, outcomes_of, pairs_of
 from rl_tui.agents.kernels.watch import Watch, watched
 from rl_tui.agents.policies.family import in_force, reinforce
 
-# Why the inner loop came back: the rewards that are kept have to be added up before they are written over
+# Internal stop: stored rewards must be summed before they are overwritten
 _REWARDS_FULL: Final = -1
 
 
 @inlined
 def start_state(tables: Tables, generator: Generator) -> int:
-    """Draw where an episode starts; a single start takes no draw."""
+    """Draw the start of an episode. A single start needs no draw."""
     index = 0
     if len(tables.start_state) > 1:
         draw = uniform(generator)
@@ -45,12 +45,12 @@ def start_state(tables: Tables, generator: Generator) -> int:
 
 @inlined
 def draw_outcome(tables: Tables, pair: int, generator: Generator) -> int:
-    """Draw what happens when ``pair`` is taken; a certain outcome takes no draw."""
+    """Draw the outcome of `pair`. A certain outcome needs no draw."""
     first, last = outcomes_of(tables, pair)
     outcome = first
     if last - first > 1:
         draw = uniform(generator)
-        # Counting those below the draw, in place of stopping at the first above it, leaves nothing to guess
+        # Counting instead of stopping early avoids branch mispredictions
         for each in range(first, last - 1):
             outcome += draw >= tables.cumulative[each]
     return outcome
@@ -58,7 +58,7 @@ def draw_outcome(tables: Tables, pair: int, generator: Generator) -> int:
 
 @inlined
 def draw_reward(tables: Tables, drift: Drift, pair: int, outcome: int, generator: Generator) -> float:
-    """Return the reward of ``outcome`` of ``pair``, with its drift and Gaussian noise where it has any."""
+    """Return the reward of an outcome of `pair`, with drift and Gaussian noise."""
     reward = float(tables.reward[outcome])
     if len(drift.offset) > 0:
         reward += drift.offset[pair]
@@ -84,7 +84,7 @@ def advance(
     steps: int,
     episodes: int,
 ) -> int:
-    """Take at most ``steps`` steps, or until ``episodes`` more have ended; return a :class:`Stop`."""
+    """Take up to `steps` steps or `episodes` episodes, and return a :class:`Stop`."""
     if steps <= 0 or episodes <= 0:
         return DONE
     discounted_step = step = position.step[0]
@@ -98,7 +98,7 @@ def advance(
     last_step, last_episode = step + steps, episode + episodes
     rule = in_force(rule, epsilon_in(schedules, episode))
     params = with_alpha(params, alpha_in(schedules, episode))
-    # What is rare is looked for after this step alone: every question costs at each of a billion steps
+    # Rare events are checked only after this step, since every check costs time in a billion steps
     pause = step + 1 if watching else min(last_step, step + LONGEST_EPISODE - episode_step)
     going_on = True
     while going_on:
@@ -129,7 +129,7 @@ def advance(
             first_reward_episode = episode + 1
         stop = after_update(record, update)
         if stop != DONE:
-            pass  # an estimate ran away: nothing else counts
+            pass  # an estimate diverged, so nothing else matters
         elif terminated or truncated:
             log.returns[logged] = episode_return
             log.lengths[logged] = episode_step

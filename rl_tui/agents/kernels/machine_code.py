@@ -1,6 +1,6 @@
-"""Which kernels this process has as machine code. All others run interpreted, with the same bits.
+"""The kernels that this process has as machine code. Others run interpreted, with the same bits.
 
-It knows nothing of numba until machine code is asked for.
+Numba is imported only when machine code is requested.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
 
 ALWAYS_INTERPRETED: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
-"""Whether this process is to have no machine code: then a debugger can step through the kernels."""
+"""True if this process must not use machine code, so that a debugger can step through kernels."""
 
 
 class Batching(StrEnum):
-    """How many runs are advanced by one call."""
+    """How many runs one call advances."""
 
     NONE = ""
-    """There is one run."""
+    """A single run."""
     ONE_BY_ONE = "one by one"
-    """Each in its turn to the end, by the loop of a single one."""
+    """Each run to its end, by the loop of a single run."""
     IN_TURN = "in turn"
-    """A step each: where they share a world in which every state has four actions."""
+    """One step each in turn, for runs that share a world with four actions in every state."""
 
 
 class Loop(NamedTuple):
-    """What machine code of the agent–environment loop is compiled for; planners have no ``policy``."""
+    """The key of a compiled agent–environment loop. Planners have no `policy`."""
 
     algorithm: str
     policy: str
@@ -43,33 +43,33 @@ class Loop(NamedTuple):
 
 
 SHARED: Final = Loop("shared", "", stepped=False)
-"""What every run needs besides its loop, as if it were one: it is in the cache some seconds before that."""
+"""The code that every run needs in addition to its loop. It reaches the cache some seconds earlier."""
 
 COMPILED_LOOPS: Final = set[Loop]()
-"""Those that this process has as machine code."""
+"""Loops that this process has as machine code."""
 
 _MACHINE_CODE: Final[dict[Callable[..., Any], Callable[..., Any]]] = {}
 
 
 @cache
 def interpreted(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Return ``function`` as Python runs it.
+    """Return `function` as run by Python.
 
-    As in machine code, a number that runs away becomes inf or NaN, without a warning.
+    As in machine code, overflow gives inf or NaN without a warning.
     """
     return np.errstate(all="ignore")(function)
 
 
 def fastest(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Return the machine code of ``function`` where this process has it, else its interpreted form."""
+    """Return the machine code of `function` if this process has it, else its interpreted form."""
     return _MACHINE_CODE.get(function) or interpreted(function)
 
 
 def machine_code(function: Callable[Parameters, Result], *example: Any) -> Callable[Parameters, Result]:
-    """Return the machine code of ``function``, which is compiled, or read from the cache, when it is called.
+    """Return the machine code of `function`, compiled or read from the cache on the first call.
 
-    With an ``example`` of its arguments that is done at once, and what is returned takes just these types:
-    see :func:`rl_tui.agents.compiling.jit.entry`.
+    With `example` arguments this happens immediately, and the result accepts only these types; see
+    :func:`rl_tui.agents.compiling.jit.entry`.
     """
     if ALWAYS_INTERPRETED:
         return interpreted(function)
@@ -79,15 +79,15 @@ def machine_code(function: Callable[Parameters, Result], *example: Any) -> Calla
 
 
 def use_machine_code(function: Callable[..., Any], *example: Any) -> None:
-    """Let :func:`fastest` return machine code from now on.
+    """Let :func:`fastest` return machine code of `function` from now on.
 
-    With an ``example`` of its arguments it is compiled, or read from the cache, at once.
+    With `example` arguments it is compiled, or read from the cache, immediately.
     """
     machine_code(function, *example)
     _MACHINE_CODE[function] = machine_code(function)
 
 
 def use_machine_code_from_python() -> None:
-    """Let :func:`fastest` return machine code of all that Python calls, of what has been imported."""
+    """Let :func:`fastest` return machine code for all imported functions that Python calls."""
     for function, example in CALLED_FROM_PYTHON.items():
         use_machine_code(function, *example())

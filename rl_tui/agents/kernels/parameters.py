@@ -1,4 +1,4 @@
-"""The hyper-parameters as the kernels take them."""
+"""The hyper-parameters in the form for kernels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _LINEAR: Final = SCHEDULES.index("linear")
 
 
 class Schedule(NamedTuple):
-    """How a number goes from ``start`` towards ``least`` from episode to episode; ``kind`` of SCHEDULES."""
+    """The change of a number from `start` towards `least` per episode. `kind` is an index of SCHEDULES."""
 
     kind: int
     start: float
@@ -22,17 +22,17 @@ class Schedule(NamedTuple):
 
 
 class Schedules(NamedTuple):
-    """The schedules of ε and α, which change from episode to episode."""
+    """The schedules of ε and α."""
 
     epsilon: Schedule
     alpha: Schedule
 
 
 class KernelParameters(NamedTuple):
-    """The hyper-parameters that an update rule reads; ``alpha`` is the step size of the episode under way.
+    """Hyper-parameters of an update rule.
 
-    ``alpha`` does not count where ``sample_average`` is true: see :func:`step_size`. ``trace_decay`` is λ and
-    ``steps`` the n of n-step methods.
+    `alpha` is the step size of the current episode, unless `sample_average` is true; see :func:`step_size`.
+    `trace_decay` is λ, and `steps` the n of n-step methods.
     """
 
     alpha: float
@@ -49,7 +49,7 @@ class KernelParameters(NamedTuple):
 
 @compiled
 def scheduled(schedule: Schedule, episode: int) -> float:
-    """Return the number in force in ``episode``, counted from 0; a call, so that all loops share one."""
+    """Return the number in `episode`, counted from 0. It is not inlined, so that all loops share it."""
     if schedule.kind == _CONSTANT or schedule.decay == 0.0:
         return schedule.start
     if schedule.kind == _LINEAR and schedule.start >= schedule.least:
@@ -61,21 +61,21 @@ def scheduled(schedule: Schedule, episode: int) -> float:
 
 @inlined
 def epsilon_in(schedules: Schedules, episode: int) -> float:
-    """Return ε in ``episode``, counted from 0; where it is the same in all there is no call."""
+    """Return ε in `episode`, counted from 0, without a call if it is constant."""
     schedule = schedules.epsilon
     return schedule.start if schedule.decay == 0.0 else scheduled(schedule, episode)
 
 
 @inlined
 def alpha_in(schedules: Schedules, episode: int) -> float:
-    """Return the step size in ``episode``, counted from 0; where it is the same in all there is no call."""
+    """Return the step size in `episode`, counted from 0, without a call if it is constant."""
     schedule = schedules.alpha
     return schedule.start if schedule.decay == 0.0 else scheduled(schedule, episode)
 
 
 @inlined
 def with_alpha(params: KernelParameters, alpha: float) -> KernelParameters:
-    """Return ``params`` with the step size of another episode."""
+    """Return `params` with another step size."""
     return KernelParameters(
         alpha,
         params.sample_average,
@@ -92,15 +92,12 @@ def with_alpha(params: KernelParameters, alpha: float) -> KernelParameters:
 
 @inlined
 def step_size(params: KernelParameters, count: int) -> float:
-    """Return the step size of the ``count``-th update of a pair (from 1)."""
+    """Return the step size of update number `count` of a pair, counted from 1."""
     return 1.0 / count if params.sample_average else params.alpha
 
 
 def kernel_parameters(hyperparameters: Hyperparameters) -> KernelParameters:
-    """Return the hyper-parameters that the update rules read.
-
-    Each is of the same type whatever was written: machine code is compiled for types.
-    """
+    """Convert hyper-parameters for the update rules. Types never vary, as machine code requires."""
     return KernelParameters(
         alpha=float(hyperparameters.alpha_at(0) or 0.0),
         sample_average=hyperparameters.sample_average,
@@ -116,7 +113,7 @@ def kernel_parameters(hyperparameters: Hyperparameters) -> KernelParameters:
 
 
 def schedules_of(hyperparameters: Hyperparameters) -> Schedules:
-    """Return the schedules of ε and α, of the same types whatever was written."""
+    """Return the schedules of ε and α. Types never vary, as machine code requires."""
     alpha = 0.0 if isinstance(hyperparameters.alpha, str) else hyperparameters.alpha
     step_size_kind = "constant" if hyperparameters.sample_average else hyperparameters.step_size_schedule
     return Schedules(

@@ -1,4 +1,4 @@
-"""Planners as agents one can watch: one driver for all, a state's backup a step, a sweep an episode."""
+"""The loop of planners: a step backs up one state, an episode is a sweep."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rl_tui.agents.kernels.watch import Watch, watched
 
 @compiled
 def state_with_pairs(tables: Tables, start: int) -> int:
-    """Return the first state from ``start`` on that owns a pair, or the number of states if none does."""
+    """Return the first state from `start` on with pairs, or the number of states if there is none."""
     state = start
     while state < len(tables.first_pair) - 1 and tables.first_pair[state] == tables.first_pair[state + 1]:
         state += 1
@@ -33,10 +33,9 @@ def sweep(
     steps: int,
     episodes: int,
 ) -> int:
-    """Back up at most ``steps`` states, or until ``episodes`` more sweeps are done; return a :class:`Stop`.
+    """Back up to `steps` states or `episodes` sweeps, and return a :class:`Stop`.
 
-    States are backed up in their order, those that own no pair left out. ``position.state`` is the next one,
-    the first of all where a sweep begins.
+    States without pairs are skipped. ``position.state`` is the next state; a sweep begins with the first one.
     """
     step, episode, state = position.step[0], position.episodes[0], position.state[0]
     first_step, last_step, last_episode = step, step + steps, episode + episodes

@@ -1,4 +1,4 @@
-"""Where a learner stands, as arrays that the compiled loop moves, and why the loop returns."""
+"""The position of a learner in arrays that the loops change, and the reasons to stop."""
 
 from __future__ import annotations
 
@@ -11,20 +11,24 @@ from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 REWARDS_KEPT: Final = 256
-# In place of the pair that a person takes, where the agent chooses
+# No pair is forced: the agent chooses
 NOT_FORCED: Final = -1
 
 
 class Position(NamedTuple):
-    """Where a learner stands, as arrays so that the kernel can move it: of one number but for two.
+    """The position of a learner. Most arrays have one element, so that kernels can change them.
 
-    ``step`` and ``episodes`` count what is done; ``state`` is where the next step starts;
-    ``first_reward_episode`` is the first episode (from 1) with a non-zero reward, 0 while there is none.
-    ``forced`` is the pair that a person takes in place of the agent, −1 where the agent chooses.
-
-    What the last step's episode has brought is kept until the next step: ``rewards``, [REWARDS_KEPT], the
-    last of its rewards, that of its step k (from 0) at k modulo the room for them; ``discounted``, [2], its
-    discounted return so far and the discount due on the next reward.
+    Args:
+        step: Steps taken.
+        episodes: Finished episodes.
+        state: Start of the next step.
+        episode_step: Steps of the current episode.
+        episode_return: Undiscounted return of the current episode.
+        first_reward_episode: First episode (from 1) with a non-zero reward, or 0.
+        forced: Pair that a person takes instead of the agent, or −1.
+        rewards: Recent rewards of the last step's episode, [REWARDS_KEPT]: step k (from 0) is at k modulo the
+            size.
+        discounted: Discounted return of that episode so far, and the discount of its next reward, [2].
     """
 
     step: IntArray
@@ -39,7 +43,7 @@ class Position(NamedTuple):
 
 
 def new_position(state: int) -> Position:
-    """Return where a learner stands before its first step, in ``state``."""
+    """Return the position before the first step, in `state`."""
     step, episodes, at, episode_step, first_reward_episode, forced = (
         np.full(1, number, dtype=np.int64) for number in (0, 0, state, 0, 0, NOT_FORCED)
     )
@@ -58,9 +62,9 @@ def new_position(state: int) -> Position:
 
 @compiled
 def discount_rewards(position: Position, gamma: float, new: int, episode_step: int) -> None:
-    """Add the last ``new`` rewards to the discounted return of their episode, now of ``episode_step`` steps.
+    """Add the last `new` rewards to the discounted return of an episode with `episode_step` steps.
 
-    Those of an earlier episode are left out. Adding up many at once costs less than adding each as it comes.
+    Rewards of earlier episodes are skipped. Adding many at once is faster than adding each.
     """
     total, discount = position.discounted[0], position.discounted[1]
     if new >= episode_step:
@@ -73,9 +77,9 @@ def discount_rewards(position: Position, gamma: float, new: int, episode_step: i
 
 
 class EpisodeLog(NamedTuple):
-    """Episodes ended since the last drain: ``finished[0]`` counts them.
+    """Episodes finished since the last drain; ``finished[0]`` counts them.
 
-    Each has its return, its length, and whether its last pair was the best arm of a bandit.
+    Each has a return, a length, and whether its last pair was the best arm of a bandit.
     """
 
     finished: IntArray
@@ -85,7 +89,7 @@ class EpisodeLog(NamedTuple):
 
 
 def new_episode_log(episodes: int) -> EpisodeLog:
-    """Return an empty log with room for ``episodes``."""
+    """Return an empty log with room for `episodes`."""
     return EpisodeLog(
         np.zeros(1, dtype=np.int64),
         np.zeros(episodes, dtype=np.float64),
@@ -102,16 +106,16 @@ LONGEST_EPISODE: Final = 10_000_000
 
 
 class Stop(IntEnum):
-    """Why the loop came back."""
+    """Reason why the loop stopped."""
 
-    DONE = 0  # the steps or episodes that were asked for
-    EPISODES_FULL = 1  # the episode log is full: drain it and go on
-    DIVERGED = 2  # an estimate left ±1e12 or is not a number
-    ENDLESS_EPISODE = 3  # an episode went beyond 10⁷ steps
-    MEMORY_FULL = 4  # an episode is longer than the algorithm can remember
-    CONVERGED = 5  # a planner is done
-    WORLD_FAILED = 6  # the environment that is stepped broke down
-    NOTICED = 7  # something that is watched for came about in the last step
+    DONE = 0  # requested steps or episodes are done
+    EPISODES_FULL = 1  # the episode log is full: drain it and continue
+    DIVERGED = 2  # an estimate left ±1e12 or is NaN
+    ENDLESS_EPISODE = 3  # an episode exceeded 10⁷ steps
+    MEMORY_FULL = 4  # an episode exceeds the algorithm's memory
+    CONVERGED = 5  # a planner is finished
+    WORLD_FAILED = 6  # the simulated environment failed
+    NOTICED = 7  # a watched event happened in the last step
 
 
 # As numbers, for compiled code

@@ -1,4 +1,4 @@
-"""The arrays of a finite MDP as the kernels take them."""
+"""The arrays of a finite MDP in the form for kernels."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ IndexArray = npt.NDArray[np.uint32]
 
 
 class Tables(NamedTuple):
-    """What a kernel needs of a :class:`TabularMDP`; the same names, the same shapes.
+    """The part of a :class:`TabularMDP` that kernels need, with the same names and shapes.
 
-    Indices are unsigned: compiled code then need not ask whether one counts from the end of its array, which
-    makes the loop a third faster. Read them through :func:`pairs_of`, :func:`outcomes_of` or ``np.int64``,
-    since an unsigned number and a signed one add up to a real one.
+    Indices are unsigned. So compiled code need not check for negative indices, which makes the loop a third
+    faster. Read them through :func:`pairs_of`, :func:`outcomes_of` or ``np.int64``, because unsigned plus
+    signed gives a float.
     """
 
     first_pair: IndexArray
@@ -37,7 +37,7 @@ class Tables(NamedTuple):
 
 
 def tables_of(space: FiniteSpace) -> Tables:
-    """Return the kernel's view of ``space``: without outcomes where it has no transition table."""
+    """Return the kernel's view of `space`, without outcomes if it has no transition table."""
     if isinstance(space, TabularMDP):
         return Tables(
             first_pair=_indices(space.first_pair),
@@ -80,13 +80,13 @@ def _indices(array: npt.NDArray[np.int64]) -> IndexArray:
 
 @inlined_by_type
 def pairs_of(tables: Tables, state: int) -> tuple[int, int]:
-    """Return the first pair of ``state`` and the one after its last; the same twice if it owns none."""
+    """Return the first pair of `state` and the one after its last. Both are equal if it owns none."""
     return np.int64(tables.first_pair[state]), np.int64(tables.first_pair[state + 1])  # type: ignore[return-value]
 
 
 @compiled
 def state_of(tables: Tables, pair: int) -> int:
-    """Return the state that owns ``pair``, by halving."""
+    """Return the state that owns `pair`, by binary search."""
     low, high = 0, len(tables.first_pair) - 1
     while high - low > 1:
         middle = (low + high) // 2
@@ -99,11 +99,11 @@ def state_of(tables: Tables, pair: int) -> int:
 
 @inlined
 def landing(tables: Tables, outcome: int) -> int:
-    """Return the state that ``outcome`` leads to."""
+    """Return the next state of `outcome`."""
     return np.int64(tables.next_state[outcome])  # type: ignore[return-value]
 
 
 @inlined
 def outcomes_of(tables: Tables, pair: int) -> tuple[int, int]:
-    """Return the first outcome of ``pair`` and the one after its last."""
+    """Return the first outcome of `pair` and the one after its last."""
     return np.int64(tables.first_outcome[pair]), np.int64(tables.first_outcome[pair + 1])  # type: ignore[return-value]

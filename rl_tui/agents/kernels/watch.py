@@ -1,4 +1,4 @@
-"""Watching the loops at full speed: stopping after exactly the step at which something happens."""
+"""Breakpoints of the loops: they stop after exactly the step at which an event happens."""
 
 from __future__ import annotations
 
@@ -17,21 +17,23 @@ from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import smallest_mdp
 
 NONE = -1
-# The places of what was noticed
+# Indices into Watch.noticed
 _REWARD, _POLICY, _CELL, _STATE, _PAIR = range(5)
 
 
 @dataclass(frozen=True, slots=True)
 class Watching:
-    """What to stop after: any of these.
+    """Events to stop after.
 
-    * ``reward``: a step whose reward is not 0.
-    * ``policy``: a change of the greedy policy in any state: of the actions that share the maximum, or where
-      ties go to the first of them, of that one. Equality is exact, as the agent itself compares.
-    * ``cell``: the estimate of this pair comes to ``threshold`` or past it, from the side it was on.
-    * ``states``: the agent arrives in one of these, by a step or where an episode starts after another; a
-      planner backs one up.
-    * ``pairs``: one of these is taken; a planner updates one.
+    Args:
+        reward: A step with a non-zero reward.
+        policy: A change of the greedy policy in any state: of the tied best actions, or of the first one if
+            ties take the first. Only equal floats tie.
+        cell: The estimate of this pair reaches or crosses `threshold`.
+        threshold: The threshold for `cell`.
+        states: The agent enters one of these, by a step or at the start of a later episode. A planner backs
+            one up.
+        pairs: One of these is taken. A planner updates one.
     """
 
     reward: bool = False
@@ -43,7 +45,7 @@ class Watching:
 
 
 class WatchedEvents(NamedTuple):
-    """What happened in one step of what is watched for; ``state`` and ``pair`` are the marked ones."""
+    """Watched events of one step. `state` and `pair` are the marked ones, if any."""
 
     reward: bool = False
     policy: bool = False
@@ -56,13 +58,19 @@ NOTHING_NOTICED = WatchedEvents()
 
 
 class Watch(NamedTuple):
-    """What the loops look for after a step; what is one number is an array of one.
+    """Watched events in the form for the loops. Single values are arrays of one element.
 
-    ``active`` says whether anything is watched, ``reward`` and ``policy`` whether these are. ``cell`` is a
-    pair or −1, ``side`` the sign of its estimate less ``threshold``. ``states``, [S], and ``pairs``, [P],
-    mark those watched; ``greedy``, [P], is the greedy policy as it was, 1 for each pair it may take; each is
-    empty where it is not needed. ``noticed``, [5], is what the last step brought: reward, policy, cell (1 or
-    0), state and pair (−1 for none). The loops write to ``side``, ``greedy`` and ``noticed``.
+    Args:
+        active: True if anything is watched.
+        reward: True if rewards are watched.
+        policy: True if the greedy policy is watched.
+        cell: Watched pair, or −1.
+        threshold: Threshold of its estimate.
+        side: Sign of its estimate minus the threshold, changed by the loops.
+        states: Watched states, [S], or empty.
+        pairs: Watched pairs, [P], or empty.
+        greedy: 1 for each pair of the former greedy policy, [P], or empty, changed by the loops.
+        noticed: Events of the last step, [5]: reward, policy, cell (1 or 0), state and pair (−1 for none).
     """
 
     active: BoolArray
@@ -80,9 +88,17 @@ class Watch(NamedTuple):
 def new_watch(
     watching: Watching, space: FiniteSpace, tables: Tables, q: FloatArray, random_ties: bool
 ) -> Watch:
-    """Return the watch for ``watching``, which starts from the estimates ``q``, [P], as they are.
+    """Return the watch for `watching`, starting from current estimates.
 
-    Raises ValueError where a state or a pair is not one of ``space``.
+    Args:
+        watching: Events to watch.
+        space: States and actions.
+        tables: Tables of the world.
+        q: Current estimates, [P].
+        random_ties: True if ties are broken at random.
+
+    Raises:
+        ValueError: A state or pair does not exist.
     """
     cell = NONE if watching.cell is None else watching.cell
     if not -1 <= cell < space.pairs:
@@ -114,7 +130,7 @@ def _marks(what: str, marked: frozenset[int], count: int) -> BoolArray:
 
 
 def noticed_by(watch: Watch) -> WatchedEvents:
-    """Return what the last step brought of what is watched."""
+    """Return the watched events of the last step."""
     reward, policy, cell, state, pair = watch.noticed.tolist()
     return WatchedEvents(
         bool(reward),
@@ -126,7 +142,7 @@ def noticed_by(watch: Watch) -> WatchedEvents:
 
 
 def forget(watch: Watch) -> None:
-    """Forget what the last step brought."""
+    """Clear the events of the last step."""
     watch.noticed[:] = (0, 0, 0, NONE, NONE)
 
 
@@ -142,11 +158,11 @@ def watched(
     start: int,
     stop: int,
 ) -> int:
-    """Return why to stop after a step that would have stopped for ``stop``, 0 for going on.
+    """Return the reason to stop after a step that would have stopped for `stop` (0: continue).
 
-    ``watching`` is ``watch.active[0]``, read once before the loop. ``start`` is where the next step starts:
-    another state than the step led to where an episode has ended; for a planner the state backed up. A stop
-    for good is returned all the same, and so is a planner's end; the next call returns that the log is full.
+    `watching` is ``watch.active[0]``, read once before the loop. `start` is the start of the next step: after
+    the end of an episode the new start, for a planner the state backed up. A final stop and the end of a
+    planner have priority. If the log is full too, the next call reports that.
     """
     if watching and notice(watch, q, random_ties, tables, experience, update, start):
         return NOTICED if stop in (DONE, EPISODES_FULL) else stop
@@ -163,9 +179,9 @@ def notice(
     update: Update,
     start: int,
 ) -> bool:
-    """Return True if a step brought anything that is watched, and note what; a call, to compile only once.
+    """Return True if a step brought a watched event, and store it. Not inlined, to compile only once.
 
-    Its pair is −1 where a planner backed up the state in which it landed.
+    The pair is −1 if a planner backed up the state where it landed.
     """
     seen, pair, landed = watch.noticed, experience.pair, experience.next_state
     seen[_REWARD] = watch.reward[0] and experience.reward != 0.0
@@ -179,7 +195,7 @@ def notice(
     seen[_POLICY] = False
     if watch.policy[0]:
         first, last = 0, 0
-        if pair < 0:  # a planner moves estimates of one state only
+        if pair < 0:  # a planner changes only one state
             first, last = landed, landed + 1
         elif update.others > 0:
             first, last = 0, len(tables.first_pair) - 1
@@ -200,7 +216,7 @@ def _side(estimate: float, threshold: float) -> int:
 
 @inlined
 def _reached(watch: Watch, estimate: float) -> bool:
-    """Return True if the cell has reached or passed its threshold since the step before."""
+    """Return True if the cell has reached or crossed its threshold in this step."""
     before, now = watch.side[0], _side(estimate, watch.threshold[0])
     watch.side[0] = now
     return bool(before != now and before != 0)
@@ -208,7 +224,7 @@ def _reached(watch: Watch, estimate: float) -> bool:
 
 @inlined
 def _marked_pair(marked: BoolArray, tables: Tables, pair: int, state: int) -> int:
-    """Return ``pair`` if it is marked, of a planner's ``state`` the first that is; −1 for none."""
+    """Return `pair` if it is marked, or the first marked pair of a planner's `state`, or −1."""
     if len(marked) == 0:
         return NONE
     first, last = pair, pair + 1
@@ -234,10 +250,7 @@ def policy_changed(
     first_state: int,
     last_state: int,
 ) -> bool:
-    """Return True if states ``first_state`` .. ``last_state`` have other greedy pairs than ``greedy`` says.
-
-    Brings ``greedy`` up to date.
-    """
+    """Return True if the greedy pairs of a range of states differ from `greedy`, and update `greedy`."""
     changed = False
     for state in range(first_state, last_state):
         first, last = pairs_of(tables, state)

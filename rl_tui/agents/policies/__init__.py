@@ -1,1 +1,1 @@
-"""Policies: how actions are chosen, one a file."""
+"""Policies, one per module: how actions are chosen."""

@@ -1,4 +1,4 @@
-"""π(a|s) for the screen: the one that the kernels have, interpreted."""
+"""The action probabilities π(a|s) for the screen, from the interpreted kernels."""
 
 from __future__ import annotations
 
@@ -15,19 +15,26 @@ from rl_tui.agents.policies.family import in_force, learns, probability_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray, all_pairs
 
 MOST_ACTIONS: Final = 100
-"""Each is asked for alone and looks at all of them: interpreted, more would hold up the screen."""
+"""Largest number of actions. Each is computed separately, so more would delay the screen."""
 
 MOST_LOOKS: Final = 200_000
-"""Estimates that may be looked at for all states, where each action of each is asked for alone."""
+"""Largest number of estimates read for all states together."""
 
 
 def action_chances(
     hyperparameters: Hyperparameters, epsilon: float, q: FloatArray, visits: IntArray
 ) -> FloatArray | None:
-    """Return π(a|s) of the A actions of one state, [A], from their estimates and visits, [A] each.
+    """Compute π(a|s) of the actions of one state.
 
-    ``epsilon`` is the one in force. None for more than ``MOST_ACTIONS``, where an estimate that ran away is
-    NaN, and for policies that learn, as those for bandits do: what they have learned is not at hand here.
+    Args:
+        hyperparameters: Settings, which name the policy.
+        epsilon: Current ε.
+        q: Estimates of the actions, [A].
+        visits: Visits of the actions, [A].
+
+    Returns:
+        Probabilities, [A]. None for more than ``MOST_ACTIONS`` actions, for NaN estimates, and for policies
+        that learn, because their rule is not given here.
     """
     actions = len(q)
     if actions > MOST_ACTIONS or np.isnan(q).any():
@@ -48,10 +55,19 @@ def all_chances(
     q: FloatArray,
     visits: IntArray,
 ) -> FloatArray | None:
-    """Return π(a|s) of every pair, [P], of ``rule``, the one in force, with what it has learned.
+    """Compute π(a|s) of every pair.
 
-    ``epsilon`` is the one in force. None where it has no closed form, as for Thompson sampling, and where so
-    many actions are possible that asking for each would take long; ε-greedy is quick in any world.
+    Args:
+        space: States and actions.
+        hyperparameters: Settings, which name the policy.
+        rule: Current rule of the policy, with what it has learned.
+        epsilon: Current ε.
+        q: Estimates, [P].
+        visits: Visits, [P].
+
+    Returns:
+        Probabilities, [P]. None without a closed form (Thompson sampling), and if there are too many actions.
+        ε-greedy is always fast.
     """
     if POLICY_BY_ID[hyperparameters.policy].explores_by_epsilon:
         return softened(space, greedy_policy(space, q, hyperparameters.ties), epsilon)
@@ -59,7 +75,7 @@ def all_chances(
     if int(np.dot(counts, counts)) > MOST_LOOKS:
         return None
     now, first_pair = in_force(rule, epsilon), space.first_pair.tolist()
-    # lists are read several times as fast as arrays, number by number
+    # reading lists number by number is several times as fast as arrays
     estimates, taken = q.tolist(), visits.tolist()
     chances = np.array(
         [

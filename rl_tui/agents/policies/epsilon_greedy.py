@@ -1,4 +1,4 @@
-"""ε-greedy with honest ties (Sutton & Barto, 2nd ed., section 2.2 and page 101)."""
+"""ε-greedy with explicit ties (Sutton & Barto, 2nd ed., section 2.2 and page 101)."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Rule(NamedTuple):
-    """The ε in force; ``random_ties`` is false where the first of equal best actions is taken.
+    """The current ε. Without `random_ties` the first of equal best actions is taken.
 
-    ``in_turn`` says that several runs take turns at one processor, which then is to guess as little as can
-    be: the choice is the same.
+    `in_turn` is set if several runs take turns on one processor. The choice then avoids unpredictable
+    branches, with the same result.
     """
 
     epsilon: float
@@ -34,7 +34,7 @@ class Rule(NamedTuple):
 
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule of these hyper-parameters."""
+    """Return the rule for these settings."""
     return Rule(float(hyperparameters.epsilon), hyperparameters.ties == "random")
 
 
@@ -47,8 +47,8 @@ def _in_force(rule: Rule, epsilon: float) -> Rule:
 def _choose(
     rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
 ) -> tuple[int, bool]:
-    # One draw serves twice: given that it fell below ε, draw / ε is again uniform on [0, 1), and given that
-    # it did not, so is (draw − ε) / (1 − ε).
+    # One draw serves twice: below ε, draw / ε is again uniform on [0, 1), and above it (draw − ε) / (1 − ε)
+    # is
     draw = uniform(generator)
     explore = draw < rule.epsilon
     if explore:
@@ -65,7 +65,7 @@ def _choose(
 
 @member_of(probability_of, Rule)
 def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
-    # π(a|s) = ε / |A(s)|, and besides 1 − ε for the greedy action; ties share that, or the first has all
+    # π(a|s) = ε / |A(s)|, plus 1 − ε for the greedy action; ties share that, or the first gets all
     share, ties = 1.0, 0
     for each in range(first, last):
         tied = q[each] == q[pair]

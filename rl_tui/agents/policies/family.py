@@ -1,4 +1,4 @@
-"""What every policy brings: its rule, a NamedTuple of the numbers in force and, where it learns, arrays."""
+"""The interface of all policies. A rule is a NamedTuple of current numbers and learned arrays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 @inlined_by_type
 def in_force(rule: Any, epsilon: float) -> Any:
-    """Return the rule as it is in an episode whose exploration probability is ``epsilon``."""
+    """Return the rule for an episode with this exploration probability."""
     return rule
 
 
@@ -20,27 +20,52 @@ def in_force(rule: Any, epsilon: float) -> Any:
 def choose(
     rule: Any, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
 ) -> tuple[int, bool]:
-    """Choose among the pairs ``first`` .. ``last`` of a state, at least one; the second value: it explored.
+    """Choose one of the pairs of a state.
 
-    Under ε-greedy a pair explores if it was drawn at random, under other policies if it is not greedy.
+    Args:
+        rule: Rule of the policy.
+        q: Estimates, [P].
+        visits: Visits, [P].
+        first: First pair of the state.
+        last: One after its last pair. There is at least one pair.
+        generator: Stream of the learner.
+
+    Returns:
+        The pair, and True if it explored: drawn at random (ε-greedy), or not greedy (other policies).
     """
     raise NotImplementedError
 
 
 @inlined_by_type
 def probability_of(rule: Any, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
-    """Return π(a|s): how likely ``pair`` is to be chosen among the pairs ``first`` .. ``last`` of its state.
+    """Return π(a|s), the probability of choosing `pair`. Screens call it interpreted.
 
-    NaN where it has no closed form. Screens call it interpreted.
+    Args:
+        rule: Rule of the policy.
+        q: Estimates, [P].
+        visits: Visits, [P].
+        first: First pair of the state.
+        last: One after its last pair.
+        pair: The pair.
+
+    Returns:
+        The probability, or NaN without a closed form.
     """
     raise NotImplementedError
 
 
 @inlined_by_type
 def expectation(rule: Any, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
-    """Return Σ π(a|s) Q(s, a) over the pairs ``first`` .. ``last`` of a state, 0 over none (equation 6.9).
+    """Return Σ π(a|s) Q(s, a) over the pairs of a state (equation 6.9).
 
-    A policy may bring a quicker way to it. Its last bits then are that way's, in saved runs too.
+    A policy may provide a faster way. Saved runs depend on the last bits of its result.
+
+    Args:
+        rule: Rule of the policy.
+        q: Estimates, [P].
+        visits: Visits, [P].
+        first: First pair of the state.
+        last: One after its last pair. With no pairs the result is 0.
     """
     total = 0.0
     for pair in range(first, last):
@@ -50,21 +75,27 @@ def expectation(rule: Any, q: FloatArray, visits: IntArray, first: int, last: in
 
 @inlined_by_type
 def reinforce(rule: Any, alpha: float, first: int, last: int, pair: int, reward: float) -> None:
-    """Update the rule with the reward of ``pair``, one of ``first`` .. ``last``.
+    """Update the rule with the reward of `pair`. Most policies learn nothing.
 
-    Most policies learn nothing. ``alpha`` is the step size in force.
+    Args:
+        rule: Rule of the policy, changed in place.
+        alpha: Current step size.
+        first: First pair of the state.
+        last: One after its last pair.
+        pair: Pair that was taken.
+        reward: Its reward.
     """
     return
 
 
 def learns(rule: Any) -> bool:
-    """Return whether the policy learns from rewards: whether it brings a :func:`reinforce` of its own."""
+    """Return True if the policy learns from rewards, which means it has its own :func:`reinforce`."""
     return has_member(reinforce, type(rule))
 
 
 @inlined
 def best_value(q: FloatArray, first: int, last: int) -> float:
-    """Return the greatest of the estimates ``first`` .. ``last``; the maximum over nothing is 0."""
+    """Return the greatest of the estimates `first` .. `last`, or 0 if there are none."""
     if first == last:
         return 0.0
     best = float(q[first])
@@ -75,7 +106,7 @@ def best_value(q: FloatArray, first: int, last: int) -> float:
 
 @inlined
 def greedy(q: FloatArray, first: int, last: int, random_ties: bool, draw: float) -> int:
-    """Return the best of the pairs ``first`` .. ``last``; of exact ties the first, or by a draw in [0, 1)."""
+    """Return the best of the pairs `first` .. `last`. Ties take the first, or use `draw` in [0, 1)."""
     best = first
     ties = 1
     highest = float(q[first])
@@ -98,9 +129,9 @@ def greedy(q: FloatArray, first: int, last: int, random_ties: bool, draw: float)
 
 @inlined
 def greedy_in_turn(q: FloatArray, first: int, last: int, random_ties: bool, draw: float) -> int:
-    """Return what :func:`greedy` does, with no branch that depends on the estimates but for ties.
+    """Return the same as :func:`greedy`, with data-dependent branches only for ties.
 
-    It takes longer alone, since a processor guesses well; a wrong guess costs the work at other runs too.
+    Alone it is slower, since processors predict well. But a wrong prediction would also stall the other runs.
     """
     highest = best_value(q, first, last)
     ties, offset = 0, 0

@@ -16,10 +16,10 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Rule(NamedTuple):
-    """What is preferred: ``preference`` is H and ``probability`` its softmax π, both [P].
+    """The preferences H, `preference`, and their softmax π, `probability`, both [P].
 
-    ``mean_reward`` is the average of the ``rewards`` received so far, [1] each. It is the baseline R̄, which
-    is 0 where ``with_baseline`` is false.
+    `mean_reward` is the average of the `rewards` received so far, [1] each. It is the baseline R̄. Without
+    `with_baseline` the baseline is 0.
     """
 
     preference: FloatArray
@@ -30,7 +30,7 @@ class Rule(NamedTuple):
 
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule before the first pull: all preferences are 0."""
+    """Return the rule before the first pull, with preferences of 0."""
     return Rule(
         np.zeros(space.pairs),
         np.full(space.pairs, 1.0 / space.pairs),
@@ -41,8 +41,9 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 
 
 def carry_rule(now: Rule, before: Rule, pairs: IntArray) -> None:
-    """Let ``now`` prefer what ``before`` preferred of the arms that stay: for each of ``pairs`` its number
-    before. The preference of a new arm is 0, and π is the softmax of all of them.
+    """Copy the preferences of common arms from `before` to `now`. New arms get 0.
+
+    `pairs` holds the former number of each arm, or NEW.
     """
     known = pairs >= 0
     now.preference[known] = before.preference[pairs[known]]
@@ -53,7 +54,7 @@ def carry_rule(now: Rule, before: Rule, pairs: IntArray) -> None:
 
 @inlined
 def _take_softmax(rule: Rule, first: int, last: int) -> None:
-    """Let π(a) ← exp H(a) / Σ exp H(b) over the arms ``first`` .. ``last``."""
+    """Set π(a) ← exp H(a) / Σ exp H(b) for the arms `first` .. `last`."""
     highest = best_value(rule.preference, first, last)
     total = 0.0
     for arm in range(first, last):
@@ -83,8 +84,8 @@ def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, las
 
 @member_of(reinforce, Rule)
 def _reinforce(rule: Rule, alpha: float, first: int, last: int, pair: int, reward: float) -> None:
-    # R̄ is the mean of the rewards before this one; that of the first is the first itself (page 37). It does
-    # not depend on the action taken, as the derivation on page 39 asks for.
+    # R̄ is the mean of earlier rewards; for the first reward it is that reward (page 37). So it does not
+    # depend on the action, as the derivation on page 39 requires
     if rule.rewards[0] == 0:
         rule.mean_reward[0] = reward
     baseline = rule.mean_reward[0] if rule.with_baseline else 0.0

@@ -1,4 +1,4 @@
-"""Softmax of the estimates at a temperature (Sutton & Barto, 2nd ed., exercise 2.9 and section 13.1)."""
+"""Softmax of the estimates with a temperature (Sutton & Barto, 2nd ed., exercise 2.9 and section 13.1)."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Rule(NamedTuple):
-    """The temperature τ, and room for the running sums over the actions of one state, [A]."""
+    """The temperature τ, and scratch memory for running sums over the actions of a state, [A]."""
 
     temperature: float
     sums: FloatArray
 
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule of these hyper-parameters."""
+    """Return the rule for these settings."""
     return Rule(float(hyperparameters.temperature), np.zeros(len(space.action_names)))
 
 
@@ -31,7 +31,7 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 def _choose(
     rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
 ) -> tuple[int, bool]:
-    # π(a|s) ∝ exp(Q(s,a) / τ); less the greatest, so that no power overflows and the best one counts 1
+    # π(a|s) ∝ exp(Q(s,a) / τ); subtracting the greatest avoids overflow and gives the best one the weight 1
     highest = best_value(q, first, last)
     total = 0.0
     for pair in range(first, last):
@@ -39,7 +39,7 @@ def _choose(
         rule.sums[pair - first] = total
     point = uniform(generator) * total
     chosen = first
-    # The draw lies below the last sum; counting those it has passed leaves nothing to guess
+    # The draw is below the last sum. Counting the passed sums avoids branch mispredictions
     for place in range(last - first - 1):
         chosen += point >= rule.sums[place]
     return chosen, q[chosen] < highest

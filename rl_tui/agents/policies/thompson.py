@@ -1,7 +1,8 @@
 """Thompson sampling for bandits (posterior sampling; Sutton & Barto, 2nd ed., section 2.10).
 
-Arms that pay 0 or 1 start from a uniform prior on their probability, Beta(1, 1). All others are taken for
-Gaussian, with a prior N(0, 1) on the mean and the noise that the table gives. Means are taken to stand still.
+Arms that pay 0 or 1 have a uniform prior on their probability, Beta(1, 1). All others are treated as
+Gaussian, with a prior N(0, 1) on the mean and the noise of the transition table. Means are assumed to be
+constant.
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 class Rule(NamedTuple):
-    """What is known of each arm, [P]: how many ``rewards`` it has paid, their ``total``, its ``variance``.
+    """The knowledge of each arm, [P]: number of `rewards`, their `total`, and its `variance`.
 
-    ``bernoulli`` says that all pay 0 or 1; ``random_ties`` is false where the first of equal draws is taken.
+    `bernoulli` is set if all arms pay 0 or 1. Without `random_ties` the first of equal draws is taken.
     """
 
     rewards: IntArray
@@ -34,7 +35,7 @@ class Rule(NamedTuple):
 
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule before the first pull; the table says how its arms pay."""
+    """Return the rule before the first pull. The transition table gives the kind of arms."""
     return Rule(
         np.zeros(space.pairs, np.int64),
         np.zeros(space.pairs),
@@ -45,10 +46,10 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 
 
 def carry_rule(now: Rule, before: Rule, pairs: IntArray) -> None:
-    """Let ``now`` know what ``before`` knew of the arms that stay: for each of ``pairs`` its number before.
+    """Copy the knowledge of common arms from `before` to `now`.
 
-    How they pay is what the table says now. Arms that come to pay otherwise than 0 or 1 keep their counts;
-    rewards of arms that did tell of no probability of 0 and 1, and are forgotten.
+    `pairs` holds the former number of each arm, or NEW. If arms stop paying 0 or 1, counts are kept. If they
+    start paying 0 or 1, earlier rewards are forgotten, because they say nothing about a probability.
     """
     if now.bernoulli and not before.bernoulli:
         return
@@ -71,10 +72,10 @@ def _variances(mdp: TabularMDP) -> FloatArray:
 
 @compiled
 def gamma_draw(shape: float, generator: Generator) -> float:
-    """Draw from the gamma distribution of ``shape``, at least 1, and scale 1.
+    """Draw from the gamma distribution with scale 1 and `shape` of at least 1.
 
-    The method of G. Marsaglia and W. W. Tsang, "A simple method for generating gamma variables", ACM TOMS 26
-    (2000). The generator's own is not the same bits when interpreted as when compiled.
+    Method of G. Marsaglia and W. W. Tsang, "A simple method for generating gamma variables", ACM TOMS 26
+    (2000). The generator's own method has different bits interpreted and compiled.
     """
     d = shape - 1.0 / 3.0
     c = 1.0 / math.sqrt(9.0 * d)
@@ -84,14 +85,14 @@ def gamma_draw(shape: float, generator: Generator) -> float:
         if root > 0.0:
             v = root * root * root
             u = 1.0 - uniform(generator)
-            # nearly always the bound suffices, which spares the logarithms
+            # the bound nearly always suffices, which saves the logarithms
             if u < 1.0 - 0.0331 * x * x * x * x or math.log(u) < 0.5 * x * x + d * (1.0 - v + math.log(v)):
                 return d * v
 
 
 @inlined
 def beta_draw(successes: float, failures: float, generator: Generator) -> float:
-    """Draw a probability of which so many successes and failures were seen, from Beta(1 + s, 1 + f)."""
+    """Draw a success probability from its posterior Beta(1 + successes, 1 + failures)."""
     for_it = gamma_draw(1.0 + successes, generator)
     against_it = gamma_draw(1.0 + failures, generator)
     return for_it / (for_it + against_it)
@@ -99,9 +100,9 @@ def beta_draw(successes: float, failures: float, generator: Generator) -> float:
 
 @inlined
 def normal_draw(count: int, total: float, variance: float, generator: Generator) -> float:
-    """Draw a mean of which ``count`` rewards came to ``total``, their noise having this ``variance``.
+    """Draw a mean from its posterior, given `count` rewards with this `total` and noise `variance`.
 
-    Prior N(0, 1), posterior N(total / (σ² + n), σ² / (σ² + n)): without noise the first reward settles it.
+    Prior N(0, 1), posterior N(total / (σ² + n), σ² / (σ² + n)). Without noise the first reward decides.
     """
     if count == 0:
         return generator.standard_normal()
@@ -135,8 +136,8 @@ def _choose(
 
 @member_of(probability_of, Rule)
 def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
-    # How likely an arm is to give the best draw has no closed form. No step of a bandit bootstraps, so
-    # this is never called; a number here would be an estimate that looks like an exact value.
+    # The probability of the best draw has no closed form. Bandit steps do not bootstrap, so this is never
+    # called; a number here would look exact without being exact
     return math.nan
 
 

@@ -1,4 +1,4 @@
-"""Upper confidence bounds (Sutton & Barto, 2nd ed., section 2.7, equation 2.10), state by state."""
+"""Upper confidence bounds per state (Sutton & Barto, 2nd ed., section 2.7, equation 2.10)."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Rule(NamedTuple):
-    """The confidence c; ``random_ties`` is false where the first of equal bounds is taken."""
+    """The confidence c. Without `random_ties` the first of equal bounds is taken."""
 
     confidence: float
     random_ties: bool
 
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule of these hyper-parameters."""
+    """Return the rule for these settings."""
     return Rule(float(hyperparameters.confidence), hyperparameters.ties == "random")
 
 
 @inlined
 def log_time(visits: IntArray, first: int, last: int) -> float:
-    """Return ln t, t being the step in this state that is about to be taken, counted from 1."""
+    """Return ln t, where t is the number of the next step in this state, counted from 1."""
     time = 1
     for pair in range(first, last):
         time += visits[pair]
@@ -37,7 +37,7 @@ def log_time(visits: IntArray, first: int, last: int) -> float:
 
 @inlined
 def upper_bound(confidence: float, estimate: float, count: int, log_time: float) -> float:
-    """Return Q + c √(ln t / N); infinite for an action never tried, also at c = 0."""
+    """Return Q + c √(ln t / N). It is infinite for an action never tried, even at c = 0."""
     if count == 0:
         return math.inf
     return estimate + confidence * math.sqrt(log_time / count)
@@ -72,7 +72,7 @@ def _choose(
 
 @member_of(probability_of, Rule)
 def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
-    # 1 for the greatest bound; ties share that, or the first has all
+    # 1 for the greatest bound; ties share it, or the first gets all
     now = log_time(visits, first, last)
     own = upper_bound(rule.confidence, float(q[pair]), visits[pair], now)
     share, ties = 1.0, 0

@@ -1,4 +1,4 @@
-"""``rl-tui agent``: begin an agent of your own."""
+"""``rl-tui agent``: start writing your own agent."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rl_tui.programs.own_agents.binding import Style
 
 @click.group("agent")
 def command() -> None:
-    """Begin an agent of your own."""
+    """Write your own agent."""
 
 
 @command.command("new")
@@ -23,17 +23,17 @@ def command() -> None:
     type=click.Choice([style.value for style in Style]),
     default=Style.GYMNASIUM.value,
     show_default=True,
-    help="the shape that you were taught",
+    help="the style of the agent's code",
 )
 def new(file: str, style: str) -> None:
-    """Write an agent whose update is left out, into a new file.
+    """Write an agent without its update into a new file.
 
-    It runs as it is, and learns nothing until you write the line that is missing.
+    It runs immediately, but learns nothing until you write the missing line.
     """
     from rl_tui.programs.own_agents.binding import write_skeleton
 
     write_skeleton(Path(file), Style(style))
     name = shlex.quote(file)
-    complain(f"{file} is written; its update is the line that is missing")
+    complain(f"{file} is written; add the missing line, its update")
     click.echo(f"rl-tui play frozenlake --agent {name}")
     click.echo(f"rl-tui grade {name} --scenario frozenlake")

@@ -1,4 +1,4 @@
-"""``rl-tui bench``: steps a second on this machine, against the plain Gymnasium loop."""
+"""``rl-tui bench``: steps per second on this machine, compared with the plain Gymnasium loop."""
 
 from __future__ import annotations
 
@@ -17,9 +17,7 @@ from rl_tui.commands.options.run import (
 
 @click.command("bench", cls=SectionedCommand)
 @click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", default="frozenlake-slippery")
-@click.option(
-    "--rounds", type=Whole(1, 1000), default=5, show_default=True, help="how often each is timed, in turns"
-)
+@click.option("--rounds", type=Whole(1, 1000), default=5, show_default=True, help="number of timings of each")
 @allow_module_option
 @run_options
 @seed_option

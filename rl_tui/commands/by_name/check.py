@@ -12,10 +12,8 @@ from rl_tui.commands.options.run import allow_module_option, json_option, seed_o
 
 @click.command("check")
 @click.argument("files", metavar="FILE.toml ...", nargs=-1, required=True)
-@click.option("--quick", is_flag=True, help="of lessons, leave out what takes many seeds")
-@click.option(
-    "--deep", is_flag=True, help="of one scenario, also by its id: what its author should know, exactly"
-)
+@click.option("--quick", is_flag=True, help="skip checks of lessons that need many seeds")
+@click.option("--deep", is_flag=True, help="exact facts about one scenario, given by file or id")
 @seed_option
 @allow_module_option
 @json_option
@@ -23,16 +21,16 @@ from rl_tui.commands.options.run import allow_module_option, json_option, seed_o
 def command(
     context: click.Context, files: tuple[str, ...], quick: bool, deep: bool, seed: int, as_json: bool
 ) -> None:
-    """Report every fault of scenario files, and of lesson files, which have pages.
+    """Report every error in scenario files and lesson files.
 
-    Each is a line of its own on stderr, with its place in the file; what is listed there is counted from 0.
-    Of a lesson each number is worked out again, and each task has to pass what it accepts and to refuse what
-    it rejects. Files without a fault are named on stdout, even where there is a warning on stderr.
+    Each error is one line on stderr, with its place in the file; list items count from 0. Lessons are worked
+    through: each number is recomputed, and each task must accept and reject its own examples. Files without
+    errors are named on stdout, even with warnings on stderr.
 
-    With --deep the exact returns of the random and of the best policy, the length of the best way, how long
-    nothing is learned, the γ at which the best actions change, states that are never reached, and, by short
-    trainings of each algorithm, of which a greedy policy may never end. --seed counts where the world is
-    drawn from it; --json prints this as one document.
+    With --deep you get exact facts about one scenario: the returns of the random and the optimal policy, the
+    shortest path, how long nothing is learned, the γ at which optimal actions change, and unreachable states.
+    Short trainings of each algorithm show greedy policies that may never end. --seed matters if the world is
+    random. --json prints all of this as one document.
     """
     if deep:
         if len(files) != 1:
@@ -61,7 +59,7 @@ def command(
 
 
 def _deep(name: str, seed: int, *, as_json: bool) -> bool:
-    """Print all that is to be known of one scenario; return whether it has faults."""
+    """Print the deep check of one scenario and return True if the file has errors."""
     from rl_tui.agents.catalogue import BY_ID
     from rl_tui.commands.line.output import progress
     from rl_tui.commands.reports.flip_points import check_document, check_report
@@ -98,7 +96,7 @@ def _deep(name: str, seed: int, *, as_json: bool) -> bool:
 
 
 def _scenario(file: str) -> tuple[list[str], list[str]]:
-    """Return the faults of a scenario file, and what it is warned of."""
+    """Return the errors and the warnings of a scenario file."""
     from rl_tui.runs.library import checked
     from rl_tui.runs.training.endless import endless_warning
 
@@ -108,7 +106,7 @@ def _scenario(file: str) -> tuple[list[str], list[str]]:
 
 
 def _lesson(file: str, *, quick: bool) -> tuple[list[str], list[str]]:
-    """Return the faults of a lesson file, and what it is warned of."""
+    """Return the errors and the warnings of a lesson file."""
     from rl_tui.commands.line.output import progress
     from rl_tui.lessons.check import check_lesson
 

@@ -1,4 +1,4 @@
-"""``rl-tui evaluate``: what any policy is worth, exactly."""
+"""``rl-tui evaluate``: the exact value of any policy."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ _FOR_GREEDY: Final = f"  [{PolicyKind.GREEDY} only]"
     "--policy",
     "name",
     metavar="|".join((*WORDS, f"FILE{SUFFIX}")),
-    help="any action, the best as rl-tui solve has it, the greedy one of what rl-tui train learns, or what a "
-    'file says: {"STATE": "ACTION"} or {"STATE": {"ACTION": CHANCE}}',
+    help="random, as rl-tui solve prints it, greedy after rl-tui train, or from a file: "
+    '{"STATE": "ACTION"} or {"STATE": {"ACTION": CHANCE}}',
 )
 @click.option(
     "--epsilon",
@@ -47,13 +47,15 @@ _FOR_GREEDY: Final = f"  [{PolicyKind.GREEDY} only]"
     type=ParameterValue(PARAMETERS["epsilon"]),
     default=0.0,
     show_default=True,
-    help="take a random action so much of the time, which may be the policy's own",
+    help="probability of a random action, which may be the policy's own",
 )
 @parameter_option("gamma", "  [default: the scenario's]")
 @algorithm_option("trained_by", _FOR_GREEDY)
 @parameter_option("alpha", _FOR_GREEDY)
-@click.option("--episodes", type=Whole(1, MOST), help=f"train so many episodes{_FOR_GREEDY}")
-@click.option("--steps", type=Whole(1, MOST), help=f"train so many steps instead{_FOR_GREEDY}")
+@click.option("--episodes", type=Whole(1, MOST), help=f"number of episodes to train{_FOR_GREEDY}")
+@click.option(
+    "--steps", type=Whole(1, MOST), help=f"number of steps to train, instead of episodes{_FOR_GREEDY}"
+)
 @seed_option
 @allow_module_option
 @json_option
@@ -69,10 +71,10 @@ def command(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Print what a policy is worth in each state, exactly, and how long its episodes last.
+    """Print the exact value of a policy in each state, and how long its episodes last.
 
-    Among equally good actions the best policy picks evenly; so does a file where it says nothing of a state.
-    An agent is trained with the scenario's own ε, and --epsilon counts for what it has learned. An example:
+    The optimal policy shares ties evenly. In states that a policy file does not mention, actions are random.
+    An agent is trained with the scenario's ε; --epsilon applies to the policy afterwards. An example:
 
     rl-tui evaluate cliff --policy optimal --epsilon 0.1
     """
@@ -111,7 +113,15 @@ def command(
 
 
 def _check(name: str, training: Mapping[str, object]) -> None:
-    """Raise UsageError where there is no policy of that ``name``, or options of a ``training`` do not fit."""
+    """Refuse unknown policy names, and training options that do not apply.
+
+    Args:
+        name: Value of ``--policy``.
+        training: Training options that were given, by name.
+
+    Raises:
+        click.UsageError: The combination makes no sense.
+    """
     context = click.get_current_context()
     if name not in WORDS and not name.endswith(SUFFIX) and not os.path.exists(name):
         said = f"--policy is {shown(name)}; expected {CHOICES}{near(name, WORDS)}"

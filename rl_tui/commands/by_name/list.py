@@ -1,4 +1,4 @@
-"""``rl-tui list``: the scenarios there are, with sizes and defaults."""
+"""``rl-tui list``: all scenarios, with sizes and defaults."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rl-tui play``: straight into the playground."""
+"""``rl-tui play``: open the playground."""
 
 from __future__ import annotations
 
@@ -38,11 +38,10 @@ def command(
     agent: AgentName | None,
     **display: Any,
 ) -> None:
-    """Open a scenario in the playground, or go on with a session.
+    """Open a scenario in the playground, or continue a session.
 
-    Without a name it is the first scenario of the catalogue. A session stands where it was left, to the last
-    bit, and goes on keeping itself in its file. With --agent your own agent takes the steps; it can do all
-    that you can.
+    Without a name the first scenario opens. A session continues exactly where you left it, and is saved in
+    its file. With --agent your own agent takes the steps; it can do everything you can.
     """
     from rl_tui.commands.line.screen import require_terminal, run_app
 

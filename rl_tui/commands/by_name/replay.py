@@ -1,4 +1,4 @@
-"""``rl-tui replay``: a session without a screen."""
+"""``rl-tui replay``: run a saved session again, without a screen."""
 
 from __future__ import annotations
 
@@ -27,16 +27,20 @@ if TYPE_CHECKING:
 
 @click.command("replay")
 @click.argument("session", metavar="SESSION.json", type=click.Path(path_type=Path))
-@click.option("--lane", type=Whole(1), help="of several runs side by side  [default: the one shown last]")
-@click.option("--branch", metavar="NAME", help="of several branches  [default: the one it stands on]")
+@click.option(
+    "--lane", type=Whole(1), help="number of the run, if there are several  [default: the run shown last]"
+)
+@click.option(
+    "--branch", metavar="NAME", help="name of the branch, if there are several  [default: the current branch]"
+)
 @csv_option
 @allow_module_option
 @json_option
 def command(session: Path, lane: int | None, branch: str | None, csv: CsvTarget, as_json: bool) -> None:
-    """Run a session again, to where it was left.
+    """Run a session again, to its last step.
 
-    Sessions are the files that w saves on screen, and that are kept by themselves. Prints what was learned
-    by then, the same to the last bit.
+    Sessions are files that w saves on screen, or that were saved automatically. The result is printed, equal
+    to the last bit.
     """
     check_targets({"--csv": csv}, as_json)
     from rl_tui.live.sessions.replay import comes_out_otherwise, replay_figures, replay_target

@@ -1,4 +1,4 @@
-"""``rl-tui screenshot``: a screen as SVG after given keys, no terminal needed."""
+"""``rl-tui screenshot``: draw a screen as SVG after some keys. Needs no terminal."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 
 
 class ScreenSize(OptionValue):
-    """Columns and rows: ``120x40``."""
+    """A screen size in columns and rows, such as ``120x40``."""
 
     name = "COLUMNSxROWS"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[int, int]:
-        """Return columns and rows; fails naming the range."""
+        """Return (columns, rows), or fail with the allowed range."""
         match = re.fullmatch(r"([0-9]{1,4})x([0-9]{1,4})", str(value))
         columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
         if not (20 <= columns <= 500 and 5 <= rows <= 200):
@@ -48,10 +48,14 @@ class ScreenSize(OptionValue):
 @click.option("--out", required=True, metavar="F.svg", help="the file to write; - for stdout")
 @click.option("--size", type=ScreenSize(), default="120x40", show_default=True, help="columns x rows")
 @click.option(
-    "--keys", default="", help="keys to press first, between commas; wait:N lets N steps of training pass"
+    "--keys",
+    default="",
+    help="keys to press first, separated by commas; wait:N waits for N steps of training",
 )
-@click.option("--watch", metavar="SCRIPT.py", help="your own script is watched, in place of a scenario")
-@click.option("--lesson", metavar="ID|FILE.toml", help="a lesson at its first page, in place of a scenario")
+@click.option("--watch", metavar="SCRIPT.py", help="watch your own script instead of a scenario")
+@click.option(
+    "--lesson", metavar="ID|FILE.toml", help="show the first page of a lesson instead of a scenario"
+)
 @agent_option
 @allow_module_option
 @run_options
@@ -73,9 +77,9 @@ def command(
 ) -> None:
     """Draw a screen as an SVG picture.
 
-    It is the playground of a scenario or of a session or, without one, the catalogue; with --watch that of
-    your own script, with --lesson that of a lesson, with --agent your own agent takes the steps. The same
-    call gives the same bytes, so steps a second are left blank. An example:
+    It shows the playground of a scenario or of a session; without one, the start screen. --watch shows your
+    own script, --lesson a lesson, and --agent lets your own agent take the steps. Equal calls give equal
+    bytes, so speeds are left blank. An example:
 
     rl-tui screenshot frozenlake --keys "wait:20000,v" --out lake.svg
     """

@@ -1,4 +1,4 @@
-"""``rl-tui serve``: the same app in a browser."""
+"""``rl-tui serve``: the app in a browser."""
 
 from __future__ import annotations
 
@@ -26,30 +26,30 @@ if TYPE_CHECKING:
     import socket
 
 _LONGEST_WARMING: Final = 600.0  # seconds
-_USUAL: Final = "frozenlake-slippery"  # learns as most scenarios do
+_USUAL: Final = "frozenlake-slippery"  # uses the same kernels as most scenarios
 _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[serve]"'
 
 
 @click.command("serve")
 @click.argument("scenario", metavar="[SCENARIO]", required=False)
-@click.option("--host", default="127.0.0.1", show_default=True, help="the address to listen on")
+@click.option("--host", default="127.0.0.1", show_default=True, help="address to listen on")
 @click.option(
     "--port",
     type=Whole(0, 65535),
     default=8000,
     show_default=True,
-    help="the port to listen on; 0: a free one",
+    help="port to listen on; 0: any free port",
 )
-@click.option("--url", help="what people type where a proxy stands in front: https://lab.example.org")
+@click.option("--url", help="address that people type, behind a proxy: https://lab.example.org")
 @click.option(
     "--most",
     type=Whole(1, 1000),
     default=8,
     show_default=True,
-    help="how many people at once: a process each",
+    help="number of people at once, each with a process",
 )
-@click.option("--no-kiosk", is_flag=True, help="let the browser read and write your files, as play does")
-@click.option("--yes", is_flag=True, help="do not ask before other machines are let in")
+@click.option("--no-kiosk", is_flag=True, help="let the browser read and write your files, like play")
+@click.option("--yes", is_flag=True, help="do not ask before other machines get access")
 @display_options
 @click.pass_context
 def command(
@@ -64,10 +64,10 @@ def command(
     yes: bool,
     **display: Any,
 ) -> None:
-    """Serve rl-tui to browsers: every tab is a run of its own.
+    """Serve rl-tui to browsers: every tab is its own run.
 
-    Without a scenario it opens the catalogue. It is a kiosk: nobody can read or write files through it. Only
-    this machine can reach it, unless you give another address.
+    Without a scenario it opens the start screen. It runs in kiosk mode, without access to files. Only this
+    machine can reach it, unless you give another address.
     """
     if find_spec("textual_serve") is None or find_spec("aiohttp") is None:
         raise UserError(_MISSING)
@@ -81,7 +81,7 @@ def command(
 
     from rl_tui.commands.serving.addresses import bind, listen
 
-    with bind(host, port) as bound:  # before what takes long: that it cannot be had is said at once
+    with bind(host, port) as bound:  # first, so that a port in use is reported immediately
         if kiosk and not in_kiosk():
             prepare(scenario or _USUAL)
         listen(bound, host)
@@ -89,12 +89,15 @@ def command(
 
 
 def prepare(scenario: str) -> None:
-    """Compile what plays ``scenario``: a kiosk keeps no compiled code, and each tab would do it anew."""
+    """Compile the kernels that play `scenario`, in another process.
+
+    A kiosk stores no compiled code, so every tab would have to compile again.
+    """
     from rl_tui.commands.serving.app_process import command_line
 
-    click.echo("getting machine code ready: a moment, or half a minute where there is none yet", err=True)
+    click.echo("preparing machine code: a moment, or half a minute the first time", err=True)
     warming = command_line(sys.executable, ["warm", scenario])
-    with suppress(OSError, subprocess.TimeoutExpired):  # what is wrong shows in the tabs
+    with suppress(OSError, subprocess.TimeoutExpired):  # errors appear in the tabs
         subprocess.run(
             warming, timeout=_LONGEST_WARMING, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, check=False
         )
@@ -103,7 +106,16 @@ def prepare(scenario: str) -> None:
 def serve_apps(
     listening: socket.socket, command: tuple[str, ...], host: str, url: str | None, *, kiosk: bool, most: int
 ) -> None:
-    """Serve the apps that ``command`` starts until it is interrupted."""
+    """Serve app processes to browsers until interrupted.
+
+    Args:
+        listening: Socket that accepts browsers.
+        command: Command line that starts one app.
+        host: Address that the server listens on.
+        url: Address that people type, if a proxy is in front.
+        kiosk: True if the apps run in kiosk mode.
+        most: Largest number of apps at the same time.
+    """
     from rl_tui.commands.serving.addresses import Doorkeeper, url_of
     from rl_tui.commands.serving.site import Site, serve
 
@@ -119,7 +131,7 @@ def serve_apps(
 
 
 def _check_start(scenario: str | None, display: dict[str, Any], *, kiosk: bool) -> None:
-    """Raise what every app would end with at once."""
+    """Raise the error with which every app would end immediately."""
     if scenario is not None:
         if kiosk:
             _check_shipped(scenario)
@@ -136,32 +148,36 @@ def _check_shipped(scenario: str) -> None:
     shipped = [path.stem for path in shipped_folder().glob("*.toml")]
     if scenario not in shipped:
         near = get_close_matches(scenario.lower(), shipped, n=3, cutoff=0.5)
-        hint = f"did you mean {' or '.join(near)}?" if near else "--no-kiosk plays your own, for you alone"
+        hint = f"did you mean {' or '.join(near)}?" if near else "--no-kiosk allows your own files"
         raise UserError(f"{shown(scenario)} is not a shipped scenario, and a kiosk plays no other: {hint}")
 
 
 def _confirm(
     context: click.Context, host: str, port: int, url: str | None, *, most: int, kiosk: bool, yes: bool
 ) -> None:
-    """Warn of, and have confirmed, what lets other machines in; refuse what would give them files."""
+    """Warn before other machines get access, and ask for confirmation.
+
+    Raises:
+        click.UsageError: Other machines would get access to files, or there is no terminal to ask on.
+    """
     from rl_tui.commands.serving.addresses import is_this_machine
 
     if is_this_machine(host):
         if kiosk or url is None:
             return
         warning = (
-            f"whoever reaches {url} reads and writes files as you do.\n"
+            f"everyone who reaches {url} can read and write your files.\n"
             "The proxy in front must ask for a password."
         )
     elif not kiosk:
         raise click.UsageError(
-            f"--no-kiosk lets whoever connects read and write your files: not on {host}, only on 127.0.0.1"
+            f"--no-kiosk gives every visitor access to your files: not on {host}, only on 127.0.0.1"
         )
     else:
         where = "every address of this machine" if host in ("0.0.0.0", "::") else host
         warning = (
             f"{where} can be reached from other machines.\n"
-            "There is no password and no encryption: anybody who reaches"
+            "There is no password and no encryption: everyone who reaches"
             f" {'the port' if port == 0 else f'port {port}'} can use rl-tui, {most} at once.\n"
             "Safer: leave it on 127.0.0.1 and put a web server with TLS and a password in front (--url),\n"
             "or come through ssh -L."
@@ -170,18 +186,18 @@ def _confirm(
     if yes:
         return
     if not is_interactive():
-        raise click.UsageError("nobody can be asked here whether that is meant: say so with --yes")
+        raise click.UsageError("cannot ask for confirmation here: add --yes")
     if not click.confirm("Serve it there?", err=True):
         context.exit(FAILED)
 
 
 def is_interactive() -> bool:
-    """Whether somebody is there who can be asked."""
+    """Return True if a person can answer a question on this terminal."""
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
 def app_command(context: click.Context, scenario: str | None, display: dict[str, Any]) -> tuple[str, ...]:
-    """Return the command line of an app, with the display options that were given to this one."""
+    """Return the command line of an app, with the display options given to ``serve``."""
     from rl_tui.commands.serving.app_process import command_line
 
     arguments = [] if scenario is None else ["play", scenario]

@@ -1,4 +1,4 @@
-"""``rl-tui solve``: the exact answer by dynamic programming."""
+"""``rl-tui solve``: optimal values and policy by dynamic programming."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ if TYPE_CHECKING:
     from rl_tui.worlds.world import World
 
 _GREEDY_IS_NOT_ENOUGH: Final = """\
-At γ = 1 it is not enough to be greedy for Q*: by best actions alone one may go round for ever and never
-earn what Q* promises. Of equally good actions the policy has only those that come to an end; left out: {}."""
+At γ = 1 a greedy policy for Q* may circle forever and never earn what Q* promises. Of equally good actions
+the policy contains only those that lead to an end; left out: {}."""
 
 
 @click.command("solve")
 @scenario_argument
 @parameter_option("gamma", "  [default: the scenario's]")
-@click.option("--flips", is_flag=True, help="also every γ at which the best actions change, exactly")
+@click.option("--flips", is_flag=True, help="also every γ at which the optimal actions change, exactly")
 @seed_option
 @allow_module_option
 @json_option
 def command(scenario: str, gamma: float | None, flips: bool, seed: int, as_json: bool) -> None:
     """Print the optimal values and policy, exact to 1e-9.
 
-    The seed counts only where the world depends on it: the arms of a bandit, a random map.
+    The seed matters only if the world is random, such as the arms of a bandit or a random map.
     """
     from rl_tui.agents.exact.solve import solve
     from rl_tui.common.errors import UserError
@@ -64,7 +64,7 @@ def command(scenario: str, gamma: float | None, flips: bool, seed: int, as_json:
 
 
 def _with_flips(world: World, mdp: TabularMDP, answer: dict[str, Any]) -> str:
-    """Add the flips to ``answer``, or why there are none to be had; return them as text."""
+    """Add the flip points to `answer`, or the reason why there are none, and return them as text."""
     from rl_tui.agents.exact.flips import flips
     from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
     from rl_tui.commands.reports.flip_points import flips_document, flips_report
@@ -79,7 +79,14 @@ def _with_flips(world: World, mdp: TabularMDP, answer: dict[str, Any]) -> str:
 
 
 def _report(title: str, world: World, answer: dict[str, Any], left_out: int) -> str:
-    """Return ``answer`` as text; ``left_out`` pairs are as good by Q* as the policy's, but need not end."""
+    """Return `answer` as text.
+
+    Args:
+        title: Title of the scenario.
+        world: The world that was solved.
+        answer: Document of ``solve --json``.
+        left_out: Number of actions that are optimal by Q* but may never end.
+    """
     from rl_tui.commands.reports.policy_map import as_shown, policy_map
     from rl_tui.screen.draw.action_order import shown_order
     from rl_tui.worlds.drawing import Grid

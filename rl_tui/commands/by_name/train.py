@@ -1,4 +1,4 @@
-"""``rl-tui train``: the same run as on screen, without a screen."""
+"""``rl-tui train``: the same runs as on screen, without a screen."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ MOST_RUNS: Final = 100_000
 
 @click.command("train", cls=SectionedCommand)
 @scenario_argument
-@click.option("--episodes", type=Whole(1, MOST), help="train so many episodes  [default: the scenario's]")
-@click.option("--steps", type=Whole(1, MOST), help="train so many steps instead")
 @click.option(
-    "--runs", type=Whole(1, MOST_RUNS), help="train so often, with the seed and those that follow it"
+    "--episodes", type=Whole(1, MOST), help="number of episodes to train  [default: the scenario's]"
 )
+@click.option("--steps", type=Whole(1, MOST), help="number of steps to train, instead of episodes")
+@click.option("--runs", type=Whole(1, MOST_RUNS), help="number of runs, with consecutive seeds")
 @csv_option
 @curve_option
 @click.option(
@@ -51,9 +51,9 @@ MOST_RUNS: Final = 100_000
     "changes",
     type=ChangeValue(),
     multiple=True,
-    help="after STEP steps set a hyper-parameter, algorithm=NAME, take=ACTION in place of the agent, or "
-    "sweep=evaluation or sweep=improvement of policy iteration; or change the world, such as "
-    "world.cell[1,2]=#; may be given several times",
+    help="after STEP steps, change a setting, algorithm=NAME, take=ACTION instead of the agent, "
+    "sweep=evaluation or sweep=improvement for policy iteration, or the world, such as "
+    "world.cell[1,2]=#; may be repeated",
 )
 @agent_option
 @allow_module_option
@@ -75,7 +75,7 @@ def command(
 ) -> None:
     """Train an agent, and print what it has learned.
 
-    It is the same run as on screen, held against the exact answer. An example:
+    It is the same run as on screen, compared with the exact values. An example:
 
     rl-tui train student --runs 50 --curve student.csv
     """
@@ -87,12 +87,12 @@ def command(
     changed = {name_and_value(entry.change)[0] for entry in changes}
     if runs is not None and TAKE in changed:
         raise click.UsageError(
-            "take and --runs exclude each other: where an agent stands after so many steps is one run's",
+            "take=ACTION works for a single run only: leave out --runs",
             click.get_current_context(),
         )
     if changes and agent is not None:
         raise click.UsageError(
-            "--change and --agent exclude each other: what changes is in your agent",
+            "--change and --agent exclude each other: change your agent's code instead",
             click.get_current_context(),
         )
     from rl_tui.common.files import file_or_stream
@@ -105,7 +105,7 @@ def command(
         _train_agent(agent, recipe, overrides, goal, runs, csv, curve, as_json)
         return
     if not changed & {ALGORITHM, "policy"}:
-        warn_of_no_effect(recipe, overrides)  # what the first algorithm does not use may be for a later one
+        warn_of_no_effect(recipe, overrides)  # a later algorithm may use what the first one ignores
     _warn_beyond_budget(recipe, goal)
     with nullcontext() if curve is None else file_or_stream(curve) as points:
         if runs is None:
@@ -132,7 +132,6 @@ def _train_agent(
     curve: CsvTarget,
     as_json: bool,
 ) -> None:
-    """Let the agent ``name`` learn, and print what came of it."""
     from rl_tui.commands.line.screen import refuse_where_served
     from rl_tui.commands.reports.training import agent_run, several_runs, update_in_words
     from rl_tui.common.files import file_or_stream

@@ -1,4 +1,4 @@
-"""``rl-tui warm``: every kernel compiled into the cache, for images and classrooms."""
+"""``rl-tui warm``: compile every kernel into the cache, for container images and classrooms."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ if TYPE_CHECKING:
 @click.argument("scenarios", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]...", nargs=-1)
 @allow_module_option
 def command(scenarios: tuple[str, ...]) -> None:
-    """Compile all kernels into the cache, or those with which scenarios begin.
+    """Compile all kernels into the cache, or those for some scenarios.
 
-    Then no run begins without its machine code: for images of containers, and classrooms whose machines share
-    a cache. All of them take some minutes. The cache is the folder RL_TUI_CACHE_DIR, else that of your
-    platform.
+    Runs then start with machine code: useful for container images, and for classrooms that share a cache. All
+    kernels take some minutes. The cache is the folder RL_TUI_CACHE_DIR, or your platform's cache folder.
     """
     from rl_tui.agents.compiling.base_folder import refusals
     from rl_tui.agents.compiling.cache_folder import cache_folder
@@ -41,7 +40,6 @@ def command(scenarios: tuple[str, ...]) -> None:
 
 
 def _loop_of(scenario: str) -> Loop:
-    """Return the loop with which ``scenario`` begins. Raises UserError where there is no such scenario."""
     from rl_tui.runs.library import recipe_named
     from rl_tui.runs.run import Run
 

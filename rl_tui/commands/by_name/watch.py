@@ -1,4 +1,4 @@
-"""``rl-tui watch``: somebody's own training script, on the screen of the playground or as JSON."""
+"""``rl-tui watch``: watch a user's training script on screen, or report on it as JSON."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ _LONGEST_ERROR: Final = 500
 @click.command("watch", context_settings={"ignore_unknown_options": True})
 @click.argument("script", metavar="SCRIPT.py")
 @click.argument("arguments", metavar="[ARGS]...", nargs=-1, type=click.UNPROCESSED)
-@click.option("--table", metavar="NAME", help="which variable is the table  [default: it is looked for]")
+@click.option("--table", metavar="NAME", help="variable that holds the table  [default: found automatically]")
 @seed_option
-@click.option("--steps", type=Whole(1, MOST), help="end the script after so many steps")
+@click.option("--steps", type=Whole(1, MOST), help="number of steps after which the script ends")
 @json_option
 @big_option
 @display_options
@@ -47,11 +47,11 @@ def command(
 ) -> None:
     """Watch your own Gymnasium script learn, unchanged.
 
-    It runs in a process of its own, and stops and goes on with the screen. Arguments that are none of these
-    options go to the script, and so does all that follows --. With --json there is no screen: it prints what
-    the script does to its table, and what is wrong with it.
+    It runs in its own process, which stops and continues with the screen. Unknown arguments go to the script,
+    and so does everything after --. With --json there is no screen: you get a report on the script's table
+    and its bugs.
 
-    It is not a sandbox: the script can do all that you can.
+    It is not a sandbox: the script can do everything you can.
     """
     from rl_tui.commands.line.screen import require_terminal
     from rl_tui.programs.watched.child.script import check_script
@@ -59,7 +59,7 @@ def command(
     from rl_tui.screen.terminal.driver_choice import in_browser
 
     if in_browser():
-        raise UserError("watch runs what stands in a file, and so does nothing where the program is served")
+        raise UserError("watch runs your own code, which is not allowed where rl-tui is served")
     if not as_json:
         require_terminal("--json does without")
     check_script(Path(script))
@@ -76,7 +76,7 @@ def command(
 
 
 def _print_report(request: ProgramRequest) -> ProgramError | None:
-    """Watch the script to its end, print the document, and return what was raised."""
+    """Watch the script to its end, print the document, and return the script's error, if any."""
     from rl_tui.programs.diagnosis.diagnosis import verdict_of
     from rl_tui.programs.grading.watch_report import error_of, watch_report
     from rl_tui.programs.watched.program_process import watched_to_the_end
@@ -98,7 +98,10 @@ def _print_report(request: ProgramRequest) -> ProgramError | None:
 
 
 def environment_missed(name: str) -> Callable[[ProgramLog], None]:
-    """Return what says once, on stderr, that the script ``name`` runs for long without an environment."""
+    """Return a callback that warns once on stderr if script `name` makes no environment.
+
+    It waits three seconds before it warns.
+    """
     due, is_said = time.monotonic() + WORTH_TELLING, False
 
     def say(log: ProgramLog) -> None:
@@ -109,7 +112,7 @@ def environment_missed(name: str) -> Callable[[ProgramLog], None]:
         why = f": {'; '.join(log.notes)}" if log.notes else ""
         text = one_line(f"{name} has not made an environment yet{why}", _LONGEST_ERROR)
         if sys.stderr.isatty():
-            click.echo(err=True)  # behind what shows how far it has come
+            click.echo(err=True)  # ends the line of the progress bar
         complain(f"rl-tui: {text}")
 
     return say

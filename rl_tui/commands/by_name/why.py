@@ -1,4 +1,4 @@
-"""``rl-tui why``: how long nothing is learned, why, and what would help."""
+"""``rl-tui why``: how long nothing is learned, the reason, and what would help."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 @allow_module_option
 @json_option
 def command(scenario: str, overrides: dict[str, object], seed: int, as_json: bool) -> None:
-    """Print how long nothing is learned, exactly, why, and what would help.
+    """Print how long nothing is learned, why, and what would help.
 
-    As long as all estimates are equal, each episode has the same chance to come to an outcome that moves one:
-    where r + γ·Q·[not ended] differs from Q. It is worked out from the transition table, for ε-greedy agents
-    with a constant ε that update the pair of each step by that step.
+    While all estimates are equal, each episode has the same chance to change one: to reach an outcome where r
+    + γ·Q·[not ended] differs from Q. The chance is computed from the transition table, for ε-greedy agents
+    with constant ε that update one pair per step.
     """
     from rl_tui.agents.exact.first_update import first_update
     from rl_tui.common.errors import UserError

@@ -1,1 +1,1 @@
-"""What every command uses: output, progress, the way to the screen."""
+"""Output, progress and screen start, shared by all commands."""

@@ -1,6 +1,7 @@
-"""File descriptors 1 and 2, which are everybody's: what an environment in C, or what it starts, writes there.
+"""Protection of file descriptors 1 and 2 from foreign output.
 
-What Python prints passes by ``sys.stdout``, and can be led elsewhere there; this goes past it.
+An environment in C, or a process that it starts, writes directly to these descriptors. Replacing
+``sys.stdout`` does not stop it.
 """
 
 from __future__ import annotations
@@ -16,18 +17,17 @@ from typing import Any, Final, TextIO
 _STDOUT, _STDERR = 1, 2
 _NAMES: Final = {_STDOUT: "stdout", _STDERR: "stderr"}
 STDOUT: Final = "<stdout>"
-"""The ``filename`` of an OSError that says that stdout could not be written."""
+"""The ``filename`` of an OSError that means: stdout cannot be written."""
 
 
 class _Named(FileIO):
-    """A descriptor that has a name, which its errors tell."""
+    """A descriptor whose errors carry its name."""
 
     def __init__(self, descriptor: int, name: str) -> None:
         super().__init__(descriptor, "w")
         self.name = name
 
     def write(self, data: object, /) -> int | None:  # type: ignore[override]
-        """Write as many bytes of ``data`` as the system takes."""
         try:
             return super().write(data)  # type: ignore[arg-type]
         except OSError as error:
@@ -36,10 +36,10 @@ class _Named(FileIO):
 
 
 def keep_stdout() -> None:
-    """Keep stdout for what this program says itself, until the process ends.
+    """Reserve stdout for the output of this program until the process ends.
 
-    ``sys.stdout`` goes on to where it went. All else that is written to descriptor 1 goes to stderr. Nothing
-    changes on Windows, where a console is no file.
+    ``sys.stdout`` still writes to the old place. Everything else written to descriptor 1 goes to stderr.
+    Nothing changes on Windows, where a console is not a file.
     """
     if sys.platform == "win32":
         return
@@ -52,42 +52,42 @@ def keep_stdout() -> None:
 
 
 class _RawOfOurs(_Named):
-    """A descriptor for what this program says: where nothing is buffered, it stands right behind a stream."""
+    """An unbuffered descriptor that drops foreign output."""
 
     def write(self, data: Any, /) -> int | None:  # type: ignore[override]
-        """Write ``data`` if it is ours."""
         return super().write(data) if _is_ours() else memoryview(data).nbytes
 
 
 class _OursOnly(TextIOWrapper):
-    """A stream for what this program says, which environments find too: what they print is dropped."""
+    """A text stream that drops foreign output. Environments find it as ``sys.stdout``."""
 
     def write(self, text: str, /) -> int:
-        """Write ``text`` if it is ours."""
         return super().write(text) if _is_ours() else len(text)
 
 
 class _BufferOfOurs(BufferedWriter):
-    """What stands behind such a stream."""
+    """The buffer below such a text stream."""
 
     def write(self, data: Any, /) -> int:
-        """Write ``data`` if it is ours."""
         return super().write(data) if _is_ours() else memoryview(data).nbytes
 
 
 def _is_ours() -> bool:
-    """Return True in the main thread, and in one that writes for Textual: environments run in others."""
+    """Return True in the main thread and in threads that write for Textual.
+
+    Environments run in other threads.
+    """
     thread = threading.current_thread()
     return thread is threading.main_thread() or type(thread).__module__.startswith("textual.")
 
 
 @contextmanager
 def screen_alone() -> Iterator[None]:
-    """Let nothing reach the terminal, from now to the end, but what this program says itself.
+    """Keep foreign output off the terminal, from now until the process ends.
 
-    All else is dropped, as what is printed while a screen is shown: an environment may go on printing after
-    that, to the end of the process. Where stderr is no terminal, what goes there goes on. Nothing changes on
-    Windows, where the terminal is reached in other ways too.
+    Foreign output is dropped even after the context, because an environment may print until the process ends.
+    Output to a stderr that is not a terminal is kept. Nothing changes on Windows, which reaches the terminal
+    in other ways too.
     """
     if sys.platform != "win32":
         for descriptor, name in _NAMES.items():
@@ -102,7 +102,7 @@ def screen_alone() -> Iterator[None]:
 
 
 def say_no_more() -> None:
-    """Let nothing at all reach the terminal where a screen was shown: what is left is not for people."""
+    """Drop all further output to the terminal, if a screen was shown."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, _OursOnly):
             with suppress(OSError, ValueError):
@@ -123,7 +123,7 @@ def _copy(
     kind: type[TextIOWrapper] = TextIOWrapper,
     buffer: type[BufferedWriter] = BufferedWriter,
 ) -> TextIOWrapper | None:
-    """Return ``stream`` once more, over a copy of ``descriptor``; None where it does not write to that."""
+    """Return `stream` again over a copy of `descriptor`, or None if it writes elsewhere."""
     if not isinstance(stream, TextIOWrapper):
         return None
     with suppress(OSError, ValueError):
@@ -131,7 +131,7 @@ def _copy(
             stream.flush()
             raw = (_RawOfOurs if kind is _OursOnly else _Named)(os.dup(descriptor), stream.name)
             return kind(
-                raw if stream.write_through else buffer(raw),  # as the interpreter has it with -u
+                raw if stream.write_through else buffer(raw),  # unbuffered with python -u
                 encoding=stream.encoding,
                 errors=stream.errors,
                 line_buffering=stream.line_buffering,
@@ -141,7 +141,7 @@ def _copy(
 
 
 def _open_stderr() -> None:
-    """Let stderr lead nowhere if it is closed, or the next file that is opened would become descriptor 2."""
+    """Open stderr to nowhere if it is closed; otherwise the next opened file becomes descriptor 2."""
     try:
         os.fstat(_STDERR)
     except OSError:
@@ -151,13 +151,13 @@ def _open_stderr() -> None:
 
 
 def lead_nowhere(descriptor: int) -> None:
-    """Let ``descriptor``, open or closed, take all that is written to it, and drop it."""
+    """Discard everything written to `descriptor`, open or closed."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
-    if nowhere != descriptor:  # the system gives the first number that is free
+    if nowhere != descriptor:  # the system returns the lowest free number
         _lead(descriptor, nowhere)
         os.close(nowhere)
 
 
 def _lead(descriptor: int, to: int) -> None:
-    with suppress(OSError):  # closed: then nothing that is written there can be seen either
+    with suppress(OSError):  # closed: nothing written there is visible anyway
         os.dup2(to, descriptor)

@@ -1,4 +1,4 @@
-"""Where a word that is not a command exists as a key on screen."""
+"""Hints for words that are not commands but keys on screen."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ _UNRELATED: Final = 3
 
 
 def key_on_screen(word: str) -> str:
-    """Return the key for ``word`` and the command that opens its screen.
+    """Return a hint that names the key for `word` and the command that opens its screen.
 
-    Empty if there is no such key, or if ``word`` is a scenario.
+    Returns:
+        The hint. Empty if no key matches, or if `word` is a scenario.
     """
     found = min(ACTIONS, key=lambda action: (_distance(action, word), _is_special(action)))
     if _distance(found, word) == _UNRELATED or (shipped_folder() / f"{word}.toml").is_file():
@@ -24,7 +25,7 @@ def key_on_screen(word: str) -> str:
 
 
 def _distance(action: Action, word: str) -> int:
-    """Return 0 for the label of ``action``, 1 for another name, 2 for the first word of its help."""
+    """Return 0 if `word` is the label, 1 an alias, 2 the first word of the help, else 3."""
     word, label, verb = (
         word.lower().rstrip("…"),
         action.label.lower().rstrip("…"),
@@ -34,7 +35,7 @@ def _distance(action: Action, word: str) -> int:
 
 
 def _is_special(action: Action) -> bool:
-    """Return whether ``action`` is missing in the playground of a scenario."""
+    """Return True if the playground of a scenario does not have this action."""
     return Place.PLAYGROUND not in action.place or action.of_program or action.of_lesson
 
 

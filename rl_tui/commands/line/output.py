@@ -1,4 +1,4 @@
-"""Printed output: JSON for programs, aligned columns and progress bars for people."""
+"""Printed output: JSON for programs, columns and progress bars for people."""
 
 from __future__ import annotations
 
@@ -24,21 +24,30 @@ if TYPE_CHECKING:
 
 _DIGITS: Final = 5
 _SMALLEST: Final = 1e-5
-_NOISE: Final = 1e-12  # what binary fractions leave of a zero
+_NOISE: Final = 1e-12  # rounding noise around 0
 
 
 def print_json(document: Any) -> None:
-    """Print one JSON document on stdout; raises ValueError if there is a NaN or an infinity in it."""
+    """Print one JSON document on stdout.
+
+    Raises:
+        ValueError: The document contains NaN or an infinity.
+    """
     click.echo(json.dumps(document, allow_nan=False))
 
 
 def complain(message: str) -> None:
-    """Print ``message`` on stderr; characters that a terminal might obey are written out."""
+    """Print `message` on stderr, with control characters escaped."""
     click.echo("\n".join(map(printable, message.split("\n"))), err=True)
 
 
 def columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
-    """Return ``rows`` of equal length as aligned columns; those in ``right`` are aligned to the right."""
+    """Return rows of text as aligned columns.
+
+    Args:
+        rows: Cells. All rows have the same length.
+        right: Indices of the columns to align to the right.
+    """
     from rich.cells import cell_len
 
     widths = [max(cell_len(cell) for cell in column) for column in zip(*rows, strict=True)]
@@ -54,9 +63,9 @@ def columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
 
 
 def number(value: float | str | None, form: str = ".5g") -> str:
-    """Return a figure as people read it; a word stays as it is, and what is not known is a dash.
+    """Format a number for people. None becomes a dash; a word stays unchanged.
 
-    What rounding errors leave of a zero is 0.
+    Rounding noise below 1e-12 is shown as 0.
     """
     if value is None:
         return "-"
@@ -64,10 +73,13 @@ def number(value: float | str | None, form: str = ".5g") -> str:
 
 
 def alike(values: Sequence[float | None]) -> list[str]:
-    """Return figures that stand beside one another with as many decimals each, five digits of the largest.
+    """Format numbers that appear side by side with the same number of decimals.
 
-    Where they all are below 1e-5 they all have an exponent. Zeros that all of them end with are left out, and
-    what would read 0 and is not is a bound.
+    The largest number gets five digits. If all are below 1e-5, all get an exponent. Common trailing zeros are
+    removed. A number that would round to 0 becomes a bound, such as ``<.01``.
+
+    Args:
+        values: The numbers. None becomes a dash.
     """
     known = [_without_noise(value) for value in values if value is not None]
     largest = max(map(abs, known), default=0.0)
@@ -93,7 +105,7 @@ def _without_noise(value: float) -> float:
 
 
 def can_print(text: str) -> bool:
-    """Return whether stdout has all the characters of ``text``."""
+    """Return True if stdout can encode all characters of `text`."""
     try:
         text.encode(getattr(sys.stdout, "encoding", None) or "ascii")
     except UnicodeEncodeError:
@@ -106,12 +118,12 @@ def can_print(text: str) -> bool:
 
 _PARTS: Final = 1000
 WORTH_A_FORECAST: Final = 0.5
-"""Seconds after which what was done tells how long the rest will take."""
+"""Seconds after which the remaining time can be estimated."""
 _LONGEST_FINISH: Final = 20.0  # seconds
 
 
 class Progress:
-    """Shows how far it has come: call it with how much is done, and how much there is to do."""
+    """A progress display: call it with the amount done and the total amount."""
 
     def __init__(self, advance_bar: Callable[[int, str], object]) -> None:
         self._advance_bar = advance_bar
@@ -119,36 +131,41 @@ class Progress:
         self._begun: tuple[float, int] | None = None
 
     def __call__(self, done: int, wanted: int) -> None:
-        """Show that ``done`` of ``wanted`` is done."""
+        """Show that `done` of `wanted` is finished."""
         self._begun = self._begun or (time.monotonic(), done)
         self.show(done, wanted, _how_far(self._begun, done, wanted))
 
     def show(self, done: int, wanted: int, text: str) -> None:
-        """Show that ``done`` of ``wanted`` is done, and ``text`` in place of the usual words."""
+        """Show that `done` of `wanted` is finished, with `text` instead of the default words."""
         before, self._parts = self._parts, min(done, wanted) * _PARTS // max(1, wanted)
         self._advance_bar(self._parts - before, text)
 
     def say(self, text: str) -> None:
-        """Show ``text`` in place of how much is done, until there is more; a forecast then begins anew."""
+        """Show `text` until the next progress. The time estimate then starts again."""
         self._begun = None
         self._advance_bar(0, text)
 
 
 @contextmanager
 def progress(label: str, *, has_end: bool = True) -> Iterator[Progress]:
-    """Yield what shows how far it has come; only what it says, where nobody knows how far it will go."""
+    """Yield a progress display on stderr, invisible if stderr is not a terminal.
+
+    Args:
+        label: Text before the bar.
+        has_end: False if the total amount is unknown. Then only text is shown.
+    """
     if not sys.stderr.isatty():
         yield Progress(lambda parts, text: None)
         return
-    # its words alone: the bar of click's for what has no end fails where nothing is counted
+    # text only: click's bar without a length fails when nothing is counted
     without_bar: dict[str, Any] = {"bar_template": "%(label)s  %(info)s", "show_percent": False}
     with click.progressbar(
         length=_PARTS,
         **({} if has_end else without_bar),
         label=label,
         file=sys.stderr,
-        width=0,  # what the rest leaves of the line
-        show_eta=False,  # it knows none before the first of so many parts is done
+        width=0,  # the rest of the line
+        show_eta=False,  # click has no estimate before the first part is done
         update_min_steps=0,
         item_show_func=lambda text: text,
     ) as bar:
@@ -156,7 +173,7 @@ def progress(label: str, *, has_end: bool = True) -> Iterator[Progress]:
 
 
 def with_compiling(bar: Progress) -> OnProgress:
-    """Return what shows how far training has come, and for how long it is compiled, which has no forecast."""
+    """Return a progress callback that shows when kernels are being compiled."""
     from rl_tui.agents.compiling.background import BACKGROUND
 
     def on_progress(done: int, wanted: int) -> None:
@@ -169,16 +186,17 @@ def with_compiling(bar: Progress) -> OnProgress:
 
 
 def finish_compiling() -> None:
-    """Let a compiler that was too late for this run finish, or it is too late for all others like it.
+    """Wait up to 20 seconds for a kernel that finished too late for this run.
 
-    Where no machine code can be had, say why: what was trained took far longer than it need take.
+    The next run of this kind then finds its code. If compiling failed, the reason is printed: the training
+    took much longer than necessary.
     """
     from rl_tui.agents.compiling.background import BACKGROUND
 
     why_not = BACKGROUND.why_not(list(BACKGROUND.failed))
     if why_not:
         complain(why_not)
-    if BACKGROUND.is_busy and sys.stderr.isatty():  # a script has no time for that
+    if BACKGROUND.is_busy and sys.stderr.isatty():  # only where a person waits
         sys.stdout.flush()
         click.echo("finishing to compile, so that the next time is quick; ctrl+c leaves it", err=True)
         with suppress(KeyboardInterrupt):
@@ -186,7 +204,13 @@ def finish_compiling() -> None:
 
 
 def _how_far(begun: tuple[float, int], done: int, wanted: int) -> str:
-    """Return ``30.2M of 1000T, 3 years left``, if it goes on as it did since the time and count ``begun``."""
+    """Return text such as ``30.2M of 1000T, 3 years left``.
+
+    Args:
+        begun: Time and amount at the start of the estimate.
+        done: Amount finished.
+        wanted: Total amount.
+    """
     start, before = begun
     seconds = time.monotonic() - start
     words = f"{short_count(done)} of {short_count(wanted)}"

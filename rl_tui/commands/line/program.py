@@ -1,4 +1,4 @@
-"""The command line as a whole: commands are imported when asked for, and every failure is one line."""
+"""The command group: lazy command imports, and one-line errors."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ TRACEBACK: Final = "RL_TUI_TRACEBACK"
 
 
 class Program(click.Group):
-    """A group of commands, each the attribute ``command`` of a module that is imported only for it.
+    """A command group that imports the module of a command only when needed.
 
-    ``modules`` maps the names of the commands to their modules; those ``first_in_help`` stand there before
-    the others. Ends with exit status 0 (done), 1 (it could not be done), 2 (usage) or 130 (interrupted),
-    never with a traceback.
+    `modules` maps command names to modules, each with an attribute ``command``. Commands in `first_in_help`
+    are listed first. The exit status is 0 (done), 1 (failed), 2 (usage error) or 130 (interrupted). Errors
+    never print a traceback.
     """
 
     modules: ClassVar[Mapping[str, str]]
     first_in_help: ClassVar[Sequence[str]] = ()
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the names of the commands in the order of the help."""
+        """Return the command names in the order of the help."""
         return list(dict.fromkeys((*self.first_in_help, *self.modules)))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return the command of that name, None if there is none."""
+        """Return the command called `cmd_name`, or None."""
         if cmd_name not in self.modules:
             return None
         return cast("click.Command", import_module(self.modules[cmd_name]).command)
@@ -48,14 +48,17 @@ class Program(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command that ``args`` begin with; raises UsageError with near names or a key."""
+        """Find the command at the start of `args`.
+
+        Raises:
+            click.UsageError: There is no such command. The message suggests a near name or a key.
+        """
         name = args[0]
         if name not in self.modules and not name.startswith("-"):
-            raise click.UsageError(f"no command is called {name!r}; {self._hint(name)}", ctx)
+            raise click.UsageError(f"unknown command {name!r}; {self._hint(name)}", ctx)
         return super().resolve_command(ctx, args)
 
     def _hint(self, name: str) -> str:
-        """Return where else ``name`` may be found."""
         from rl_tui.commands.line.key_on_screen import key_on_screen
 
         near = get_close_matches(name, self.modules, n=1)
@@ -65,7 +68,7 @@ class Program(click.Group):
     def main(  # type: ignore[override]
         self, args: Sequence[str] | None = None, *, standalone_mode: bool = True, **extra: Any
     ) -> Any:
-        """Run the program and exit."""
+        """Run the program and exit with its status."""
         if not standalone_mode:
             return super().main(args, standalone_mode=False, **extra)
         for stream in (sys.stdout, sys.stderr):
@@ -113,9 +116,9 @@ class Program(click.Group):
 
 
 def _unknown_option(fault: click.NoSuchOption, program: click.Group) -> str:
-    """Return that there is none, and which commands of ``program`` have it or else which one is near."""
+    """Return an error message that names commands with this option, or a near option."""
     option, context = fault.option_name, fault.ctx
-    said = f"there is no option {option}"
+    said = f"unknown option {option}"
     if context is None:
         return said
     owners = [
@@ -123,7 +126,7 @@ def _unknown_option(fault: click.NoSuchOption, program: click.Group) -> str:
     ]
     if owners:
         return f"{said} here; it is one of {', '.join(owners)}"
-    # without the dashes, which all of them have in common
+    # the common dashes would make all names similar
     names = {each.lstrip("-"): each for each in _options(context.command) if each.startswith("--")}
     near = get_close_matches(option.lstrip("-"), names, n=1)
     return f"{said}; did you mean {names[near[0]]}?" if near else said
@@ -155,12 +158,12 @@ def _prefixed(message: str) -> str:
 
 
 def _fail(message: str, status: int = FAILED) -> int:
-    if INTERRUPTS.came:  # what ctrl+C breaks off, an import for one, may fail in its own way
+    if INTERRUPTS.came:  # an import that ctrl+C interrupts may fail in any way
         return INTERRUPTED
     complain(message)
     return status
 
 
 def _give_up_stdout() -> None:
-    """Drop what is still to be written there: who read it has stopped, as ``head`` does, or it is full."""
+    """Discard the rest of stdout: the reader stopped, like ``head``, or the disk is full."""
     lead_nowhere(sys.stdout.fileno())

@@ -1,4 +1,4 @@
-"""The start of the program on screen, for one user or as a kiosk."""
+"""The start of the app on screen, for one user or as a kiosk."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ if TYPE_CHECKING:
 
 
 COMMANDS: Final = (None, "play", "learn", "list", "serve")
-"""What a kiosk has; None is the catalogue."""
+"""Commands available in a kiosk. None is the start screen."""
 MOST_DATA: Final = 2**30
-"""Bytes of memory that one kiosk may ask for; it uses far less."""
+"""Memory limit of one kiosk in bytes. It needs far less."""
 _NICENESS: Final = 10
 _MOST_OPEN: Final = 256
 _THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-# Of the variables that make Textual log, debug, take pictures or import what they name, only these are left
+# Textual reads variables that make it log, debug, take pictures or import modules. A kiosk keeps only these
 _HARMLESS: Final = ("TEXTUAL_FPS", "TEXTUAL_COLOR_SYSTEM", "TEXTUAL_ANIMATIONS")
 
 
@@ -54,17 +54,18 @@ def _turn_on(_: click.Context, __: click.Parameter, value: bool) -> None:
 kiosk_option: Final = click.option(
     "--kiosk",
     is_flag=True,
-    is_eager=True,  # it counts from the moment it is read
+    is_eager=True,  # applies as soon as it is read
     expose_value=False,
     callback=_turn_on,
-    help="for strangers: shipped scenarios only, no files written or read, bounded memory",
+    help="for strangers: shipped scenarios only, no access to files, limited memory",
 )
 
 
 def enter_kiosk(command: str | None) -> None:
-    """Prepare this process for ``command`` if it is a kiosk, before anything heavy is imported.
+    """Prepare the process for `command` if it is a kiosk, before heavy imports.
 
-    Raises UserError where a kiosk does not have that command.
+    Raises:
+        UserError: A kiosk does not have this command.
     """
     if not in_kiosk():
         return
@@ -81,10 +82,9 @@ def enter_kiosk(command: str | None) -> None:
 
 
 def confine() -> None:
-    """Let the system hold this process to what a kiosk needs, and yield to others; nothing takes it back.
+    """Restrict this process permanently to what a kiosk needs, and lower its priority.
 
-    No file can be written, not even by a fault in the program. Nothing happens where the system knows no
-    such limits (Windows).
+    Even a bug cannot write files afterwards. Nothing happens on systems without such limits (Windows).
     """
     try:
         import resource
@@ -108,19 +108,26 @@ def confine() -> None:
 
 
 FEWEST_FILES: Final = 64
-"""So many files may be open at once, or more: screen, sockets, workers and modules that are imported."""
+"""Smallest number of open files that the app needs, for screen, sockets, workers and imports."""
 WORTH_TELLING: Final = 3.0  # seconds without an environment
 _ARENA_MAX: Final = -8  # M_ARENA_MAX in glibc's malloc.h
 
 
 class NoTerminalError(click.ClickException):
-    """There is nothing to draw on."""
+    """There is no terminal to draw on."""
 
     exit_code = USAGE
 
 
 def require_terminal(instead: str = "rl-tui train and rl-tui screenshot do without") -> None:
-    """Raise NoTerminalError, in one sentence that ends with ``instead``, where nothing can be drawn."""
+    """Check that the app can draw on this terminal.
+
+    Args:
+        instead: End of the error message: what works without a terminal.
+
+    Raises:
+        NoTerminalError: Input or output is not a terminal, or its type is unknown.
+    """
     if in_browser():
         return
     streams = {"stdin": sys.stdin, "stdout": sys.stdout}
@@ -138,7 +145,11 @@ def require_terminal(instead: str = "rl-tui train and rl-tui screenshot do witho
 
 
 def require_open_files() -> None:
-    """Raise UserError where so few files may be open that no screen, or no worker, could start."""
+    """Raise the soft limit of open files if it is too low.
+
+    Raises:
+        UserError: The hard limit is too low as well.
+    """
     if sys.platform == "win32":
         return
     import resource
@@ -154,10 +165,15 @@ def require_open_files() -> None:
 
 
 def run_app(display: Display, start: Start | ProgramRequest = None) -> None:
-    """Show the catalogue, or what ``start`` says, until the user quits.
+    """Show the app until the user quits.
 
-    A program is started first: what keeps it from being shown is said on the terminal as it was. Raises
-    UserError where a fault ended it.
+    Args:
+        display: How the screen looks.
+        start: What to open; None: the start screen. A program is started before the screen opens, so its
+            errors appear on the normal terminal.
+
+    Raises:
+        UserError: An error ended the app.
     """
     from rl_tui.programs.watched.program_process import ProgramRequest
 
@@ -170,9 +186,12 @@ def run_app(display: Display, start: Start | ProgramRequest = None) -> None:
 
 @contextmanager
 def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
-    """Yield the program of ``request``, which stands before its first step; it ends with the context.
+    """Yield the running program of `request`, stopped before its first step.
 
-    Raises UserError where it cannot be shown, and in a kiosk.
+    The program ends with the context.
+
+    Raises:
+        UserError: The program cannot be shown, or this is a kiosk.
     """
     from rl_tui.live.programs.watched_program import WatchedProgram
 
@@ -188,9 +207,10 @@ def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
 
 @contextmanager
 def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
-    """Yield what is called while one waits for an environment; it says so on stderr, a line that goes again.
+    """Yield a callback that shows on stderr how long the program has not made an environment.
 
-    What the program was noted for until then may say why, and stays. What it returns is always true.
+    The line disappears at the end. Notes of the program are printed and stay. The callback always returns
+    True.
     """
     begun, said, noted = time.monotonic(), 0, 0
 
@@ -217,7 +237,11 @@ def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
 
 
 def refuse_where_served() -> None:
-    """Raise UserError where others use the program: somebody's own code runs with all rights of its user."""
+    """Refuse to run a user's code where other people use the program.
+
+    Raises:
+        UserError: This is a kiosk, or the app runs in a browser.
+    """
     if in_kiosk() or in_browser():
         raise UserError("your own code runs neither in a kiosk nor where the program is served")
 
@@ -244,12 +268,12 @@ def _run_app(display: Display, start: Start) -> None:
         raise fault
     if app.return_code:
         click.get_current_context().exit(app.return_code)
-    if app.kept is not None and not in_browser():  # where there is no shell
+    if app.kept is not None and not in_browser():  # a browser has no shell to continue in
         _tell_what_is_kept(app.kept, app.look.glyphs)
 
 
 def _tell_what_is_kept(kept: KeptSession, glyphs: Glyphs) -> None:
-    """Tell on stderr, which is the shell's again, how to go on; it is kept even if nobody can be told."""
+    """Print on stderr how to continue the saved session."""
     from rl_tui.screen.draw.to_ascii import separated
 
     with suppress(OSError):
@@ -258,9 +282,9 @@ def _tell_what_is_kept(kept: KeptSession, glyphs: Glyphs) -> None:
 
 
 def _stand_somewhere() -> None:
-    """Go to the folder of temporary files where the one that the program was started in is gone.
+    """Change to the temporary folder if the current folder was deleted.
 
-    Libraries ask where they are: to compile a kernel needs that.
+    Libraries ask for the current folder, for example when they compile a kernel.
     """
     try:
         Path.cwd()
@@ -272,9 +296,10 @@ def _stand_somewhere() -> None:
 
 @contextmanager
 def _nothing_collected() -> Iterator[None]:
-    """Keep the garbage collector from what is made here, now and later: of modules nothing is garbage.
+    """Exclude the objects made in this context from garbage collection.
 
-    Measured: it takes a tenth of the time of the imports before the first paint.
+    Imported modules never become garbage. Measured: collecting takes a tenth of the import time before the
+    first paint.
     """
     gc.disable()
     try:
@@ -285,11 +310,11 @@ def _nothing_collected() -> Iterator[None]:
 
 
 def _share_heap() -> None:
-    """Have all threads allocate in one heap; to be called before there are any.
+    """Let all threads allocate from one heap. Call it before threads start.
 
-    glibc gives each thread one of its own, in which holes stay where others have freed what it allocated.
-    Measured: with runs opened and ended beside one another, 74 MB more in a few minutes against 30. Kernels
-    allocate nothing, so that none of them waits for the heap. Other C libraries have one anyway.
+    glibc gives each thread its own heap, which fragments when other threads free its memory. Measured with
+    runs opened and ended side by side: 74 MB more in a few minutes, against 30 MB. Kernels allocate nothing,
+    so they never wait for the heap. Other C libraries have one heap anyway.
     """
     with suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).mallopt(_ARENA_MAX, 1)

@@ -1,4 +1,4 @@
-"""The option ``--agent``: somebody's own agent in place of one of ours."""
+"""The option ``--agent``: the user's own agent instead of a built-in one."""
 
 from __future__ import annotations
 
@@ -24,17 +24,23 @@ agent_option: Final = click.option(
     "--agent",
     metavar="FILE.py[:NAME]",
     callback=_agent_name,
-    help="your own agent learns: a class or function in a file, which runs with all your rights",
+    help="train your own agent, a class or function in a file; it runs with all your rights",
 )
 
 
 def request_of(
     agent: AgentName, start: Recipe | StoredSession, given: Mapping[str, object]
 ) -> ProgramRequest:
-    """Return the request for ``agent`` to learn as ``start`` says, for as long as a person watches.
+    """Return the request to watch `agent` learn without end.
 
-    ``given`` are the hyper-parameters that a person gave. Raises UserError where there is no such agent,
-    UsageError beside a session.
+    Args:
+        agent: File and name of the agent.
+        start: How the run starts.
+        given: Hyper-parameters given by the user.
+
+    Raises:
+        UserError: There is no such agent.
+        click.UsageError: `start` is a session.
     """
     from rl_tui.commands.line.screen import refuse_where_served
     from rl_tui.programs.grading.agent_training import agent_request, place_of_agent
@@ -44,13 +50,13 @@ def request_of(
     refuse_where_served()
     if not isinstance(start, Recipe):
         raise click.UsageError("--agent needs a scenario, not a session", click.get_current_context())
-    place_of_agent(agent)  # what is wrong with it is said before the screen is taken
+    place_of_agent(agent)  # reports errors before the screen opens
     warn_of_agent(given)
     return agent_request(agent, start, given, Goal())
 
 
 def warn_of_agent(given: Mapping[str, object]) -> None:
-    """Say on stderr which of the options ``given`` no agent of somebody's own is given."""
+    """Warn on stderr about options in `given` that a user's own agent never receives."""
     from rl_tui.programs.grading.agent_training import GIVEN
 
     for name in given:

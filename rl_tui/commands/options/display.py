@@ -1,4 +1,4 @@
-"""The options that say how a screen looks."""
+"""Options for the look of the screen."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rl_tui.screen.app.display import Colours, Display
 
 _DEFAULT: Final = Display()
 _FPS: Final = Parameter(
-    "fps", "fps", "most frames drawn a second; fewer suit a slow link", Range(0, 60, open_low=True)
+    "fps", "fps", "frames per second at most; fewer for slow connections", Range(0, 60, open_low=True)
 )
 _OPTIONS: Final = (
     click.option(
@@ -24,26 +24,26 @@ _OPTIONS: Final = (
         type=click.Choice(get_args(Colours)),
         default=_DEFAULT.colors,
         show_default=True,
-        help="how many colours the terminal shows",
+        help="number of colours of the terminal",
     ),
     click.option("--no-color", is_flag=True, help="the same as --colors none"),
     click.option("--ascii", is_flag=True, help="draw with ASCII characters only"),
     click.option("--fps", type=ParameterValue(_FPS), default=_DEFAULT.fps, show_default=True, help=_FPS.help),
-    click.option("--no-mouse", is_flag=True, help="leave the mouse alone"),
-    click.option("--reduced-motion", is_flag=True, help="show each step at once, without motion"),
+    click.option("--no-mouse", is_flag=True, help="do not use the mouse"),
+    click.option("--reduced-motion", is_flag=True, help="show steps without animation"),
 )
 DISPLAY_OPTIONS: Final = ("theme", "colors", "no_color", "ascii", "fps", "no_mouse", "reduced_motion")
 
 
 class PanelNames(OptionValue):
-    """``few``, ``all``, or the ids of panels between commas."""
+    """``few``, ``all``, or panel ids separated by commas."""
 
     name = "few|all|NAME,…"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> str | frozenset[str]:
-        """Return a word or the ids; fails naming what is expected."""
+        """Return the word or the ids, or fail with the known ids."""
         from rl_tui.worlds.files.scenario import unknown_panels
 
         if value in ("few", "all"):
@@ -58,27 +58,29 @@ panels_option: Final = click.option(
     "--panels",
     type=PanelNames(),
     metavar="few|all|NAME,…",
-    help="the panels to begin with; of few the others come once they mean something"
-    "  [default: those of the scenario]",
+    help="panels at the start; with few, others appear when they are useful  [default: the scenario's]",
 )
-big_option: Final = click.option("--big", is_flag=True, help="begin with the world on the whole screen (f)")
+big_option: Final = click.option("--big", is_flag=True, help="start with the world in full screen (f)")
 
 
 def display_options(command: Command) -> Command:
-    """Add the display options; they arrive under the names of ``DISPLAY_OPTIONS``."""
+    """Add the display options to `command`. Their names are in ``DISPLAY_OPTIONS``."""
     for option in reversed(_OPTIONS):
         command = option(command)
     return command
 
 
 def is_given(context: click.Context, name: str) -> bool:
-    """Return whether the option ``name`` was given on the command line, before the command or after it."""
+    """Return True if the option `name` was given, before or after the command."""
     source = context.get_parameter_source(name)
     return source in (click.core.ParameterSource.COMMANDLINE, click.core.ParameterSource.DEFAULT_MAP)
 
 
 def display_of(values: Mapping[str, Any]) -> Display:
-    """Return what the values of the display options, by name, say, and where there are any, those beside."""
+    """Return the display settings for the option values in `values`, by name.
+
+    ``big`` and ``panels`` may be missing.
+    """
     return Display(
         theme=values["theme"],
         colors="none" if values["no_color"] else values["colors"],

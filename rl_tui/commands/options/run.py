@@ -1,6 +1,6 @@
-"""Command-line options that say how a run starts.
+"""Options for the start of a run.
 
-Hyperparameters come from their one list, so a new one appears here automatically.
+Hyper-parameter options come from the table of hyper-parameters. A new parameter appears here automatically.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
 
 class OptionValue(click.ParamType):  # type: ignore[type-arg]  # generic in newer versions only
-    """A kind of option value."""
+    """Base of the option types of this program."""
 
 
 class ParameterValue(OptionValue):
-    """A value of a hyper-parameter: a number in its range or one of its words."""
+    """A value of a hyper-parameter: a number in its range, or one of its words."""
 
     def __init__(self, parameter: Parameter) -> None:
         self.parameter = parameter
@@ -40,11 +40,11 @@ class ParameterValue(OptionValue):
         self.name = "|".join([*numbers, *parameter.words])
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
-        """Return what the help shows in place of a value."""
+        """Return the placeholder for the help text."""
         return self.name.replace("number", "NUMBER")
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float | str:
-        """Return the number or word; fails naming what is expected."""
+        """Return the number or word, or fail with the expected values."""
         number = number_in(value)
         if isinstance(value, str) and value in self.parameter.words:
             return value
@@ -54,7 +54,7 @@ class ParameterValue(OptionValue):
 
 
 class Whole(OptionValue):
-    """A whole number from ``low`` to ``high``."""
+    """A whole number from `low` to `high`."""
 
     name = "N"
 
@@ -62,7 +62,7 @@ class Whole(OptionValue):
         self.range = Range(low, high)
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """Return the number; fails naming the range."""
+        """Return the number, or fail with the range."""
         try:
             number: int | None = int(str(value))
         except ValueError:
@@ -73,7 +73,7 @@ class Whole(OptionValue):
 
 
 class Real(OptionValue):
-    """A finite number from ``low`` to ``high``."""
+    """A finite number from `low` to `high`."""
 
     name = "NUMBER"
 
@@ -81,7 +81,7 @@ class Real(OptionValue):
         self.range = Range(low, high)
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Return the number; fails naming the range."""
+        """Return the number, or fail with the range."""
         number = number_in(value)
         if number is None or not math.isfinite(number) or number not in self.range:
             self.fail(f"{value} is not a number in {self.range}", param, ctx)
@@ -89,14 +89,14 @@ class Real(OptionValue):
 
 
 class ChangeValue(OptionValue):
-    """A change on the way, STEP:NAME=VALUE."""
+    """A change during training: STEP:NAME=VALUE."""
 
     name = "STEP:NAME=VALUE"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> JournalEntry:
-        """Return the change; fails naming what is expected."""
+        """Return the change, or fail with the expected form."""
         from rl_tui.runs.changes import read_change
         from rl_tui.runs.recipe import JournalEntry
 
@@ -109,7 +109,7 @@ class ChangeValue(OptionValue):
 
 
 def number_in(value: object) -> float | None:
-    """Return the number that an option's text spells, None if it spells none."""
+    """Return the number written in an option value, or None."""
     try:
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
@@ -123,16 +123,16 @@ SUFFIXES: Final = (".svg", ".png")
 
 
 class PictureFile(OptionValue):
-    """A file whose name says what kind of picture it takes."""
+    """A picture file. Its suffix selects the format."""
 
     name = "F.svg|F.png"
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
-        """Return what the help shows in place of a value: the ends of names in small letters."""
+        """Return the placeholder for the help text, with the suffixes in lower case."""
         return self.name
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Return the path; fails naming the ends that a name may have."""
+        """Return the path, or fail with the allowed suffixes."""
         path = Path(str(value))
         if path.suffix.lower() not in SUFFIXES:
             self.fail(f"{value} does not end in {' or '.join(SUFFIXES)}", param, ctx)
@@ -140,7 +140,7 @@ class PictureFile(OptionValue):
 
 
 out_option: Final = click.option(
-    "--out", type=PictureFile(), help='write the picture there; a PNG takes pip install "rl-tui[plot]"'
+    "--out", type=PictureFile(), help='picture file to write; PNG needs pip install "rl-tui[plot]"'
 )
 
 
@@ -151,7 +151,7 @@ Command = Callable[..., Any]
 
 scenario_argument: Final = click.argument("scenario", metavar="SCENARIO|FILE.toml|gym:ENV_ID")
 seed_option: Final = click.option(
-    "--seed", type=Whole(0), default=0, show_default=True, help="where all randomness comes from"
+    "--seed", type=Whole(0), default=0, show_default=True, help="seed of all randomness"
 )
 
 
@@ -170,7 +170,7 @@ allow_module_option: Final = click.option(
     is_eager=True,
     expose_value=False,
     callback=_allow_modules,
-    help="let environments be called MODULE:ID, which imports MODULE: whatever it does, it does here",
+    help="allow environments named MODULE:ID, which import MODULE and run its code",
 )
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="print one JSON document")
 CsvTarget = Path | TextIO | None
@@ -185,7 +185,12 @@ def _csv_target(_: click.Context, __: click.Parameter, name: str | None) -> CsvT
 
 
 def target_option(option: str, text: str) -> Callable[[Command], Command]:
-    """Return the option of that name, a file or ``-`` for stdout; ``text`` is what is written there."""
+    """Return an option for an output file, where ``-`` means stdout.
+
+    Args:
+        option: Name of the option, such as ``--csv``.
+        text: What is written there, for the help.
+    """
     return click.option(
         option,
         type=click.Path(dir_okay=False, allow_dash=True),
@@ -194,21 +199,27 @@ def target_option(option: str, text: str) -> Callable[[Command], Command]:
     )
 
 
-csv_option: Final = target_option(
-    "--csv", "raw rows, one an episode: run, episode, return (undiscounted), length"
-)
+csv_option: Final = target_option("--csv", "one row per episode: run, episode, return (undiscounted), length")
 curve_option: Final = target_option(
-    "--curve", "the mean curve of the run or runs, a row for each of at most 200 bins of episodes"
+    "--curve", "the mean curve of all runs, one row for each of at most 200 bins of episodes"
 )
 
 
 def is_stdout(target: CsvTarget) -> bool:
-    """Return whether ``target`` is stdout, so that nothing else may be written there."""
+    """Return True if `target` is stdout, which then allows no other output."""
     return target is not None and target is sys.stdout
 
 
 def check_targets(targets: Mapping[str, CsvTarget], as_json: bool) -> None:
-    """Raise UsageError where two of ``targets``, named by their options, or JSON want the same place."""
+    """Check that no two outputs have the same target.
+
+    Args:
+        targets: Output targets by option name.
+        as_json: True if a JSON document goes to stdout.
+
+    Raises:
+        click.UsageError: Two outputs would share a file or stdout.
+    """
     wanted: dict[object, str] = {sys.stdout: "--json"} if as_json else {}
     for option, target in targets.items():
         if target is None:
@@ -222,7 +233,10 @@ def check_targets(targets: Mapping[str, CsvTarget], as_json: bool) -> None:
 
 
 def run_options(command: Command) -> Command:
-    """Add ``--algorithm`` and every hyper-parameter; those given arrive as the mapping ``overrides``."""
+    """Add ``--algorithm`` and all hyper-parameters to `command`.
+
+    The command receives the given ones as the mapping ``overrides``.
+    """
     names = ("algorithm", *PARAMETERS)
 
     @functools.wraps(command)
@@ -238,7 +252,12 @@ def run_options(command: Command) -> Command:
 
 
 def algorithm_option(argument: str, more: str = "") -> Callable[[Command], Command]:
-    """Return the option ``--algorithm``, which arrives as ``argument``; ``more`` is said in the help."""
+    """Return the option ``--algorithm``.
+
+    Args:
+        argument: Name of the argument that receives the value.
+        more: Addition to the help text.
+    """
     return click.option(
         "--algorithm",
         argument,
@@ -249,7 +268,12 @@ def algorithm_option(argument: str, more: str = "") -> Callable[[Command], Comma
 
 
 def parameter_option(name: str, more: str = "") -> Callable[[Command], Command]:
-    """Return the option of the hyper-parameter of that ``name``; ``more`` is said in the help."""
+    """Return the option of the hyper-parameter `name`.
+
+    Args:
+        name: Name of the parameter.
+        more: Addition to the help text.
+    """
     parameter = PARAMETERS[name]
     return click.option(
         f"--{name.replace('_', '-')}",
@@ -260,9 +284,16 @@ def parameter_option(name: str, more: str = "") -> Callable[[Command], Command]:
 
 
 def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | StoredSession:
-    """Return the recipe of a scenario, or where ``name`` ends in .json the session in that file.
+    """Return the recipe of a scenario, or the session of a .json file.
 
-    Raises UserError where there is none, UsageError where options of a run are given to a session.
+    Args:
+        name: Scenario id, path of a scenario file, ``gym:ENV_ID``, or path of a session.
+        overrides: Hyper-parameters by name.
+        seed: Seed of the run.
+
+    Raises:
+        UserError: There is no such scenario or session.
+        click.UsageError: A session was given together with options of a run.
     """
     from rl_tui.live.sessions.session import SUFFIX, read_session
     from rl_tui.runs.library import recipe_named
@@ -273,12 +304,12 @@ def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | Sto
         context = click.get_current_context()
         raise click.UsageError("a session brings its own settings: leave the options of a run out", context)
     session = read_session(Path(name))
-    session.record()  # what is wrong with it is said before the screen is taken
+    session.record()  # reports errors before the screen opens
     return session
 
 
 def warn_of_no_effect(recipe: Recipe, overrides: Mapping[str, object]) -> None:
-    """Say on stderr which of ``overrides`` the algorithm and the policy of ``recipe`` do not use."""
+    """Warn on stderr about `overrides` that the algorithm and policy of `recipe` ignore."""
     from rl_tui.runs.library import without_effect
 
     policy = "" if BY_ID[recipe.algorithm].planner else f" with policy {recipe.hyperparameters.policy}"
@@ -288,7 +319,7 @@ def warn_of_no_effect(recipe: Recipe, overrides: Mapping[str, object]) -> None:
 
 
 def _help(parameter: Parameter) -> str:
-    """Return what it is and what it takes, each said once: words alone stand in place of the value."""
+    """Return the help text: meaning and range. Words appear in the placeholder instead."""
     is_a_sign = len(parameter.symbol.strip("₀")) == 1 and parameter.symbol != parameter.name
     named = f"{parameter.symbol}, {parameter.help}" if is_a_sign else parameter.help
     return named if parameter.range is None else f"{named}: {parameter.expected}"
@@ -306,10 +337,10 @@ TITLES: Final = (OPTIONS, LEARNING, CHOOSING, SOME, SCHEDULES)
 
 
 class SectionedCommand(click.Command):
-    """A command whose help lists the options of a run apart, in sections by what they are for."""
+    """A command whose help groups the options of a run by purpose."""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the command's own options first, then the sections."""
+        """Write the command's own options first, then the groups."""
         sections: dict[str, list[tuple[str, str]]] = {title: [] for title in TITLES}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)
@@ -322,7 +353,7 @@ class SectionedCommand(click.Command):
 
 
 def section_of(option: str) -> str:
-    """Return the title of the section of an option, by its name in Python."""
+    """Return the title of the help section of `option`, given by its Python name."""
     if option == "algorithm":
         return LEARNING
     if option not in PARAMETERS:

@@ -1,1 +1,1 @@
-"""rl-tui from Python: what ``import rl_tui`` offers."""
+"""The Python interface: the functions of ``import rl_tui``."""

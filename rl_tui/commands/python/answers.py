@@ -1,6 +1,6 @@
 """Exact answers from Python: ``rl_tui.solve``, ``rl_tui.evaluate`` and ``rl_tui.scenarios``.
 
-Their settings, which ``rl_tui.train`` shares, are given by keyword.
+The handling of keyword settings is here too; ``rl_tui.train`` shares it.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ MOST_RUNS: Final = 100_000
 
 
 class Settings(TypedDict, total=False):
-    """The hyper-parameters by the names that ``rl-tui train --help`` lists, with their ranges.
+    """Hyper-parameters as keyword arguments of :func:`rl_tui.train`, which explains each one.
 
-    ``lambda_`` is λ: the name itself is a word of Python's. What is not given is as the scenario suggests.
+    ``lambda_`` is λ, because ``lambda`` is a Python keyword. Missing settings take the scenario's values.
     """
 
     alpha: float | Literal["sample-average"]
@@ -67,10 +67,19 @@ class Settings(TypedDict, total=False):
 def recipe_of(
     scenario: str | Path, algorithm: str | None, settings: Mapping[str, object], seed: int
 ) -> tuple[Recipe, tuple[str, ...]]:
-    """Return how the run starts, and which settings neither algorithm nor policy use.
+    """Return the recipe of a run, and the settings without effect.
 
-    Raises UserError where there is no such scenario, algorithm or hyper-parameter, with near names, or a
-    value is out of its range.
+    Args:
+        scenario: Scenario id, path of a scenario file, or ``gym:ENV_ID``.
+        algorithm: Algorithm id; None: the scenario's.
+        settings: Hyper-parameters by keyword name.
+        seed: Seed of the run, 0 or more.
+
+    Returns:
+        The recipe, and the names of settings that neither the algorithm nor its policy uses.
+
+    Raises:
+        UserError: A scenario, algorithm or parameter is unknown, or a value is out of range.
     """
     from rl_tui.runs.library import recipe_named, without_effect
 
@@ -82,9 +91,10 @@ def recipe_of(
 
 
 def goal_of(recipe: Recipe, episodes: int | None, steps: int | None) -> Goal:
-    """Return when training ends: after so many episodes or steps, else after the scenario's episodes.
+    """Return the end of training: after `episodes`, after `steps`, or after the scenario's episodes.
 
-    Raises UserError where both are given, or one is out of its range.
+    Raises:
+        UserError: Both are given, or one is out of range.
     """
     from rl_tui.runs.library import episodes_of
     from rl_tui.runs.training.seeded_runs import Goal
@@ -97,7 +107,17 @@ def goal_of(recipe: Recipe, episodes: int | None, steps: int | None) -> Goal:
 
 
 def whole(value: object, name: str, least: int = 1, most: int | None = MOST) -> int:
-    """Return the whole number ``value``, also one of NumPy's. Raises UserError out of its range."""
+    """Return `value` as a Python integer; NumPy integers are accepted.
+
+    Args:
+        value: The value given by the user.
+        name: Name of the argument, for the message.
+        least: Smallest allowed value.
+        most: Largest allowed value; None: no limit.
+
+    Raises:
+        UserError: `value` is not a whole number in this range.
+    """
     number = _plain(value)
     if isinstance(number, int) and not isinstance(number, bool) and least <= number <= (most or number):
         return number
@@ -106,7 +126,11 @@ def whole(value: object, name: str, least: int = 1, most: int | None = MOST) -> 
 
 
 def checked(name: str, value: object) -> float:
-    """Return a number that the hyper-parameter ``name`` may have. Raises UserError out of its range."""
+    """Return `value` as a number that is allowed for the hyper-parameter `name`.
+
+    Raises:
+        UserError: The value is out of range.
+    """
     from rl_tui.agents.hyperparameters import PARAMETERS
 
     number = _plain(value)
@@ -116,7 +140,7 @@ def checked(name: str, value: object) -> float:
 
 
 def _plain(value: object) -> object:
-    """Return a number of NumPy's as one of Python's, and anything else as it is."""
+    """Convert a NumPy scalar to a Python number. Return any other value unchanged."""
     item = getattr(value, "item", None)
     return item() if item is not None and getattr(value, "ndim", None) == 0 else value
 
@@ -130,9 +154,12 @@ _SUFFIX: Final = ".json"
 
 @advice_kept()
 def scenarios() -> ScenarioTable:
-    """Return the scenarios there are, in teaching order, then the user's own; broken files are left out.
+    """Return all scenarios: the shipped ones in teaching order, then the user's own.
 
-    The list prints as a table, a row for each.
+    Scenarios that cannot be read or built are left out.
+
+    Returns:
+        A list of :class:`~rl_tui.commands.python.results.ScenarioInfo`. It prints as a table.
     """
     from rl_tui.runs.library import listing, read_catalogue
 
@@ -141,18 +168,26 @@ def scenarios() -> ScenarioTable:
         try:
             row = listing(scenario)
         except UserError:
-            continue  # it cannot be built here
+            continue  # cannot be built on this machine
         found.append(ScenarioInfo(**row))
     return found
 
 
 @advice_kept()
 def solve(scenario: str | Path, *, gamma: float | None = None, seed: int = 0) -> SolveResult:
-    """Return the optimal values and policy, exact to 1e-9.
+    """Compute the optimal values and policy of a scenario, exact to 1e-9.
 
-    ``gamma``, from 0 to 1, is the scenario's where it is not given. ``seed`` counts only where the world
-    depends on it: the arms of a bandit, a random map. Raises rl_tui.Error where the world has no table, or
-    gamma = 1 leaves no answer.
+    Args:
+        scenario: Scenario id, path of a scenario file, or ``gym:ENV_ID``.
+        gamma: Discount γ from 0 to 1; None: the scenario's.
+        seed: Seed of the world, 0 or more. It matters only if the world is random, such as the arms of a
+            bandit.
+
+    Returns:
+        Values, Q and policy as arrays; see :class:`~rl_tui.commands.python.results.SolveResult`.
+
+    Raises:
+        rl_tui.Error: The world has no transition table, or γ = 1 leaves no finite answer.
     """
     from rl_tui.agents.exact.policy_figures import uniform_over
     from rl_tui.agents.exact.solve import solve as solve_exactly
@@ -193,14 +228,26 @@ def evaluate(
     steps: int | None = None,
     seed: int = 0,
 ) -> EvaluateResult:
-    """Return what a policy is worth in each state, exactly, and how long its episodes last.
+    """Compute the exact value of a policy in each state, and the length of its episodes.
 
-    ``policy`` is "uniform", "optimal", "greedy" (of what is learned with ``algorithm``, ``alpha``,
-    ``episodes`` or ``steps`` and ``seed``, all else being the scenario's), the path of a JSON file, what
-    :func:`rl_tui.train` returned, or an array: an action in each state, [S] whole numbers, or probabilities,
-    [S, A]. ``epsilon``, from 0 to 1, of the time a random action is taken instead. ``gamma`` is the
-    scenario's where it is not given. Raises rl_tui.Error where the world has no table, or something is not
-    known or out of its range.
+    Args:
+        scenario: Scenario id, path of a scenario file, or ``gym:ENV_ID``.
+        policy: One of these: ``"uniform"`` (random), ``"optimal"``, ``"greedy"`` (trained first), the path of
+            a JSON file, the result of :func:`rl_tui.train`, or an array. An array holds one action per state,
+            whole numbers [S], or probabilities [S, A].
+        epsilon: Probability from 0 to 1 of a random action instead of the policy's.
+        gamma: Discount γ from 0 to 1; None: the scenario's.
+        algorithm: Only for ``"greedy"``: algorithm to train with; None: the scenario's.
+        alpha: Only for ``"greedy"``: step size in (0, 1], or ``"sample-average"``.
+        episodes: Only for ``"greedy"``: episodes of training; None: the scenario's number.
+        steps: Only for ``"greedy"``: steps of training instead of episodes.
+        seed: Seed of the world and of the training, 0 or more.
+
+    Returns:
+        Values and figures; see :class:`~rl_tui.commands.python.results.EvaluateResult`.
+
+    Raises:
+        rl_tui.Error: The world has no transition table, or an argument is unknown or out of range.
     """
     from rl_tui.commands.python.arrays import by_state, choices_in, numbers
     from rl_tui.runs.recipe import begin
@@ -237,7 +284,15 @@ def evaluate(
 
 
 def _name_of(policy: object, training: Sequence[str]) -> str:
-    """Return what the policy is called. Raises UserError for an unknown name, and ``training`` of no use."""
+    """Return the name of the policy for the report.
+
+    Args:
+        policy: The argument of :func:`evaluate`.
+        training: Names of the training arguments that were given.
+
+    Raises:
+        UserError: The name is unknown, or training arguments do not apply to this policy.
+    """
     if isinstance(policy, TrainResult):
         name = "trained"
     elif isinstance(policy, str | Path):

@@ -1,4 +1,4 @@
-"""Between arrays over legal pairs, [P], and those over states and actions, [S, A]."""
+"""Conversion between arrays over available pairs, [P], and over states and actions, [S, A]."""
 
 from __future__ import annotations
 
@@ -14,27 +14,44 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 
 def by_state(space: FiniteSpace, of_pairs: npt.NDArray[Any], otherwise: float = np.nan) -> npt.NDArray[Any]:
-    """Return values of pairs, [P], as [S, A], ``otherwise`` where an action is not legal."""
+    """Return values of pairs as an array over states and actions.
+
+    Args:
+        space: States and actions.
+        of_pairs: Values, [P].
+        otherwise: Value where an action is not available.
+
+    Returns:
+        Array [S, A] of the same type.
+    """
     table = np.full((space.states, len(space.action_names)), otherwise, dtype=of_pairs.dtype)
     table[space.pair_state, space.pair_action] = of_pairs
     return table
 
 
 def numbers(values: Iterable[float | None]) -> FloatArray:
-    """Return numbers as an array, NaN where there is none."""
+    """Return the values as a float array, with NaN for None."""
     return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 
 def choices_in(space: FiniteSpace, policy: npt.ArrayLike) -> Mapping[int, Choice]:
-    """Return the policy in an array: an action in each state, [S], or the probability of each, [S, A].
+    """Read a policy from an array.
 
-    States in which nothing can be done do not count. Raises UserError where it has another shape, an action
-    is not legal, or probabilities are below 0 or do not sum to 1 (±1e-9).
+    Args:
+        space: States and actions.
+        policy: One action per state, whole numbers [S], or probabilities [S, A]. Terminal states are ignored.
+
+    Returns:
+        The probability of each pair, by state.
+
+    Raises:
+        UserError: The shape is wrong, an action is not available, or probabilities are negative or do not sum
+            to 1 (±1e-9).
     """
     try:
         array = np.asarray(policy)
-    except ValueError as fault:  # rows of different lengths
-        raise UserError("the policy is no array: its rows are of different lengths") from fault
+    except ValueError as fault:  # the rows have different lengths
+        raise UserError("the policy is not an array: its rows have different lengths") from fault
     states, actions = space.states, len(space.action_names)
     if array.shape == (states,) and array.dtype.kind in "iu":
         array = array[:, None] == np.arange(actions)[None, :]

@@ -1,7 +1,7 @@
-"""Results of training, solving and evaluating from Python, as arrays and numbers.
+"""Result classes of the Python functions, with arrays and numbers.
 
-S is the number of states, A the number of actions. Arrays over [S, A] are NaN, or −1, where an action
-is not available. Expected values are None without an exact answer.
+S is the number of states, A the number of actions. Arrays [S, A] hold NaN, or −1, where an action is not
+available. Expected values are None without an exact answer.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from typing import TYPE_CHECKING, Any
 
 
 class ShortTable:
-    """What a result says of itself when it is printed, or is the last value of a notebook's cell."""
+    """A result that prints as a short table, on a terminal or in a notebook."""
 
     @abstractmethod
     def _caption(self) -> str:
-        """Return what it is the result of, in a line."""
+        """Return the title line."""
 
     @abstractmethod
     def _rows(self) -> Sequence[Sequence[str]]:
-        """Return the cells, all rows of equal length. The first of a row says what the others are."""
+        """Return rows of equal length. The first cell of a row is its name."""
 
     def __str__(self) -> str:
         rows = self._rows()
@@ -35,7 +35,7 @@ class ShortTable:
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        """Return it as a table of HTML; whatever stands in it is text there."""
+        """Return the table as HTML, with all text escaped."""
         body = "".join(
             f"<tr><th>{escape(first)}</th>{''.join(f'<td>{escape(cell)}</td>' for cell in others)}</tr>"
             for first, *others in self._rows()
@@ -44,7 +44,7 @@ class ShortTable:
 
 
 def figure(value: float | str | None) -> str:
-    """Return a figure as it stands in a table: five digits, a dash for what is not known."""
+    """Return a number with five digits, or a dash for None."""
     if value is None:
         return "-"
     return value if isinstance(value, str) else format(value, ",d" if isinstance(value, int) else ".5g")
@@ -63,49 +63,49 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class TrainResult(ShortTable):
-    """One trained agent, held against the exact answer: the figures of ``rl-tui train --json``."""
+    """One trained agent, compared with the exact answer: the data of ``rl-tui train --json``."""
 
     scenario: str
     algorithm: str
     seed: int
     hyperparameters: Mapping[str, float | str]
-    """Every hyper-parameter by name, those of the scenario included."""
+    """Every hyper-parameter by name, including the scenario's own values."""
     without_effect: tuple[str, ...]
-    """Which of the settings asked for neither the algorithm nor its policy uses."""
+    """Given settings that neither the algorithm nor its policy uses."""
     states: tuple[str, ...]
-    """[S], the names of the states."""
+    """State names, [S]."""
     actions: tuple[str, ...]
-    """[A], the names of the actions."""
+    """Action names, [A]."""
     q: FloatArray
-    """[S, A], what was estimated; NaN where an action is not legal."""
+    """Estimates, [S, A]; NaN where an action is not available."""
     visits: IntArray
-    """[S, A], how often each pair was taken; −1 where an action is not legal."""
+    """Number of times each pair was taken, [S, A]; −1 where an action is not available."""
     policy: FloatArray
-    """[S, A], the greedy policy of ``q``: probabilities, ties shared evenly. 0 in every action at an end."""
+    """Greedy policy of `q` as probabilities, [S, A]. Ties share evenly. Terminal states have only zeros."""
     returns: FloatArray
-    """[E], the undiscounted return of each finished episode, in their order. Empty for a planner."""
+    """Undiscounted return of each finished episode, [E]. Empty for a planner."""
     lengths: IntArray
-    """[E], its length in steps."""
+    """Length of each finished episode in steps, [E]."""
     steps: int
     episodes: int
     seconds: float
-    """How long it learned, compiling left out."""
+    """Training time in seconds, without compiling."""
     expected_return: float | None
-    """Of the greedy policy, undiscounted, within the time limit."""
+    """Undiscounted return of the greedy policy within the time limit, exact."""
     best_expected_return: float | None
-    """Likewise, of the best policy there is."""
+    """Best possible undiscounted return within the time limit."""
     value_at_start: float | None
-    """Of the greedy policy, discounted."""
+    """Discounted value of the greedy policy at the start, exact."""
     optimal_value_at_start: float | None
-    """Likewise, of the optimal policy."""
+    """Discounted optimal value at the start."""
     max_error: float | None
-    """The largest |Q − Q*| of all legal pairs."""
+    """Largest |Q − Q*| over all available pairs."""
     greedy_ends: float | None
-    """The probability (0 to 1) that an episode of the greedy policy ends."""
+    """Probability that an episode of the greedy policy ends, 0 to 1."""
     return_last_100: float | None
-    """The mean return of the last 100 episodes, exploring as the agent does."""
+    """Mean return of the last 100 episodes, with exploration."""
     figures: Mapping[str, Any]
-    """The whole document that ``rl-tui train --json`` prints."""
+    """The complete document of ``rl-tui train --json``."""
 
     def _caption(self) -> str:
         return f"{self.scenario}: {self.algorithm}, seed {self.seed}"
@@ -124,39 +124,39 @@ class TrainResult(ShortTable):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class TrainResults(ShortTable):
-    """R runs of one agent, with one seed after the other: the figures of ``rl-tui train --runs --json``.
+    """R runs of one agent with consecutive seeds: the data of ``rl-tui train --runs --json``.
 
-    Arrays over [R] are NaN where a run has no such figure.
+    Arrays [R] hold NaN where a run lacks the number.
     """
 
     scenario: str
     algorithm: str
     hyperparameters: Mapping[str, float | str]
-    """Every hyper-parameter by name, those of the scenario included."""
+    """Every hyper-parameter by name, including the scenario's own values."""
     without_effect: tuple[str, ...]
-    """Which of the settings asked for neither the algorithm nor its policy uses."""
+    """Given settings that neither the algorithm nor its policy uses."""
     seeds: IntArray
-    """[R]"""
+    """Seed of each run, [R]."""
     expected_return: FloatArray
-    """[R], of the greedy policy, exact, undiscounted, within the time limit."""
+    """Undiscounted return of each greedy policy within the time limit, exact, [R]."""
     best_expected_return: float | None
-    """Likewise, of the best policy there is; None where each seed has a world of its own."""
+    """Best possible undiscounted return; None if each seed has its own world."""
     value_at_start: FloatArray
-    """[R], of the greedy policy, exact, discounted."""
+    """Discounted value of each greedy policy at the start, exact, [R]."""
     max_error: FloatArray
-    """[R], the largest |Q − Q*| of all legal pairs."""
+    """Largest |Q − Q*| over all available pairs, [R]."""
     return_last_100: FloatArray
-    """[R], the mean return of the last 100 episodes, exploring as the agent does."""
+    """Mean return of the last 100 episodes of each run, with exploration, [R]."""
     runs: tuple[Mapping[str, Any], ...]
-    """All figures of each run, by name."""
+    """All numbers of each run, by name."""
     summary: Mapping[str, Mapping[str, float | int | None]]
-    """Of each figure over the runs: mean, stderr (of n − 1), min, max, and the count of runs that have it."""
+    """For each number over all runs: mean, stderr (n − 1), min, max and count of runs that have it."""
     curve: Mapping[str, FloatArray]
-    """The mean learning curve in at most 200 bins of episodes: name → an array over the bins."""
+    """Mean learning curve in at most 200 bins of episodes: name → array over the bins."""
     seconds: float
-    """How long all of it took."""
+    """Time of all runs together, in seconds."""
     figures: Mapping[str, Any]
-    """The whole document that ``rl-tui train --runs --json`` prints."""
+    """The complete document of ``rl-tui train --runs --json``."""
 
     def __len__(self) -> int:
         return len(self.runs)
@@ -177,28 +177,28 @@ class TrainResults(ShortTable):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class SolveResult(ShortTable):
-    """The optimal values and policy, exact to 1e-9: the figures of ``rl-tui solve --json``."""
+    """Optimal values and policy, exact to 1e-9: the data of ``rl-tui solve --json``."""
 
     scenario: str
     gamma: float
     states: tuple[str, ...]
-    """[S], the names of the states."""
+    """State names, [S]."""
     actions: tuple[str, ...]
-    """[A], the names of the actions."""
+    """Action names, [A]."""
     v: FloatArray
-    """[S], the optimal value of each state, discounted; 0 at an end."""
+    """Optimal discounted value of each state, [S]; 0 in terminal states."""
     q: FloatArray
-    """[S, A], the optimal value of each action; NaN where it is not legal."""
+    """Optimal value of each action, [S, A]; NaN where an action is not available."""
     policy: FloatArray
-    """[S, A], the optimal policy: probabilities, ties shared evenly. 0 in every action at an end."""
+    """Optimal policy as probabilities, [S, A]. Ties share evenly. Terminal states have only zeros."""
     value_at_start: float
-    """Discounted."""
+    """Discounted optimal value at the start."""
     expected_return: float | None
-    """Of this policy, undiscounted, within the time limit."""
+    """Undiscounted return of this policy within the time limit."""
     best_expected_return: float | None
-    """Likewise, of the best policy, which may look at the clock."""
+    """Best possible undiscounted return, also by policies that use the elapsed time."""
     figures: Mapping[str, Any]
-    """The whole document that ``rl-tui solve --json`` prints."""
+    """The complete document of ``rl-tui solve --json``."""
 
     def _caption(self) -> str:
         return f"{self.scenario}: exact, gamma {self.gamma:g}"
@@ -214,32 +214,32 @@ class SolveResult(ShortTable):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class EvaluateResult(ShortTable):
-    """What a policy is worth, exactly: the figures of ``rl-tui evaluate --json``."""
+    """Exact values of a policy: the data of ``rl-tui evaluate --json``."""
 
     scenario: str
     gamma: float
     policy_name: str
-    """What was asked for: a name, a file, or "array"."""
+    """Name of the policy: a word, a file, "trained" or "array"."""
     epsilon: float
-    """How much of the time a random action is taken instead."""
+    """Probability of a random action instead of the policy's."""
     states: tuple[str, ...]
-    """[S], the names of the states."""
+    """State names, [S]."""
     actions: tuple[str, ...]
-    """[A], the names of the actions."""
+    """Action names, [A]."""
     policy: FloatArray
-    """[S, A], the probability of each action, random ones included; NaN where it is not legal."""
+    """Probability of each action, random ones included, [S, A]; NaN where not available."""
     v: FloatArray
-    """[S], the value of each state, discounted; NaN where there is none."""
+    """Discounted value of each state, [S]; NaN if it does not exist."""
     value_at_start: float | None
-    """Discounted."""
+    """Discounted value at the start."""
     expected_return: float | None
-    """Of an episode, undiscounted, within the time limit."""
+    """Undiscounted return of an episode within the time limit."""
     steps: float | None
-    """The expected length of an episode."""
+    """Expected length of an episode, in steps."""
     ends: float | None
-    """The probability (0 to 1) that an episode ends."""
+    """Probability that an episode ends, 0 to 1."""
     figures: Mapping[str, Any]
-    """The whole document that ``rl-tui evaluate --json`` prints."""
+    """The complete document of ``rl-tui evaluate --json``."""
 
     def _caption(self) -> str:
         mixed = f", epsilon {self.epsilon:g}" if self.epsilon else ""
@@ -256,7 +256,7 @@ class EvaluateResult(ShortTable):
 
 @dataclass(frozen=True, repr=False)
 class ScenarioInfo(ShortTable):
-    """A scenario: its sizes, and how an agent is trained where nothing else is asked for."""
+    """Sizes of a scenario, and its default training."""
 
     id: str
     title: str
@@ -265,11 +265,11 @@ class ScenarioInfo(ShortTable):
     states: int
     actions: int
     pairs: int
-    """How many pairs of state and action are legal."""
+    """Number of available state–action pairs."""
     time_limit: int
-    """The number of steps after which an episode is truncated; 0 for none."""
+    """Steps after which an episode is truncated; 0: none."""
     defaults: Mapping[str, Any]
-    """algorithm, episodes and every hyper-parameter, by name."""
+    """Algorithm, episodes and every hyper-parameter, by name."""
 
     def _caption(self) -> str:
         return f"{self.id}: {self.title}"
@@ -284,7 +284,7 @@ class ScenarioInfo(ShortTable):
 
 
 class ScenarioTable(ShortTable, list[ScenarioInfo]):
-    """Scenarios, which print as one table."""
+    """A list of scenarios that prints as one table."""
 
     def _caption(self) -> str:
         return f"{len(self):,} scenarios"

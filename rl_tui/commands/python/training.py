@@ -1,4 +1,4 @@
-"""``rl_tui.train``: the same run as on screen and by ``rl-tui train``, from Python."""
+"""``rl_tui.train``: training from Python, with the same runs as on screen."""
 
 from __future__ import annotations
 
@@ -52,16 +52,51 @@ def train(
     seed: int = 0,
     **settings: Unpack[Settings],
 ) -> TrainResult | TrainResults:
-    """Train an agent, and return what it has learned, held against the exact answer.
+    """Train an agent on a scenario and compare the result with the exact answer.
 
-    ``scenario`` is an id (:func:`rl_tui.scenarios` has them), the path of a scenario file, or ``gym:ENV_ID``.
-    Training ends after ``episodes`` or ``steps``, else after as many episodes as the scenario suggests. With
-    ``runs``, 1 to 100,000, it is done so often, in parallel, with ``seed`` and those that follow, and comes
-    back as :class:`~rl_tui.commands.python.results.TrainResults`. ``settings`` are hyper-parameters, such as
-    ``alpha=0.1``; all else is as the scenario suggests.
+    Nothing is printed. All numbers equal those of ``rl-tui train``, bit for bit. Every hyper-parameter is
+    optional and defaults to the scenario's value.
 
-    Nothing is printed. The figures are those of ``rl-tui train``, bit for bit. Raises rl_tui.Error, in one
-    line, where something is not known or out of its range.
+    Args:
+        scenario: Scenario id (see :func:`rl_tui.scenarios`), path of a scenario file, or ``gym:ENV_ID``.
+        algorithm: Algorithm id, such as ``"q-learning"``; None: the scenario's.
+        runs: Number of runs, 1 to 100,000, trained in parallel with `seed` and the seeds after it. None: one
+            run.
+        episodes: Episodes to train; None: the scenario's number.
+        steps: Steps to train, instead of `episodes`.
+        seed: Seed of the world and of the agent, 0 or more.
+        **settings: Hyper-parameters by keyword, listed here.
+        alpha: Step size α in (0, 1], or ``"sample-average"`` for 1/N(s, a).
+        step_size_schedule: How α changes per episode: ``"constant"``, ``"linear"``, ``"exponential"`` or
+            ``"sample-average"``.
+        alpha_min: Value at which the decay of α ends, 0 to 1.
+        alpha_decay: Decay of α per episode, 0 or more; 0: α is constant.
+        gamma: Discount γ, 0 to 1.
+        policy: How actions are chosen: ``"epsilon-greedy"``, ``"softmax"``, ``"ucb"``, ``"gradient"`` or
+            ``"thompson"``. The last two are for bandits only.
+        epsilon: Exploration ε: probability of a random action, 0 to 1.
+        epsilon_schedule: How ε changes per episode: ``"constant"``, ``"linear"`` or ``"exponential"``.
+        epsilon_min: Value at which the decay of ε ends, 0 to 1.
+        epsilon_decay: Decay of ε per episode, 0 or more; 0: ε is constant.
+        temperature: Softmax temperature τ in (0, 1e6]. A high value makes actions more equally likely.
+        confidence: UCB constant c, 0 to 1e6: bonus of actions that were rarely tried.
+        baseline: Gradient bandit: ``"mean"`` compares rewards with their mean, ``"none"`` with 0.
+        lambda_: Trace decay λ, 0 to 1, of SARSA(λ) and Q(λ).
+        traces: What a repeated visit does to a trace: ``"replacing"`` or ``"accumulating"``.
+        n: Steps per update of n-step SARSA, 1 to 1,000.
+        planning_steps: Updates from the learned model after every step, 0 to 10,000 (Dyna-Q, prioritized
+            sweeping).
+        threshold: Prioritized sweeping ignores value changes up to this θ, 0 to 1e6.
+        accuracy: Planners stop if no value changes by more than this in a sweep, 0 to 1e6.
+        initial_q: Initial estimate Q₀ of every pair, −1e12 to 1e12.
+        ties: How equal best actions are chosen: ``"random"``, or ``"first"`` in the world's own order.
+
+    Returns:
+        A :class:`~rl_tui.commands.python.results.TrainResult`. With `runs`, a
+        :class:`~rl_tui.commands.python.results.TrainResults`.
+
+    Raises:
+        rl_tui.Error: A name is unknown or a value is out of range. The message is one line.
     """
     recipe, unused = recipe_of(scenario, algorithm, settings, seed)
     goal = goal_of(recipe, episodes, steps)
@@ -71,7 +106,7 @@ def train(
 
 
 class _Episodes:
-    """The returns and lengths of finished episodes, as they come."""
+    """A collector of the returns and lengths of finished episodes."""
 
     def __init__(self) -> None:
         self._returns: list[FloatArray] = []

@@ -1,1 +1,1 @@
-"""What commands print of a run, in words and tables."""
+"""Printed reports: words and tables for people."""

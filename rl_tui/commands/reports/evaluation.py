@@ -1,4 +1,4 @@
-"""What a policy is worth, for people."""
+"""The report of ``evaluate``."""
 
 from __future__ import annotations
 
@@ -22,7 +22,14 @@ _EQUAL: Final = 1e-12
 
 
 def evaluation(title: str, world: World, policy: FloatArray, answer: Mapping[str, Any]) -> str:
-    """Return what ``policy``, [P], is worth in ``world``: the ``answer`` of ``evaluate --json`` as text."""
+    """Return the report on a policy as text.
+
+    Args:
+        title: Title of the scenario.
+        world: The world of the policy.
+        policy: Probability of each pair, [P].
+        answer: Document of ``evaluate --json``.
+    """
     space = world.space
     chosen = best_pairs(space, policy, _EQUAL)
     parts = [_head(title, answer), "", _values(world, policy, answer["V"]), ""]
@@ -43,7 +50,6 @@ def _head(title: str, answer: Mapping[str, Any]) -> str:
 
 
 def _values(world: World, policy: FloatArray, values: Mapping[str, float | None]) -> str:
-    """Return the value of each state, and how likely each action is there."""
     order, names = shown_order(world), world.space.action_names
     chances = table(world.space, policy)
     pi = "π" if can_print("π") else "pi"

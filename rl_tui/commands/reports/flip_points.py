@@ -1,4 +1,4 @@
-"""Reports on a world, as JSON and as text: its flip points and its check."""
+"""The reports on flip points and on the world check, as JSON and as text."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TURNS_THE_WAY: Final = "*"
 
 
 def flips_document(space: FiniteSpace, flips: Sequence[Flip]) -> list[dict[str, Any]]:
-    """Return ``flips`` as the JSON has them: states and actions by name, actions in the world's order."""
+    """Return flip points for JSON, with states and actions by name."""
     names = space.action_names
     return [
         {
@@ -50,7 +50,7 @@ def flips_document(space: FiniteSpace, flips: Sequence[Flip]) -> list[dict[str, 
 
 
 def flips_report(world: World, flips: Sequence[Flip]) -> str:
-    """Return ``flips`` as text: a line for each state that changes, actions in the order of the screen."""
+    """Return flip points as text, with one line per changed state."""
     if not flips:
         return NONE
     limit = world.space.time_limit
@@ -89,7 +89,13 @@ def _actions(world: World, pairs: Sequence[int]) -> str:
 
 
 def check_document(faults: Sequence[str], world: World | None, report: WorldReport) -> dict[str, Any]:
-    """Return the document of ``check --deep --json``; ``world`` is None where there are ``faults``."""
+    """Return the document of ``check --deep --json``.
+
+    Args:
+        faults: Errors of the file, one line each.
+        world: The world, or None if the file has errors.
+        report: Results of the check.
+    """
     wait, tried = report.first_update, report.tried
     return {
         "faults": list(faults),
@@ -107,12 +113,12 @@ def check_document(faults: Sequence[str], world: World | None, report: WorldRepo
 
 
 def check_report(recipe: Recipe, world: World, report: WorldReport) -> str:
-    """Return the same as text; the warnings are apart from it."""
+    """Return the world check as text, without its warnings."""
     space = world.space
     states = counted(space.states, "state")
     title = f"{recipe.scenario.title}: {states}, {counted(len(space.action_names), 'action')}"
     if report.is_empty:
-        return f"{title}; there is no table to work anything out from"
+        return f"{title}; no exact results without a transition table"
     listed = rows(report, space, recipe.hyperparameters.gamma)
     figures = [(LABELS[row.field], row.figure, row.remark) for row in listed[:3]]
     texts = [(LABELS[row.field], _in_a_line(row)) for row in listed[3:]]

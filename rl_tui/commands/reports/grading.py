@@ -1,4 +1,4 @@
-"""The grades of submissions, for people."""
+"""The report of ``grade`` on submissions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _HEAD: Final = ("submission", "", "share of best", "least", "return", "of best",
 
 
 def grades(grading: Grading, graded: Sequence[GradedSubmission]) -> str:
-    """Return a table of all that was graded, and under it what was found, submission by submission."""
+    """Return a table of all graded submissions, followed by the findings for each."""
     recipe, seeds = grading.recipe, counted(grading.seeds, "seed")
     head = f"{recipe.scenario.title}: {seeds}, passed from {grading.threshold:g} of the best on"
     rows = [_HEAD, *(_row(each, grading.yardstick.best) for each in graded)]
@@ -30,7 +30,7 @@ def grades(grading: Grading, graded: Sequence[GradedSubmission]) -> str:
 
 
 def result_line(each: GradedSubmission) -> str:
-    """Return what ``each`` came to, in a line."""
+    """Return the result of one submission as a line."""
     name, verdict, mean, *_, failed = _row(each, 0.0)
     share = "" if each.mean_share is None else f", {mean} of the best"
     return f"{name}: {verdict}{share}" + (
@@ -53,7 +53,7 @@ def _row(each: GradedSubmission, best: float) -> tuple[str, ...]:
 
 
 def _remarks(each: GradedSubmission) -> list[str]:
-    """Return the findings and the errors of a submission, a line each, with how many seeds show them."""
+    """Return one line per finding or error of a submission, with the number of seeds."""
     of = f"of {len(each.runs):,}"
     lines = []
     for finding, seeds in each.findings:
@@ -76,6 +76,6 @@ def _remarks(each: GradedSubmission) -> list[str]:
 
 
 def _of_another(file: str, submission: str) -> str:
-    """Return which file a line stands in, where that is another one than the submission's own."""
+    """Return `` of FILE`` if the line is not in the submission's own file."""
     name = Path(file).name
     return "" if not name or name == AgentName.read(submission).path.name else f" of {name}"

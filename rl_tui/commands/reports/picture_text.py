@@ -1,4 +1,4 @@
-"""Pictures in the terminal: curves of braille dots and coloured settings maps."""
+"""Pictures for the terminal: curves of braille dots and coloured settings maps."""
 
 from __future__ import annotations
 
@@ -44,16 +44,21 @@ _SYSTEMS: Final = {
 }
 _ATLAS_TEXT_MOST_NAME: Final = 16
 _DIGITS: Final = 3
-_TINT: Final = 2  # columns of a cell that has a colour and no number
+_TINT: Final = 2  # width of a cell without a number
 _MOST_BLOCKS: Final = 2
-_SCALE: Final = 20  # columns of the scale that says what colours mean
+_SCALE: Final = 20  # width of the colour scale
 
 
 def atlas_lines(atlas: AtlasChart, columns: int, depth: Depth) -> Iterator[str]:
-    """Yield the lines of ``atlas``, the highest row first.
+    """Yield the lines of a settings map, the highest row first.
 
-    Where ``columns`` has no room for the numbers of all cells side by side, they come in blocks below one
-    another. Where that would be more than two, cells are colours alone, if there are any and room for them.
+    Cells that do not fit side by side are split into blocks below one another. If more than two blocks would
+    be needed, cells show only colours, if they fit.
+
+    Args:
+        atlas: The map to draw.
+        columns: Width in characters.
+        depth: Colours of the terminal.
     """
     numbers = _Cells(atlas, depth)
     left = max(cell_len(name) for name in numbers.row_names) + 2
@@ -70,13 +75,13 @@ def atlas_lines(atlas: AtlasChart, columns: int, depth: Depth) -> Iterator[str]:
             yield from _block(numbers, left, range(first, min(first + at_once, len(atlas.columns))))
     marks = [f"{BEST} the best"] if atlas.best is not None else []
     if numbers.marked:
-        marks.append(f"{ALIKE} not different from the best")
+        marks.append(f"{ALIKE} tied with the best")
     if marks:
         yield "   ".join(marks)
 
 
 class _Cells:
-    """The cells of an atlas as texts with colours."""
+    """The cells of a settings map as coloured text."""
 
     def __init__(self, atlas: AtlasChart, depth: Depth) -> None:
         self.atlas = atlas
@@ -87,10 +92,10 @@ class _Cells:
         places = product(range(len(atlas.rows)), range(len(atlas.columns)))
         texts = [self._number(row, column) for row, column in places]
         self.width = 2 + max(map(cell_len, (*texts, *self.column_names)))
-        """Columns of a cell with its number, one of them between it and the next."""
+        """Width of a cell with its number, including one column of space."""
 
     def mark(self, row: int, column: int) -> str:
-        """Return what says how a cell compares with the best; a blank where nothing is said."""
+        """Return the mark for "best" or "tied with the best", else a blank."""
         if self.atlas.best == (row, column):
             return BEST
         return ALIKE if (row, column) in self.marked else " "
@@ -100,18 +105,15 @@ class _Cells:
         return f"{MISSING} " if value is None else number_text(value, _DIGITS) + self.mark(row, column)
 
     def number(self, row: int, column: int) -> str:
-        """Return a cell with its number."""
         text = self._number(row, column)
         blanks = " " * (self.width - 1 - cell_len(text))
         return self.tinted(blanks + text, self.atlas.values[row][column])
 
     def tint(self, row: int, column: int) -> str:
-        """Return a cell without its number."""
         value = self.atlas.values[row][column]
         return self.tinted(f"{' ' if value is not None else MISSING}{self.mark(row, column)}", value)
 
     def tinted(self, text: str, value: float | None) -> str:
-        """Return ``text`` with the colour of ``value`` behind it."""
         if self.depth == "none" or value is None:
             return text
         style = palette_for(self.depth, True).value(self.atlas.scale.share(value))
@@ -119,7 +121,6 @@ class _Cells:
 
 
 def _block(cells: _Cells, left: int, shown: Sequence[int]) -> Iterator[str]:
-    """Yield the columns ``shown``, with their numbers."""
     for row in reversed(range(len(cells.atlas.rows))):
         numbers = " ".join(cells.number(row, column) for column in shown)
         yield f"{cells.row_names[row]:>{left - 2}}  {numbers}".rstrip()
@@ -128,7 +129,7 @@ def _block(cells: _Cells, left: int, shown: Sequence[int]) -> Iterator[str]:
 
 
 def _tints(cells: _Cells, left: int) -> Iterator[str]:
-    """Yield all columns as colours, as many names as there is room for, and what the colours mean."""
+    """Yield all columns as colours, the names that fit, and the colour scale."""
     atlas = cells.atlas
     for row in reversed(range(len(atlas.rows))):
         tints = "".join(cells.tint(row, column) for column in range(len(atlas.columns)))
@@ -152,15 +153,18 @@ ROWS: Final = 16
 _LEAST_COLUMNS: Final = 20
 _WIDEST: Final = 120
 _MOST_NAME: Final = 34
-_SAMPLES: Final = 8  # values of a curve that are looked at for each column of dots
-_DASH: Final = 3  # columns of dots that a dashed line shows and leaves out in turn
-# Readable on black and on white, and told apart by colour-blind eyes
+_SAMPLES: Final = 8  # samples of a curve per column of dots
+_DASH: Final = 3  # length of a dash and of a gap, in columns of dots
+# Readable on black and on white, and distinguishable with colour blindness
 COLOURS_256: Final = (32, 172, 93, 161, 139, 94)
 _COLOURS_16: Final = ("blue", "yellow", "magenta", "red", "cyan", "green")
 
 
 def print_picture(picture: Picture, *, err: bool = False) -> None:
-    """Print ``picture`` on stdout or stderr, as wide as the terminal, with its colours and characters."""
+    """Print `picture` on stdout, or on stderr if `err`.
+
+    Width, colours and characters suit the terminal.
+    """
     stream = sys.stderr if err else sys.stdout
     is_terminal = stream.isatty()
     columns = shutil.get_terminal_size().columns if is_terminal else 80
@@ -170,9 +174,13 @@ def print_picture(picture: Picture, *, err: bool = False) -> None:
 
 
 def picture_text(picture: Picture, columns: int, depth: Depth = "none", *, ascii_only: bool = False) -> str:
-    """Return ``picture`` as lines of at most ``columns`` cells, with escape sequences for colours.
+    """Return `picture` as text, with escape sequences for colours.
 
-    Where there are but ASCII characters, each curve is drawn with a letter of its own.
+    Args:
+        picture: The picture to draw.
+        columns: Largest width in characters.
+        depth: Colours of the terminal.
+        ascii_only: True to draw each curve with its own letter.
     """
     lines = [picture.title]
     for panel in picture.panels:
@@ -210,7 +218,10 @@ def _chart_lines(chart: Chart, columns: int, depth: Depth, ascii_only: bool) -> 
 
 
 def _cells(chart: Chart, width: int) -> tuple[IntArray, IntArray]:
-    """Return the characters of the plot and whose curve each cell is, both [rows, width]; −1 for none's."""
+    """Return the characters of the plot and the curve of each cell, both [rows, width].
+
+    The curve is −1 for an empty cell.
+    """
     codes = np.full((ROWS, width), 0, dtype=np.int64)
     owners = np.full((ROWS, width), -1, dtype=np.int64)
     for place, curve in enumerate(chart.curves):
@@ -236,7 +247,7 @@ def _dots(chart: Chart, curve: ChartCurve, width: int) -> BoolArray:
 
 
 def _intervals(chart: Chart, curve: ChartCurve, dots: BoolArray) -> BoolArray:
-    """Return ``dots`` with those of each point of ``curve`` and of its interval."""
+    """Add to `dots` each point of `curve` and its interval."""
     down, across = dots.shape
     for place, value in enumerate(curve.y):
         if value is None:
@@ -251,12 +262,18 @@ def _intervals(chart: Chart, curve: ChartCurve, dots: BoolArray) -> BoolArray:
 
 
 def _extent(x: FloatArray, y: FloatArray, across: int) -> tuple[FloatArray, FloatArray]:
-    """Return the least and the largest value of the line through the points in each of ``across`` columns.
+    """Return the lowest and highest value of a line in each column of dots.
 
-    A column without the line gets +∞ and −∞. ``x`` and ``y`` are shares of the axes, [points].
+    Args:
+        x: Shares of the x axis, [points], rising.
+        y: Shares of the y axis, [points].
+        across: Number of columns.
+
+    Returns:
+        Two arrays [across]. Columns without the line hold +∞ and −∞.
     """
     at = (np.arange(across * _SAMPLES) + 0.5) / (across * _SAMPLES)
-    half = 0.5 / across  # a point of its own, or at the very end, has a column too
+    half = 0.5 / across  # isolated points and end points need a column too
     inside = (at >= x[0] - half) & (at <= x[-1] + half)
     values = np.interp(at, x, y)
     low = np.where(inside, values, np.inf).reshape(across, _SAMPLES).min(axis=1)
@@ -280,7 +297,7 @@ def _styled_cells(
 
 
 def _names_by_row(chart: Chart) -> dict[int, int]:
-    """Return in which row beside the plot each curve is named, near its right end: its place by row."""
+    """Return row → curve index: where each curve is named, near its right end."""
     ends = []
     for curve in chart.curves:
         values = [value for value in curve.y if value is not None]
@@ -327,7 +344,15 @@ def _coloured(text: str, colour: int, depth: Depth) -> str:
 def print_figure(
     figure: BookFigure, measured: MeasuredFigure, runs: int, *, with_picture: bool, err: bool
 ) -> None:
-    """Print what came of ``figure`` over so many ``runs``, on stderr if ``err``."""
+    """Print a recomputed figure of the book.
+
+    Args:
+        figure: The figure of the book.
+        measured: Recomputed numbers and picture.
+        runs: Number of runs in each mean.
+        with_picture: True to draw the picture as well.
+        err: True to print on stderr.
+    """
     click.echo(f"{figure.title}\n{BOOK}, {figure.source}\n{_runs(figure, runs)}\n", err=err)
     click.echo(columns([("", "book", "where", "ours", "agrees"), *_rows(measured)]), err=err)
     for note in measured.notes:

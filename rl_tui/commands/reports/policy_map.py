@@ -1,4 +1,4 @@
-"""A policy in plain text: arrows on the map of a grid world, a line a state elsewhere."""
+"""A policy as text: arrows on a map, or one line per state."""
 
 from __future__ import annotations
 
@@ -18,11 +18,15 @@ BLANK: Final = "In no state does one action look better than the others."
 
 
 def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
-    """Return a drawing of ``policy``, the names of the actions that it takes in each state (ties: several).
+    """Return a text drawing of a policy.
 
-    An arrow is a move, a letter the action that begins with it. A dot says that all legal actions look
-    equally good. Of a world that is stepped it is unknown which states occur: there the rows and columns at
-    the edges in which nothing is known are left out.
+    An arrow is a move. A letter is the first letter of another action. A dot means that all available actions
+    look equally good. Without a transition table it is unknown which states occur, so outer rows and columns
+    without knowledge are cut off.
+
+    Args:
+        world: The world of the policy.
+        policy: Names of the actions taken in each state; several names are a tie.
     """
     drawing, policy = world.drawing, as_shown(world, policy)
     if isinstance(drawing, Grid) and is_drawn(world):
@@ -34,13 +38,13 @@ def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
 
 
 def is_drawn(world: World) -> bool:
-    """Return whether a policy of ``world`` is drawn on its map: there is one, and it is not too large."""
+    """Return True if the world has a map that is small enough to draw a policy on."""
     drawing = world.drawing
     return isinstance(drawing, Grid) and drawing.rows <= MOST_ROWS and drawing.columns <= MOST_COLUMNS
 
 
 def as_shown(world: World, policy: Sequence[Sequence[str]]) -> list[list[str]]:
-    """Return ``policy`` with the actions of each state in the order in which the screen shows them."""
+    """Return `policy` with the actions of each state in the order of the screen."""
     order = [world.space.action_names[action] for action in shown_order(world)]
     return [[name for name in order if name in actions] for actions in policy]
 
@@ -70,11 +74,11 @@ def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:
     drawing = columns([row[left : right + 1] for row in rows[top : bottom + 1]])
     if (top, bottom, left, right) == (0, grid.rows - 1, 0, grid.columns - 1):
         return drawing
-    return f"{drawing}\n({_part(grid, top, bottom, left, right)}; nothing is known of those left out)"
+    return f"{drawing}\n({_part(grid, top, bottom, left, right)}; nothing is known outside)"
 
 
 def _part(grid: Grid, top: int, bottom: int, left: int, right: int) -> str:
-    """Return which rows and columns are shown, by their labels where they have some."""
+    """Return which rows and columns are shown, by label if they have labels."""
     axes = grid.axes
     labels = axes and (axes.rows[top], axes.rows[bottom], axes.columns[left], axes.columns[right])
     first, last, *across = labels if labels and all(labels) else (top, bottom, left, right)

@@ -1,4 +1,4 @@
-"""The report of a sweep, for people."""
+"""The report of a sweep."""
 
 from __future__ import annotations
 
@@ -26,9 +26,14 @@ _LIKE_BEST: Final = "="
 def sweep_report(
     plan: SweepPlan, store: Store, standings: Standings, bests: Sequence[Document], failed: int
 ) -> str:
-    """Return what a sweep came to: its best cells, and what to know of the others.
+    """Return the report of a sweep: the best cells, and notes on the others.
 
-    ``failed`` is how many of its runs broke down.
+    Args:
+        plan: What was trained.
+        store: Where the runs are.
+        standings: Ranking of the cells.
+        bests: JSON documents of the best cells, possibly trained again.
+        failed: Number of runs that failed.
     """
     seeds = f"seeds {plan.first_seed} to {plan.seeds[-1]}" if plan.runs > 1 else f"seed {plan.first_seed}"
     head = f"{plan.scenario.title}: {counted(plan.count, 'cell')}, {counted(plan.runs, 'run')} each, {seeds}"
@@ -52,7 +57,11 @@ def sweep_report(
 
 
 def sensitivity_report(sensitivities: Sequence[Document] | None) -> str:
-    """Return what settings of its own are worth to an algorithm in each scenario; empty if nobody knows."""
+    """Return how much each algorithm gains from its own settings per scenario.
+
+    Returns:
+        The report. Empty if sensitivities are unknown.
+    """
     if not sensitivities:
         return ""
     rows = [("algorithm", "own settings", "in common", "sensitivity", "held out", "best in common")]
@@ -67,7 +76,6 @@ def sensitivity_report(sensitivities: Sequence[Document] | None) -> str:
 
 
 def _cells(plan: SweepPlan, store: Store, standings: Standings, ranking: Ranking) -> str:
-    """Return the best cells of one world, a row each."""
     shown = _there(plan, store, standings.first(ranking, SHOWN))
     tells = np.count_nonzero(ranking.compared) > 1
     verdicts = [_LIKE_BEST if tells and ranking.verdict(each.cell.index) else "" for each in shown]
@@ -77,7 +85,6 @@ def _cells(plan: SweepPlan, store: Store, standings: Standings, ranking: Ranking
 
 
 def _worlds(plan: SweepPlan, store: Store, standings: Standings, rankings: Sequence[Ranking]) -> str:
-    """Return the best cell of each world, a row each."""
     indexes = [each.best.index for each in rankings[:MOST_WORLDS] if each.best is not None]
     shown = _there(plan, store, indexes)
     alike_each = [
@@ -109,7 +116,7 @@ def _table(
 
 
 def _setting(value: Value) -> str:
-    """Return ``value`` as people write it: six digits say which of the values it is."""
+    """Return `value` with at most six digits."""
     return f"{value:.6g}" if isinstance(value, float) else written(value)
 
 
@@ -121,20 +128,20 @@ def _notes(standings: Standings, rankings: Sequence[Ranking], failed: int) -> li
     measure = standings.measure
     notes = [f"{measure.id}: {measure.formula}."]
     if measure.may_never_arrive:
-        notes.append("Shown is the mean of min(arrival, episodes), from and to its 95 % interval.")
+        notes.append("Shown: mean of min(arrival, episodes), with its 95 % interval.")
     else:
-        notes.append("Shown is its mean over the runs, from and to the 95 % interval of that.")
+        notes.append("Shown: mean over the runs, with its 95 % interval.")
     if len(rankings) > 1:
-        notes.append("What is earned in one world says nothing of another: the best is told for each.")
+        notes.append("Returns of different worlds are not comparable: each world has its own best.")
     if not any(int(np.count_nonzero(each.compared)) > 1 for each in rankings):
-        notes.append("So few runs, or cells, tell none from another: take --runs 10 or more.")
+        notes.append("Too few runs to compare cells: use --runs 10 or more.")
     elif len(rankings) == 1:
         others, of = int(np.count_nonzero(rankings[0].alike)) - 1, len(rankings[0].indexes) - 1
         notes.append(
-            f"{_LIKE_BEST} cannot be told from the best: {others:,} of {of:,} others ({standings.method})."
+            f"{_LIKE_BEST} tied with the best: {others:,} of {of:,} other cells ({standings.method})."
         )
     if failed:
-        notes.append(f"{counted(failed, 'run')} broke down; a cell with one is not called best.")
+        notes.append(f"{counted(failed, 'run')} failed; cells with a failed run cannot be best.")
     return [fill(each, WIDTH) for each in notes]
 
 

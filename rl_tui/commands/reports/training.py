@@ -1,4 +1,4 @@
-"""The report of a training, for people."""
+"""The report of a training."""
 
 from __future__ import annotations
 
@@ -49,7 +49,12 @@ _BANDIT_ROWS: Final = (
 
 
 def one_run(run: Run, figures: Figures) -> str:
-    """Return the report of one run; ``figures`` is its document of ``train --json``."""
+    """Return the report of one run.
+
+    Args:
+        run: The finished run.
+        figures: Document of ``train --json``.
+    """
     plans, spent = run.learner.plans, run.bandit
     parts = [_head(run.recipe)]
     if figures.get("journal"):
@@ -65,7 +70,6 @@ def one_run(run: Run, figures: Figures) -> str:
 
 
 def _changes(journal: Sequence[Figures]) -> str:
-    """Return what was changed on the way, a line a change."""
     rows = [(f"after {each['step']:,}", str(each["name"]), number(each["value"], ".12g")) for each in journal]
     return columns([("step", "changed", "to"), *rows[:MOST_CHANGES]]) + (
         f"\n... and {len(rows) - MOST_CHANGES:,} more: --json has all" if len(rows) > MOST_CHANGES else ""
@@ -73,8 +77,8 @@ def _changes(journal: Sequence[Figures]) -> str:
 
 
 def update_in_words(verdict: ProgramVerdict) -> str:
-    """Return which update was found, and what is wrong with it, a line each."""
-    from rl_tui.programs.evidence.verdict import Rule  # our own agents do without it
+    """Return the detected update rule and its bugs, one line each."""
+    from rl_tui.programs.evidence.verdict import Rule  # built-in agents never need this import
 
     update = verdict.update
     known = [
@@ -90,9 +94,14 @@ def update_in_words(verdict: ProgramVerdict) -> str:
 
 
 def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures, found: str) -> str:
-    """Return the report of one run of an agent that somebody wrote, in ``world``, whose table is ``mdp``.
+    """Return the report of one run of a user's own agent.
 
-    ``title`` is the scenario's, ``found`` says what was found out about the agent.
+    Args:
+        world: World in which it learned.
+        mdp: Transition table of the world, or None.
+        title: Title of the scenario.
+        figures: Document of ``train --agent --json``.
+        found: Text about the detected update rule.
     """
     best = best_expected_return(mdp) if mdp else None
     exact = (
@@ -113,7 +122,7 @@ def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures
 
 
 def agent_head(title: str, figures: Figures, seeds: str = "") -> str:
-    """Return which agent learned where, with which seed or ``seeds``."""
+    """Return the title line: scenario, agent, and seed or `seeds`."""
     agent = figures["agent"]
     return f"{title}: {agent['name']} of {agent['file']}, {seeds or 'seed ' + str(figures['seed'])}"
 
@@ -123,7 +132,12 @@ def _no_exact(figures: Figures) -> str:
 
 
 def several_runs(recipe: Recipe, figures: Figures) -> str:
-    """Return the report of several runs; ``figures`` is their document of ``train --runs --json``."""
+    """Return the report of several runs.
+
+    Args:
+        recipe: How each run started.
+        figures: Document of ``train --runs --json``.
+    """
     runs = figures["runs"]
     rows = [("", "mean", "stderr", "min", "max", "runs")]
     for name, title in _summary_titles(runs).items():
@@ -183,8 +197,8 @@ def _greedy_rows(figures: Figures, best: float | None) -> list[Row]:
     expected, possible = alike([figures["expected_return"], best])
     ends = figures["greedy_ends"]
     return [
-        (TITLES["value_at_start"], f"{value} of {optimum}", "discounted: greedy policy of optimum"),
-        (TITLES["expected_return"], f"{expected} of {possible}", "undiscounted: greedy policy of best"),
+        (TITLES["value_at_start"], f"{value}, optimal {optimum}", "discounted: greedy policy"),
+        (TITLES["expected_return"], f"{expected}, optimal {possible}", "undiscounted: greedy policy"),
         (TITLES["greedy_ends"], "-" if ends is None else f"with probability {number(ends)}", ""),
         (TITLES["max_error"], number(figures["max_error"]), "max |Q - Q*|"),
     ]
@@ -208,10 +222,10 @@ def _bandit_rows(figures: Figures, spent: BanditFigures) -> list[Row]:
     share = "-" if spent.best_arm_rate is None else f"{spent.best_arm_rate:.1%} of the time"
     winnings = f"{spent.winnings:,.1f} of {spent.best_possible:,.1f}"
     return [
-        ("greedy arm", _arms(figures["policy"][0]), "the best by what was seen"),
-        ("its true mean", f"{greedy} of {best}", "greedy arm of best arm"),
+        ("greedy arm", _arms(figures["policy"][0]), "the best estimate"),
+        ("its true mean", f"{greedy}, best {best}", "greedy arm, best arm"),
         ("best arm pulled", share, ""),
-        ("winnings", winnings, "of what the best arm brings on average"),
+        ("winnings", winnings, "of the best arm's average"),
         ("regret", f"{spent.regret:,.1f}", "lost to other arms, counted in true means"),
         (TITLES["max_error"], number(figures["max_error"]), "max |Q - q*|"),
         (_last(figures["episodes"], "pull"), number(figures["return_last_100"]), "mean reward, exploring"),
@@ -223,7 +237,7 @@ def _arms(names: Sequence[str]) -> str:
 
 
 def _last(episodes: int, thing: str = "episode") -> str:
-    """Return over how many episodes the means of the last 100 are."""
+    """Return ``last N episodes`` with the real number, at most 100."""
     number_of = min(episodes, LAST)
     return f"last {thing}" if number_of == 1 else f"last {counted(number_of, thing)}"
 
@@ -262,11 +276,17 @@ def _counts(name: str, hyperparameters: Hyperparameters) -> bool:
 
 
 def no_reward(recipe: Recipe, blind: int = 1, runs: int = 1) -> str:
-    """Return that ``blind`` of so many runs never saw a reward, why that may be, and what to try."""
+    """Return a note that runs never saw a reward, with the reason and a suggestion.
+
+    Args:
+        recipe: How the runs started.
+        blind: Number of runs without a reward.
+        runs: Number of all runs.
+    """
     who = "This run" if runs == 1 else f"{blind:,} of {runs:,} runs"
     hyperparameters = recipe.hyperparameters
     if hyperparameters.initial_q != 0.0:
-        # Estimates that start elsewhere move without a reward too: something was learned, and no tie lasts
+        # Estimates with Q₀ ≠ 0 change even without a reward, so something was learned and ties disappear
         return f"{who} never saw a reward. Try more --episodes or a larger --epsilon."
     blank = f"{who} never saw a reward and learned nothing"
     if hyperparameters.ties == "first":

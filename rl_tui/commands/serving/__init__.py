@@ -1,1 +1,1 @@
-"""The server behind ``rl-tui serve``: one app process for each browser tab."""
+"""The server of ``rl-tui serve``: one app process per browser tab."""

@@ -1,9 +1,8 @@
-"""Where the server listens, and whom it answers.
+"""The server's address, and the check of who may connect.
 
-A page of any other site, open in the same browser, can send requests to 127.0.0.1: browsers let it open
-WebSockets to everywhere and only say, in ``Origin``, where the page came from. And a site whose name is made
-to point to 127.0.0.1 after its page was loaded (DNS rebinding) is of the same origin, but its name stands in
-``Host``. So both are checked.
+A page of another site in the same browser can send requests to 127.0.0.1. Browsers let it open WebSockets and
+only report its site in ``Origin``. A site can also point its name to 127.0.0.1 after loading (DNS rebinding).
+Then the origin matches, but the name is in ``Host``. Both headers are therefore checked.
 """
 
 from __future__ import annotations
@@ -22,9 +21,14 @@ _THIS_MACHINE: Final = ("localhost", "127.0.0.1", "::1")
 
 
 def bind(host: str, port: int) -> socket.socket:
-    """Return a socket that has ``port`` (0: a free one) of ``host``, and listens to nobody yet.
+    """Return a socket bound to `port` of `host` that does not listen yet.
 
-    Raises UserError.
+    Args:
+        host: Address or name.
+        port: Port number; 0: any free port.
+
+    Raises:
+        UserError: The address is unknown or in use.
     """
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
@@ -34,7 +38,7 @@ def bind(host: str, port: int) -> socket.socket:
         raise _cannot_listen(host, port, fault) from None
     bound = socket.socket(family, socket.SOCK_STREAM)
     try:
-        if sys.platform != "win32":  # there it would let two programs have one port
+        if sys.platform != "win32":  # on Windows two programs could then share a port
             bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         if family == socket.AF_INET6:
             bound.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
@@ -46,10 +50,18 @@ def bind(host: str, port: int) -> socket.socket:
 
 
 def listen(bound: socket.socket, host: str) -> None:
-    """Let browsers come to ``bound``, which was made for ``host``. Raises UserError."""
+    """Accept connections on `bound`.
+
+    Args:
+        bound: Socket from :func:`bind`.
+        host: Its address, for messages.
+
+    Raises:
+        UserError: Another program took the port first.
+    """
     try:
         bound.listen()
-    except OSError as fault:  # one that was bound at the same time was quicker
+    except OSError as fault:  # another program bound the same port and was faster
         raise _cannot_listen(host, bound.getsockname()[1], fault) from None
 
 
@@ -66,7 +78,7 @@ def _cannot_listen(host: str, port: int, fault: OSError) -> UserError:
 
 
 def is_this_machine(host: str) -> bool:
-    """Return whether only this machine can reach ``host``: a name, or an address with or without brackets."""
+    """Return True if only this machine can reach `host`, a name or an address."""
     try:
         found = socket.getaddrinfo(host.strip("[]"), None, type=socket.SOCK_STREAM)
     except OSError:
@@ -75,28 +87,33 @@ def is_this_machine(host: str) -> bool:
 
 
 def url_of(listening: socket.socket) -> str:
-    """Return the address of a listening socket as a browser takes it."""
+    """Return the URL of a listening socket."""
     host, port = listening.getsockname()[:2]
     return f"http://[{host}]:{port}/" if ":" in host else f"http://{host}:{port}/"
 
 
 @dataclass(frozen=True, slots=True)
 class Doorkeeper:
-    """Tells whom to answer: ``host`` is where the server listens, ``url`` what people type if it differs."""
+    """The check of request headers. `host` is the server's address, `url` what people type."""
 
     host: str
     url: str | None = None
 
     def knows(self, asked_for: str) -> bool:
-        """Return whether a request whose ``Host`` header is ``asked_for`` meant this server.
+        """Return True if a request with the ``Host`` header `asked_for` is meant for this server.
 
-        Addresses in digits always do: they cannot be made to point elsewhere. A name must be ours.
+        Numeric addresses always pass, since nobody can redirect them. A name must be one of ours.
         """
         name = _name(asked_for)
         return name in self._names() or _is_address(name)
 
     def lets_in(self, origin: str, asked_for: str) -> bool:
-        """Return whether the page that opens a WebSocket (its ``Origin`` header) came from here."""
+        """Return True if the page that opens a WebSocket came from this server.
+
+        Args:
+            origin: The ``Origin`` header.
+            asked_for: The ``Host`` header.
+        """
         if not self.knows(asked_for):
             return False
         if self.url is not None and origin.lower() == _origin(self.url):
@@ -114,7 +131,7 @@ class Doorkeeper:
 
 
 def _name(netloc: str) -> str:
-    """Return the host of ``host:port`` without port and brackets, empty where it is none."""
+    """Return the host of ``host:port``, without brackets. Empty if it is invalid."""
     try:
         return urlsplit(f"//{netloc}").hostname or ""
     except ValueError:

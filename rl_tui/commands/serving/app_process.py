@@ -1,9 +1,8 @@
-"""One app for one browser tab: a process of its own, spoken to through pipes.
+"""One app process for one browser tab, connected by pipes.
 
-What is written to it and what comes back are packets: a letter (D for what a terminal would carry, M for
-messages in JSON, P for files, which rl-tui does not send), the length in four bytes, the most significant
-first, and that many bytes. Before the first packet the app writes a line of its own, so that all that was
-printed until then is not taken for one (Textual's web driver, ``textual/drivers/web_driver.py``).
+Data goes in packets: a letter, the length in four bytes (big-endian), and the content. D is terminal data, M
+a JSON message, P a file (never used here). The app first writes a marker line, so earlier output is not taken
+for a packet (Textual's web driver, ``textual/drivers/web_driver.py``).
 """
 
 from __future__ import annotations
@@ -24,9 +23,9 @@ _READY: Final = b"__GANGLION__\n"
 _LARGEST_PACKET: Final = 1 << 24
 _KEPT_OF_STDERR: Final = 4_000
 _TO_END_BY_ITSELF: Final = 3.0  # seconds
-TO_END_WHEN_TOLD: Final = 8.0  # longer than the app's own last resort
+TO_END_WHEN_TOLD: Final = 8.0  # longer than the app's own emergency exit
 _TO_SAY_WHY: Final = 1.0
-# What the environment says of the terminal that the server was started in is not true of a browser
+# These variables describe the server's terminal, not the browser
 _OF_THE_TERMINAL: Final = frozenset(
     {
         *("NO_COLOR", "COLUMNS", "LINES", "TMUX", "STY", "TERM_PROGRAM", "TERM_PROGRAM_VERSION"),
@@ -36,7 +35,13 @@ _OF_THE_TERMINAL: Final = frozenset(
 
 
 def environment_of_app(around: Mapping[str, str], size: tuple[int, int], *, kiosk: bool) -> dict[str, str]:
-    """Return the environment of an app in a browser terminal of ``size``, made from that ``around`` us."""
+    """Return the environment variables of an app in a browser terminal.
+
+    Args:
+        around: Variables of the server.
+        size: Columns and rows.
+        kiosk: True if the app runs in kiosk mode.
+    """
     kept = {
         name: value
         for name, value in around.items()
@@ -56,7 +61,7 @@ def environment_of_app(around: Mapping[str, str], size: tuple[int, int], *, kios
 
 
 def bounded_size(columns: object, rows: object) -> tuple[int, int]:
-    """Return a size the app can draw from what a browser said; 80×24 where that is no size at all."""
+    """Return a drawable size for the numbers sent by a browser; 80×24 if they are invalid."""
     if not (isinstance(columns, int) and isinstance(rows, int)):
         return (80, 24)
     width, height = (
@@ -67,7 +72,7 @@ def bounded_size(columns: object, rows: object) -> tuple[int, int]:
 
 
 class AppProcess:
-    """The app behind one tab: ``command`` is started without a shell, in a session of its own."""
+    """The app of one tab, started without a shell in its own session."""
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
         self._command = command
@@ -79,24 +84,28 @@ class AppProcess:
 
     @property
     def fault(self) -> str:
-        """The last line the app wrote to stderr, empty if it wrote none."""
+        """The last line that the app wrote to stderr. Empty if there is none."""
         lines = self._errors.decode("utf-8", "replace").strip().splitlines()
         return "".join(letter for letter in lines[-1] if letter.isprintable()) if lines else ""
 
     async def start(self) -> None:
-        """Start it; raises OSError where there is no room for another process."""
+        """Start the process.
+
+        Raises:
+            OSError: The system cannot start another process.
+        """
         self._process = await asyncio.create_subprocess_exec(
             *self._command,
             stdin=PIPE,
             stdout=PIPE,
             stderr=PIPE,
             env=dict(self._environment),
-            start_new_session=True,  # ctrl+c at the server's terminal is the server's to handle
+            start_new_session=True,  # the server handles ctrl+c of its terminal
         )
         self._reading_errors = asyncio.create_task(self._read_errors())
 
     async def output(self) -> AsyncIterator[bytes]:
-        """Yield what the browser's terminal is to show, until the app ends."""
+        """Yield terminal output for the browser until the app ends."""
         process = self._running()
         assert process.stdout is not None
         with suppress(asyncio.IncompleteReadError, asyncio.LimitOverrunError):
@@ -114,19 +123,19 @@ class AppProcess:
                     return
 
     async def type(self, text: str) -> None:
-        """Hand on what the browser's terminal sent: keys, mouse, answers to questions."""
+        """Send terminal input to the app: keys, mouse, answers to queries."""
         await self._send(b"D", text.encode("utf-8", "replace"))
 
     async def tell(self, **message: object) -> None:
-        """Hand on a message: ``type`` is resize (with width, height), focus or blur."""
+        """Send a message: `type` is resize (with width and height), focus or blur."""
         await self._send(b"M", json.dumps(message).encode())
 
     async def stop(self) -> None:
-        """End it: it may keep what was done first, but is gone when this returns."""
+        """End the app. It may save first, but is gone when this returns."""
         process = self._process
         if process is None:
             return
-        reading = asyncio.create_task(self._read_to_the_end())  # one that cannot write cannot end either
+        reading = asyncio.create_task(self._read_to_the_end())  # an app blocked by a full pipe cannot end
         try:
             if not (self._has_left and await _ends(process, _TO_END_BY_ITSELF)):
                 self.terminate()
@@ -146,7 +155,7 @@ class AppProcess:
                 self._process.terminate()
 
     def kill(self) -> None:
-        """End the app at once."""
+        """End the app immediately."""
         with suppress(ProcessLookupError):
             if self._process is not None and self._process.returncode is None:
                 self._process.kill()
@@ -158,7 +167,7 @@ class AppProcess:
     async def _send(self, kind: bytes, payload: bytes) -> None:
         stdin = self._running().stdin
         assert stdin is not None
-        with suppress(ConnectionError, RuntimeError):  # it has ended, which its output tells
+        with suppress(ConnectionError, RuntimeError):  # the app has ended; reading its output shows that
             stdin.write(kind + len(payload).to_bytes(4, "big") + payload)
             await stdin.drain()
 
@@ -182,8 +191,8 @@ async def _ends(process: Process, seconds: float) -> bool:
 
 
 def command_line(python: str, arguments: Sequence[str]) -> tuple[str, ...]:
-    """Return the command that starts rl-tui with ``arguments``, from nowhere but the installed packages.
+    """Return a command that starts rl-tui with `arguments`.
 
-    Without -P Python would look for modules in the folder the server was started in first.
+    ``-P`` keeps Python from importing modules of the current folder.
     """
     return (python, "-P", "-m", "rl_tui", *arguments)

@@ -1,4 +1,4 @@
-"""The web server: a page, and one app process for each browser tab."""
+"""The web server: the page, and one app process per browser tab."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from rl_tui.screen.terminal.ending import on_signals
 
 
 PAGE: Final = Path(str(files("rl_tui.commands.serving"))) / "page"
-# In a second 125 movements of the mouse, 30 repetitions of a key and 60 answers to frames come to less
+# 125 mouse moves, 30 key repeats and 60 frame answers per second stay below this
 PER_SECOND: Final = 6_000.0  # characters
 AT_ONCE: Final = 20_000.0
-OF_A_MESSAGE: Final = 16  # characters that every message counts for beside its own
+OF_A_MESSAGE: Final = 16  # cost of a message in addition to its characters
 _LARGEST_MESSAGE: Final = 1 << 14  # bytes
-_HEARTBEAT: Final = 15.0  # seconds: a browser that vanished without a word is found out
-_CLOSING: Final = 2.0  # seconds for a browser to say goodbye
-_LONGEST_REASON: Final = 120  # bytes that fit into the message that closes a WebSocket
+_HEARTBEAT: Final = 15.0  # seconds; detects a browser that vanished
+_CLOSING: Final = 2.0  # seconds for a browser to close the connection
+_LONGEST_REASON: Final = 120  # size limit of the WebSocket close message, in bytes
 _HEADERS: Final = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; font-src 'self';"
@@ -50,9 +50,9 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 class Allowance:
-    """How much a browser may send: a person is never slowed down, a program that floods an app is.
+    """A rate limit for browser input. Floods are delayed, normal typing never is.
 
-    It fills up by ``per_second`` to ``at_once``; what is spent beyond it is waited for.
+    The budget grows by `per_second` up to `at_once`.
     """
 
     def __init__(self, per_second: float = PER_SECOND, at_once: float = AT_ONCE) -> None:
@@ -62,7 +62,7 @@ class Allowance:
         self._filled = asyncio.get_running_loop().time()
 
     async def spend(self, characters: int) -> None:
-        """Return when a message of so many characters may be handed on."""
+        """Wait until a message of this many characters may pass."""
         now = asyncio.get_running_loop().time()
         self._left = min(self._left + (now - self._filled) * self._per_second, self._at_once)
         self._filled = now
@@ -72,10 +72,14 @@ class Allowance:
 
 
 class Site:
-    """One app process for each tab, at most ``most`` at once.
+    """The web application.
 
-    ``command`` starts an app, ``kiosk`` says whether it is one that strangers may use, ``terminal`` is the
-    folder with the scripts of the terminal in the page.
+    Args:
+        command: Command line that starts an app.
+        doorkeeper: Check of request headers.
+        terminal: Folder with the scripts of the browser terminal.
+        kiosk: True if strangers may use the apps.
+        most: Largest number of apps at the same time.
     """
 
     def __init__(
@@ -90,13 +94,13 @@ class Site:
         self._is_ending = False
 
     def application(self) -> web.Application:
-        """Return what aiohttp serves."""
+        """Return the aiohttp application with all routes."""
         application = web.Application(middlewares=[self._only_for_us], client_max_size=_LARGEST_MESSAGE)
         application.add_routes(
             [
                 web.get("/", self._page),
                 web.get("/ws", self._terminal_of_a_tab),
-                web.get("/ws/{ascii:ascii}", self._terminal_of_a_tab),  # no font has more
+                web.get("/ws/{ascii:ascii}", self._terminal_of_a_tab),  # fonts offer only this choice
                 web.static("/page", PAGE),
                 web.static("/static", self._terminal),
             ]
@@ -109,7 +113,7 @@ class Site:
     async def _only_for_us(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         if not self._doorkeeper.knows(request.host):
             raise web.HTTPForbidden(
-                text="This server does not go by that name. Where a proxy stands in front of it,"
+                text="This server has another name. Behind a proxy,"
                 " start it with rl-tui serve --url and the address that people type.\n"
             )
         return await handler(request)
@@ -143,7 +147,7 @@ class Site:
         return websocket
 
     async def _connect(self, app: AppProcess, websocket: web.WebSocketResponse) -> None:
-        """Let app and browser speak until one of them leaves; the browser gets the reason."""
+        """Connect app and browser until one leaves, then send the browser the reason."""
         try:
             await app.start()
         except OSError as fault:
@@ -156,7 +160,7 @@ class Site:
             for task in both:
                 task.cancel()
             await asyncio.wait(both)
-        await app.stop()  # it may say why it ended only when it has
+        await app.stop()  # the reason is complete only after the app has ended
         if app.fault:
             print(app.fault, file=sys.stderr, flush=True)
         reason = "The server was stopped." if self._is_ending else app.fault or "You left rl-tui."
@@ -174,7 +178,7 @@ async def _add_headers(request: web.Request, response: web.StreamResponse) -> No
 
 
 async def _show(app: AppProcess, websocket: web.WebSocketResponse) -> None:
-    with suppress(ConnectionError):  # the browser left, which listening tells
+    with suppress(ConnectionError):  # the browser left; _listen notices that
         async for data in app.output():
             await websocket.send_bytes(data)
 
@@ -196,7 +200,7 @@ async def _listen(app: AppProcess, websocket: web.WebSocketResponse) -> None:
             case ["ping", str(when)]:
                 await websocket.send_json(["pong", when[:20]])
             case _:
-                return  # not our page
+                return  # only our page sends known messages
 
 
 def _parsed(text: str) -> Any:
@@ -218,12 +222,12 @@ def _reason(text: str) -> bytes:
 # Running until a signal
 
 
-_TO_END: Final = 12.0  # seconds: the apps are gone before that
+_TO_END: Final = 12.0  # seconds; the apps end earlier
 _SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows knows the first two
 
 
 def _faults_of_ours() -> logging.Logger:
-    """Return a log without the requests that are none: who sends one is answered, and that is all."""
+    """Return a log that leaves out malformed requests: these are answered, and that is enough."""
     log = logging.getLogger(__name__)
     log.addFilter(_is_no_bad_request)
     return log
@@ -234,9 +238,12 @@ def _is_no_bad_request(record: logging.LogRecord) -> bool:
 
 
 async def serve(site: Site, listening: socket.socket, started: Callable[[], None]) -> None:
-    """Serve ``site`` on a listening socket until SIGINT, SIGTERM or SIGHUP.
+    """Serve `site` until SIGINT, SIGTERM or SIGHUP. All app processes are gone afterwards.
 
-    ``started`` is called when a browser may come. No app process is left when this returns.
+    Args:
+        site: The web application.
+        listening: Socket that accepts browsers.
+        started: Called when browsers may connect.
     """
     signalled = asyncio.Event()
     on_signals(_SIGNALS, lambda _: signalled.set())

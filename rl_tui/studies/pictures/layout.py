@@ -157,7 +157,7 @@ def _key(atlas: AtlasChart, left: float, y: float) -> Iterator[Shape]:
         left += 22 + text_width(words, SIZE) + 18
     if atlas.marked:
         yield Disc(left + 3, y - 5, 2.4, colours.TEXT)
-        yield Text(left + 12, y - 1, "not different from the best", SIZE, colours.DIM)
+        yield Text(left + 12, y - 1, "tied with the best", SIZE, colours.DIM)
 
 
 # The whole picture

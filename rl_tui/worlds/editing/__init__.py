@@ -1,1 +1,1 @@
-"""Worlds that a person changes: what may be changed, what comes of it, and what stays the same in it."""
+"""Editing of worlds: drafts, edits, saving, and the match between old and new world."""

@@ -1,7 +1,7 @@
-"""Drafts: worlds while they are edited, valid or not, and the draft of a bandit.
+"""The base class of drafts (worlds being edited, valid or not), and the draft of a bandit.
 
-A draft never changes; an edit returns another one. Rows, columns, arms and states keep their identity
-when edits move them.
+A draft never changes; an edit returns a new one. Rows, columns, arms and states keep their identity when
+edits move them.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class UnfinishedError(UserError):
-    """A draft is no valid MDP yet; ``findings`` say why, located inside its table."""
+    """A draft that is not a valid MDP yet. `findings` gives the reasons."""
 
     def __init__(self, kind: str, findings: Sequence[Finding]) -> None:
         first, more = findings[0], len(findings) - 1
@@ -42,63 +42,72 @@ class UnfinishedError(UserError):
 
 
 class Draft(ABC):
-    """The table of one kind of world, all that was drawn from a seed written out. It never changes.
-
-    What edits move keeps its identity: rows, columns and arms have numbers of their own, states their names.
-    """
+    """The table of a world in a file, with random parts written out. Immutable."""
 
     kind: ClassVar[str]
-    """The name of the table in a scenario file."""
+    """Name of the table in a scenario file."""
     section_class: ClassVar[type[WorldSection]]
-    """What reads it."""
+    """Class that parses the table."""
     rules: Mapping[str, Any]
-    """Its table but for what is drawn: the rules that hold for the whole world."""
+    """The part of the table that is not drawn: rules for the whole world."""
 
     @property
     @abstractmethod
     def table(self) -> dict[str, Any]:
-        """The table as a file would have it, in the types of TOML; its own, to be written to."""
+        """The table as a file would contain it, as a new dictionary."""
 
     @property
     def size(self) -> int:
-        """About how many states it comes to; 0 where they are written one by one, so that they are few."""
+        """Approximate number of states; 0 if they are written one by one and so are few."""
         return 0
 
     @abstractmethod
     def edited(self, edit: Edit) -> Draft:
-        """Return what comes of ``edit``; raises UserError where nothing can: no such place, no such value."""
+        """Return the draft after `edit`.
+
+        Raises:
+            UserError: The place or the value does not exist.
+        """
 
     @abstractmethod
     def state_keys(self, world: World) -> IntArray | Sequence[Hashable]:
-        """Return the identity of each state of ``world``, which was built from it, [S]."""
+        """Return an identity for each state of `world`, which was built from this draft, [S]."""
 
     def action_keys(self, world: World) -> Sequence[Hashable]:
-        """Return the identity of each action of ``world``, which was built from it, [A]."""
+        """Return an identity for each action of `world`, which was built from this draft, [A]."""
         return world.space.action_names
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
-        """Why it is no valid MDP, located inside the table; none where it is one."""
+        """Reasons why this is not a valid MDP. Empty if it is valid."""
         return _read(self)[1]
 
     @property
     def section(self) -> WorldSection:
-        """The section of a scenario that it comes to. Raises UnfinishedError where it is no valid MDP."""
+        """The parsed table.
+
+        Raises:
+            UnfinishedError: It is not a valid MDP.
+        """
         section, findings = _read(self)
         if section is None or findings:
             raise UnfinishedError(self.kind, findings)
         return section
 
     def build(self) -> World:
-        """Return the world; no draws are made. Raises UnfinishedError where it is no valid MDP."""
+        """Build the world, without random draws.
+
+        Raises:
+            UnfinishedError: It is not a valid MDP.
+        """
         import numpy as np
 
         return self.section.build(np.random.default_rng(0))
 
 
-@lru_cache(maxsize=2)  # that of a large map is a megabyte, and all drafts there were can be undone
+@lru_cache(maxsize=2)  # a large map takes a megabyte, and undo holds many drafts
 def _read(draft: Draft) -> tuple[WorldSection | None, tuple[Finding, ...]]:
-    """Return the section that ``draft`` comes to, if it does, and why it is no valid MDP."""
+    """Return the parsed table, if possible, and all findings."""
     raw = draft.table
     section, findings = parsed(draft.section_class, raw)
     return section, tuple(findings) or tuple(draft.section_class.connection_findings(raw))
@@ -108,12 +117,12 @@ def _read(draft: Draft) -> tuple[WorldSection | None, tuple[Finding, ...]]:
 
 
 RULES: Final = ("std", "drift")
-"""What can be set for all arms, by the names of the file's keys."""
+"""Settings for all arms, named like the keys of the file."""
 
 
 @dataclass(frozen=True, eq=False)
 class ArmsDraft(Draft):
-    """The mean of each arm, its identity, and the rest of the table."""
+    """A bandit draft: means and identities of the arms, and the rest of the table."""
 
     kind = "bandit"
     section_class = BanditSection
@@ -124,16 +133,20 @@ class ArmsDraft(Draft):
 
     @property
     def table(self) -> dict[str, Any]:
-        """The table as a file would have it."""
+        """The table as a file would contain it."""
         return {"means": list(self.means), **self.rules}
 
     @property
     def is_bernoulli(self) -> bool:
-        """Whether arms pay 1 with their mean as the probability, else 0."""
+        """True if an arm pays 1 with its mean as probability, else 0."""
         return self.rules.get("rewards") == BERNOULLI
 
     def edited(self, edit: Edit) -> ArmsDraft:
-        """Return what comes of ``edit``; raises UserError where nothing can."""
+        """Return the draft after `edit`.
+
+        Raises:
+            UserError: The place or the value does not exist.
+        """
         make = _EDITS.get(edit.name)
         if make is None:
             what = f"a bandit has nothing called {shown(edit.name)}{near(edit.name, _EDITS)}"
@@ -141,7 +154,7 @@ class ArmsDraft(Draft):
         return make(self, edit)
 
     def state_keys(self, world: World) -> tuple[str, ...]:
-        """Return the name of its only state."""
+        """Return the name of the only state, [1]."""
         return tuple(world.space.state_names)
 
     def action_keys(self, world: World) -> tuple[int, ...]:
@@ -150,7 +163,7 @@ class ArmsDraft(Draft):
 
 
 def arms_draft(scenario: Scenario, seed: int) -> ArmsDraft:
-    """Return the draft of a ``[bandit]`` scenario, with the means that ``seed`` draws where it does."""
+    """Return the draft of a ``[bandit]`` scenario, with random means drawn from `seed`."""
     section = scenario.section
     assert isinstance(section, BanditSection)
     rules = dict(tables_in(scenario.text)["bandit"])
@@ -168,7 +181,7 @@ def _set_mean(draft: ArmsDraft, edit: Edit) -> ArmsDraft:
 
 
 def _add(draft: ArmsDraft, edit: Edit) -> ArmsDraft:
-    """Add arms before one, or take some away from it on."""
+    """Insert arms before a place, or remove arms from there on."""
     count, at = lines_added(edit, len(draft.means))
     if not 1 <= len(draft.means) + count <= MOST_ARMS:
         raise UserError(f"a bandit has 1 to {MOST_ARMS:,} arms")

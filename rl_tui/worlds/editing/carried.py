@@ -1,4 +1,4 @@
-"""What of one world there is in another: which of its states and pairs are the same."""
+"""The match between two worlds: which states and pairs they share."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ if TYPE_CHECKING:
     from rl_tui.worlds.world import World
 
 NEW: Final = -1
-"""In place of a number in the world before: there was no such thing."""
+"""Marks a state or pair that did not exist before."""
 
 
 class Carried(NamedTuple):
-    """For each state, [S], and each pair, [P], of a world what it was in the world before, or NEW."""
+    """Former number of each state, [S], and of each pair, [P], or NEW."""
 
     states: IntArray
     pairs: IntArray
 
     def states_now(self, before: Collection[int]) -> frozenset[int]:
-        """Return the numbers that these states of the world ``before`` have now; some may be gone."""
+        """Return the current numbers of the former states `before`. Removed states are left out."""
         return frozenset(np.flatnonzero(np.isin(self.states, list(before))).tolist())
 
     def pairs_now(self, before: Collection[int]) -> frozenset[int]:
-        """Return the numbers that these pairs of the world ``before`` have now; some may be gone."""
+        """Return the current numbers of the former pairs `before`. Removed pairs are left out."""
         return frozenset(np.flatnonzero(np.isin(self.pairs, list(before))).tolist())
 
 
 class Keyed(NamedTuple):
-    """States and actions of a space with what each is known by, [S] and [A]."""
+    """A space with an identity for each state, [S], and each action, [A]."""
 
     space: FiniteSpace
     states: IntArray | Sequence[Hashable]
@@ -40,7 +40,7 @@ class Keyed(NamedTuple):
 
 
 def carried(before: tuple[Draft, World], after: tuple[Draft, World]) -> Carried:
-    """Return what the states and pairs of ``after`` were in ``before``: each a draft and its world."""
+    """Return the match of two worlds, each given as its draft and the world built from it."""
     (old_draft, old), (draft, world) = before, after
     return carried_by_keys(
         Keyed(old.space, old_draft.state_keys(old), old_draft.action_keys(old)),
@@ -49,7 +49,7 @@ def carried(before: tuple[Draft, World], after: tuple[Draft, World]) -> Carried:
 
 
 def carried_by_keys(old: Keyed, new: Keyed) -> Carried:
-    """Return what the states and pairs of ``new`` were in ``old``: those of the same keys."""
+    """Return the match of two spaces by equal identities."""
     states = _numbers(old.states, new.states)
     actions = _numbers(old.actions, new.actions)
     return Carried(states, _pairs(old.space, new.space, states, actions))
@@ -58,16 +58,22 @@ def carried_by_keys(old: Keyed, new: Keyed) -> Carried:
 def differing_choices(
     old: tuple[FiniteSpace, BoolArray], new: tuple[FiniteSpace, BoolArray], common: Carried
 ) -> BoolArray:
-    """Return in which states of ``new``, [S], other pairs are chosen than in the same states of ``old``.
+    """Compare the chosen pairs of two worlds.
 
-    Each is a space and the pairs, [P], that are chosen there. States that are new, or in which nothing can be
-    done before or after, are none of them.
+    Args:
+        old: The former space, and its chosen pairs, [P].
+        new: The new space, and its chosen pairs, [P].
+        common: Match of the two.
+
+    Returns:
+        True for each state of `new` that existed before and where other pairs are chosen, [S]. States without
+        pairs, before or after, are False.
     """
     (was, chosen_before), (now, chosen) = old, new
-    before = np.append(chosen_before, False)[common.pairs]  # NEW is the last one
+    before = np.append(chosen_before, False)[common.pairs]  # index NEW (−1) reads the appended False
     differs = np.zeros(now.states, dtype=np.bool_)
     differs[now.pair_state[before != chosen]] = True
-    # some that were chosen may be gone
+    # chosen pairs may have been removed
     kept = np.bincount(now.pair_state[before], minlength=now.states)
     had = np.bincount(was.pair_state[chosen_before], minlength=was.states)
     differs |= kept != np.append(had, 0)[common.states]
@@ -76,7 +82,7 @@ def differing_choices(
 
 
 def _numbers(old: IntArray | Sequence[Hashable], new: IntArray | Sequence[Hashable]) -> IntArray:
-    """Return where each of the ``new`` keys stands among the ``old`` ones, NEW for nowhere."""
+    """Return the index of each new key among the old keys, or NEW."""
     if isinstance(old, np.ndarray) and isinstance(new, np.ndarray):
         if np.array_equal(old, new):
             return np.arange(len(new))
@@ -89,7 +95,7 @@ def _numbers(old: IntArray | Sequence[Hashable], new: IntArray | Sequence[Hashab
 
 
 def _pairs(old: FiniteSpace, new: FiniteSpace, states: IntArray, actions: IntArray) -> IntArray:
-    """Return what each pair of ``new`` was in ``old``."""
+    """Return the former number of each pair of `new`, or NEW."""
     same = (
         (states, np.arange(old.states)),
         (actions, np.arange(len(old.action_names))),

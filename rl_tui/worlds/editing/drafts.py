@@ -1,4 +1,4 @@
-"""Which worlds can be edited: the draft that a scenario begins with, or why there is none."""
+"""The first draft of a scenario, or the reason why its world cannot be edited."""
 
 from __future__ import annotations
 
@@ -29,16 +29,17 @@ _CHARACTERS: Final[Mapping[CellKind, str]] = {
     CellKind.GOAL: "G",
     CellKind.CLIFF: "C",
 }
-_STEP: Final = -1.0  # what every step of Gymnasium's CliffWalking costs, and a fall in all
+_STEP: Final = -1.0  # reward of each step and of a fall in Gymnasium's CliffWalking
 _FALL: Final = -100.0
-_STEPPED: Final = "is stepped for real: nobody knows its table"
+_STEPPED: Final = "has no transition table"
 _MAPS: Final = "maps, graphs and bandits of scenario files, lakes and the cliff"
 
 
 def gymnasium_draft(scenario: Scenario, seed: int) -> GridDraft:
-    """Return the map that is the same world as the environment of ``scenario``.
+    """Return the map that equals the Gymnasium environment of `scenario`.
 
-    Raises UserError, with the reason, where it is no lake and no cliff, or no map says what it does.
+    Raises:
+        UserError: It is neither a lake nor a cliff, or no map describes it.
     """
     section = scenario.section
     assert isinstance(section, GymnasiumSection)
@@ -56,11 +57,16 @@ def gymnasium_draft(scenario: Scenario, seed: int) -> GridDraft:
 
 
 def seen_at_once(section: GymnasiumSection, world: World) -> UserError | None:
-    """Return why ``world``, which ``section`` has made, is no map, as far as a look at it tells."""
+    """Return why `world` cannot be a map, without building one, or None.
+
+    Args:
+        section: Table of the scenario.
+        world: World built from it.
+    """
     if world.mdp is None:
         return _refused(section.id, _STEPPED)
     if not isinstance(world.drawing, Grid) or world.drawing.legend or None in world.drawing.directions:
-        return _refused(section.id, "has states that are no cells to walk about in")
+        return _refused(section.id, "has states that are not cells of a map")
     return None
 
 
@@ -76,15 +82,15 @@ def _same_map(name: str, drawing: Grid, mdp: TabularMDP, world: World) -> GridDr
         same = built.mdp is not None and table_digest(built.mdp) == table_digest(mdp)
         if same and built.drawing == world.drawing:
             return draft
-    raise _refused(name, "does what no map can say")
+    raise _refused(name, "has rules that no map can express")
 
 
 def _refused(name: str, why: str) -> UserError:
-    return UserError(f"{name} {why}, so it cannot be drawn; what can be drawn are {_MAPS}")
+    return UserError(f"{name} {why}, so it cannot be drawn; you can draw {_MAPS}")
 
 
 def _rules(mdp: TabularMDP) -> list[dict[str, Any]]:
-    """Return the rules that lakes and the cliff may have, those of the time limit of ``mdp``."""
+    """Return candidate rules for lakes and cliffs, with the time limit of `mdp`."""
     limit = {"time_limit": mdp.time_limit} if mdp.time_limit else {}
     cliff = {
         "moves": "clockwise",
@@ -107,20 +113,21 @@ _DRAFTED_BY: Final[Mapping[str, str]] = {
     "bandit": "rl_tui.worlds.editing.arms_draft:arms_draft",
     "gymnasium": "rl_tui.worlds.editing.drafts:gymnasium_draft",
 }
-"""For each kind of table what makes its draft, ``module:function``, imported when it is asked for."""
+"""Factory of the draft for each kind of table, as ``module:function``, imported on use."""
 
 
 def first_draft(scenario: Scenario, seed: int) -> Draft:
-    """Return the draft of ``scenario`` as ``seed`` draws it: built, it is the same table, bit for bit.
+    """Return the draft of `scenario` for `seed`. It builds the same table, bit for bit.
 
-    Raises UserError, with the reason, where its world cannot be edited.
+    Raises:
+        UserError: The world cannot be edited.
     """
     make: Callable[[Scenario, int], Draft] = pkgutil.resolve_name(_DRAFTED_BY[scenario.kind])
     return make(scenario, seed)
 
 
 def refusal(scenario: Scenario, seed: int) -> str:
-    """Return why the world of ``scenario`` cannot be edited; empty where it can."""
+    """Return why the world of `scenario` cannot be edited. Empty if it can."""
     try:
         first_draft(scenario, seed)
     except UserError as reason:
@@ -129,9 +136,13 @@ def refusal(scenario: Scenario, seed: int) -> str:
 
 
 def seen_refusal(scenario: Scenario, world: World) -> str:
-    """Return why ``world``, which ``scenario`` has made, cannot be edited, as far as a look at it tells.
+    """Return why `world` cannot be edited, quickly and without building a draft.
 
-    It makes no draft, so it is quick; a map that turns out to be none is refused by :func:`first_draft` only.
+    Only :func:`first_draft` finds out that an environment does not equal any map.
+
+    Args:
+        scenario: The scenario.
+        world: World built from it.
     """
     if scenario.kind == "gymnasium":
         from rl_tui.worlds.gym.section import GymnasiumSection

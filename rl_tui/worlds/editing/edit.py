@@ -1,4 +1,4 @@
-"""Edits: single changes of a world, written as `world.cell[1,2]=#`."""
+"""Edits: single changes of a world, written as ``world.cell[1,2]=#``."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ _NAME: Final = re.compile(r"world\.([a-z_]+)")
 _BARE: Final = re.compile(r"[^\s,;\[\]\"][^,\[\]\"]*")
 _VALUE: Final = re.compile(r"[^;]*")
 JSON_BEGINS: Final = tuple('{["')
-"""With one of these a value begins that is read as JSON, to its end and no further."""
-# Its value is one character, whichever
+"""A value that starts with one of these is read as JSON."""
+# The value of a cell is any single character
 _CELL: Final = "cell"
 
 
 class Edit(NamedTuple):
-    """One change of a world, as it was written.
+    """One change of a world, as written.
 
-    ``name`` is what changes, ``at`` where: a row and a column of a map, or two ranges ``1:4`` of them (up to
-    but not with the last), a state and an action, the number of an arm; nothing where it is a rule of the
-    whole world. ``value`` is what is put there. What all of it may be is known to the draft that takes it.
+    `name` says what changes. `at` is the place: row and column, two ranges such as ``1:4`` (end excluded),
+    state and action, or the number of an arm. It is empty for rules of the whole world. Only the draft checks
+    the content.
     """
 
     name: str
@@ -39,9 +39,10 @@ class Edit(NamedTuple):
 
 
 def read_edits(text: str) -> tuple[Edit, ...]:
-    """Return what ``text`` says, one edit or more with semicolons between them.
+    """Parse one or more edits, separated by semicolons.
 
-    Raises ValueError, naming what was expected, where it says nothing.
+    Raises:
+        ValueError: The text is not a list of edits.
     """
     edits, at = [], 0
     while True:
@@ -50,12 +51,11 @@ def read_edits(text: str) -> tuple[Edit, ...]:
         if at == len(text):
             return tuple(edits)
         if text[at] != BETWEEN:
-            raise ValueError(f"{shown(text[at:])} follows {FORM}; between two stands {BETWEEN}")
+            raise ValueError(f"{shown(text[at:])} follows {FORM}; separate edits by {BETWEEN}")
         at += 1
 
 
 def _read_edit(text: str, start: int) -> tuple[Edit, int]:
-    """Return the edit that begins at ``start``, and where it ends."""
     name = _NAME.match(text, start)
     if name is None:
         raise ValueError(f"{shown(text[start:])} is not {FORM}, such as world.cell[1,2]=#")
@@ -67,7 +67,7 @@ def _read_edit(text: str, start: int) -> tuple[Edit, int]:
 
 
 def _read_places(text: str, at: int) -> tuple[tuple[str, ...], int]:
-    """Return what stands in brackets at ``at``, nothing without brackets, and where they end."""
+    """Return the places in brackets at `at`, if any, and their end."""
     if not text.startswith("[", at):
         return (), at
     places = []
@@ -107,7 +107,11 @@ def _read_json(text: str, at: int) -> tuple[str, int]:
 
 
 def json_in(text: str) -> str:
-    """Return the JSON that all of ``text`` is, as :func:`as_json` writes it. Raises ValueError."""
+    """Return the JSON in `text`, formatted as by :func:`as_json`.
+
+    Raises:
+        ValueError: The text is not one JSON value.
+    """
     value, end = _read_json(text, 0)
     if text[end:].strip():
         raise ValueError(f"{shown(text[end:])} follows the JSON")
@@ -115,12 +119,12 @@ def json_in(text: str) -> str:
 
 
 def as_json(value: object) -> str:
-    """Return ``value`` as the value of an edit holds it: equal values are equal texts."""
+    """Return `value` as compact JSON. Equal values give equal texts."""
     return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 
 
 def written_edits(edits: Iterable[Edit]) -> str:
-    """Return ``edits`` as :func:`read_edits` reads them."""
+    """Return `edits` as text that :func:`read_edits` can parse."""
     return BETWEEN.join(map(_written, edits))
 
 
@@ -140,12 +144,16 @@ _MOST_DIGITS: Final = 18
 
 
 def named(edit: Edit) -> str:
-    """Return what ``edit`` changes and where, short and safe to print: ``cell[1,2]``."""
+    """Return the name and place of `edit`, short and printable, such as ``cell[1,2]``."""
     return one_line(f"{edit.name}[{','.join(edit.at)}]", _LONGEST_SHOWN)
 
 
 def number_in(edit: Edit) -> float:
-    """Return the number that ``edit`` puts somewhere. Raises UserError where it is none."""
+    """Return the value of `edit` as a number.
+
+    Raises:
+        UserError: It is not a number.
+    """
     value = plain_value(edit)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
         raise UserError(f"{edit.name} is {shown(edit.value)}; expected a number")
@@ -153,7 +161,7 @@ def number_in(edit: Edit) -> float:
 
 
 def plain_value(edit: Edit) -> Any:
-    """Return the value of ``edit``: what JSON reads, else the text as it is."""
+    """Return the value of `edit`, parsed as JSON if possible, else as text."""
     try:
         return json.loads(edit.value, parse_int=_whole_number)
     except (ValueError, RecursionError):
@@ -161,36 +169,62 @@ def plain_value(edit: Edit) -> Any:
 
 
 def _whole_number(digits: str) -> float:
-    """Return the number of these ``digits``; no value of a world is larger than what a float can hold."""
+    """Return the number. Very long ones become floats."""
     return int(digits) if len(digits) <= _MOST_DIGITS else float(digits)
 
 
 def rule_value(edit: Edit) -> Any:
-    """Return the value of ``edit``, which is of the whole world. Raises UserError where it names a place."""
+    """Return the value of an edit of the whole world.
+
+    Raises:
+        UserError: The edit names a place.
+    """
     _check_of_all(edit)
     return plain_value(edit)
 
 
 def rule_number(edit: Edit) -> float:
-    """Return the number that ``edit`` sets for the whole world. Raises UserError where it is none."""
+    """Return the number of an edit of the whole world.
+
+    Raises:
+        UserError: The edit names a place, or its value is not a number.
+    """
     _check_of_all(edit)
     return number_in(edit)
 
 
 def _check_of_all(edit: Edit) -> None:
     if edit.at:
-        raise UserError(f"{named(edit)}: {edit.name} is of the whole world: leave the brackets out")
+        raise UserError(f"{named(edit)}: {edit.name} applies to the whole world; leave out the brackets")
 
 
 def place_in(edit: Edit, what: str, count: int) -> range:
-    """Return the one range of lines that ``edit`` is about, of ``count`` that are called ``what``."""
+    """Return the range of lines that `edit` names.
+
+    Args:
+        edit: The edit.
+        what: Name of such a line, for messages.
+        count: Number of existing lines.
+
+    Raises:
+        UserError: The edit does not name one existing range.
+    """
     if len(edit.at) != 1:
         raise UserError(f"{named(edit)}: expected one {what}")
     return _range(edit, edit.at[0], what, count)
 
 
 def places_in(edit: Edit, first: tuple[str, int], second: tuple[str, int]) -> tuple[range, range]:
-    """Return the two ranges that ``edit`` is about: each is called something, and there are so many."""
+    """Return the two ranges that `edit` names.
+
+    Args:
+        edit: The edit.
+        first: Name of the first kind of line, and the number of lines.
+        second: The same for the second kind.
+
+    Raises:
+        UserError: The edit does not name two existing ranges.
+    """
     if len(edit.at) != 2:
         raise UserError(f"{named(edit)}: expected a {first[0]} and a {second[0]}")
     return _range(edit, edit.at[0], *first), _range(edit, edit.at[1], *second)
@@ -199,7 +233,7 @@ def places_in(edit: Edit, first: tuple[str, int], second: tuple[str, int]) -> tu
 def _range(edit: Edit, text: str, what: str, count: int) -> range:
     match = _PLACE.fullmatch(text)
     if match is None:
-        raise UserError(f"{named(edit)}: {shown(text)} is no {what}, such as 3 or 1:4")
+        raise UserError(f"{named(edit)}: {shown(text)} is not a {what}, such as 3 or 1:4")
     first = int(match[1])
     last = first + 1 if match[2] is None else int(match[2])
     if not 0 <= first < last <= count:
@@ -208,13 +242,23 @@ def _range(edit: Edit, text: str, what: str, count: int) -> range:
 
 
 def lines_added(edit: Edit, count: int) -> tuple[int, int]:
-    """Return how many of ``count`` lines ``edit`` adds, below 0 takes away, and before which it does so.
+    """Parse the insertion of lines, ``+1@3``, or their removal, ``-2@3`` (two lines from 3 on).
 
-    It is written ``+1@3``, or ``-2@3`` for the two from 3 on. Raises UserError where there is no such line.
+    Args:
+        edit: The edit.
+        count: Number of existing lines.
+
+    Returns:
+        Number of lines to add (negative: to remove), and the line where this happens.
+
+    Raises:
+        UserError: The form is wrong, or the lines do not exist.
     """
     match = _LINES.fullmatch(edit.value)
     if match is None or edit.at or int(match[1]) == 0:
-        raise UserError(f"{edit.name} is {shown(edit.value)}; expected +1@3, so many more before number 3")
+        raise UserError(
+            f"{edit.name} is {shown(edit.value)}; expected a form such as +1@3, one more before 3"
+        )
     added, at = int(match[1]), int(match[2])
     if at > count or at - min(added, 0) > count:
         raise UserError(f"{edit.name}={edit.value}: there are {edit.name} 0 to {count - 1}")

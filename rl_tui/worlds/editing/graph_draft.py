@@ -1,4 +1,4 @@
-"""The draft of a written-out MDP: what each action does in each state, the start, and where states stand."""
+"""The draft of an ``[mdp]`` table: transitions, start, and places of the states in the drawing."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from rl_tui.worlds.world import World
 
 RULES: Final = ("start", "time_limit")
-"""What can be set for the whole graph, by the names of the file's keys."""
+"""Settings for the whole graph, named like the keys of the file."""
 _PAIR: Final = ("state", "action")
-_DECIMALS: Final = 15  # of a chance that is worked out: 1 − 0.8 is 0.2
-# Where a new state is put: the free place nearest to the state that leads to it
+_DECIMALS: Final = 15  # precision of computed chances, so that 1 − 0.8 gives 0.2
+# Directions in which a free place for a new state is searched
 _AROUND: Final = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
 
 
 @dataclass(frozen=True, eq=False)
 class GraphDraft(Draft):
-    """The transitions in the order of the file, and the rest of the table."""
+    """A graph draft: transitions in file order, and the rest of the table."""
 
     kind = "mdp"
     section_class = MDPSection
@@ -38,16 +38,20 @@ class GraphDraft(Draft):
 
     @property
     def table(self) -> dict[str, Any]:
-        """The table as a file would have it."""
+        """The table as a file would contain it."""
         return {**self.rules, "transition": [dict(each) for each in self.transitions]}
 
     @cached_property
     def states(self) -> tuple[str, ...]:
-        """Every state that is mentioned, in the order of its first mention."""
+        """All mentioned states, in the order of first mention."""
         return tuple(dict.fromkeys(_mentioned(self.transitions)))
 
     def edited(self, edit: Edit) -> GraphDraft:
-        """Return what comes of ``edit``; raises UserError where nothing can."""
+        """Return the draft after `edit`.
+
+        Raises:
+            UserError: The place or the value does not exist.
+        """
         if edit.name in RULES:
             return replace(self, rules={**self.rules, edit.name: rule_value(edit)})
         make = _EDITS.get(edit.name)
@@ -58,28 +62,29 @@ class GraphDraft(Draft):
         return make(self, edit)
 
     def state_keys(self, world: World) -> Sequence[str]:
-        """Return the names of the states of ``world``, [S]."""
+        """Return the names of the states of `world`, [S]."""
         return world.space.state_names
 
     def entry(self, state: str, action: str) -> Mapping[str, Any] | None:
-        """Return what ``action`` does in ``state``, as the file has it; None where it does nothing there."""
+        """Return the transition of `action` in `state`, or None."""
         index = self.index(state, action)
         return None if index is None else self.transitions[index]
 
     def index(self, state: str, action: str) -> int | None:
-        """Return the place of that entry among all of them."""
+        """Return the index of this transition, or None."""
         pairs = ((each.get("state"), each.get("action")) for each in self.transitions)
         return next((index for index, pair in enumerate(pairs) if pair == (state, action)), None)
 
 
 def graph_draft(scenario: Scenario, seed: int) -> GraphDraft:
-    """Return the draft of an ``[mdp]`` scenario; no seed shapes it.
+    """Return the draft of an ``[mdp]`` scenario. The seed has no influence.
 
-    Raises UserError where several states look alike to the agent: no edit says what it would see.
+    Raises:
+        UserError: The agent cannot tell some states apart (seen_as), which no edit can express.
     """
     rules = dict(tables_in(scenario.text)["mdp"])
     if rules.get("seen_as"):
-        raise UserError("states of this world look alike to the agent (seen_as): it cannot be drawn")
+        raise UserError("some states have equal observations (seen_as), so this world cannot be drawn")
     return GraphDraft(tuple(rules.pop("transition")), rules)
 
 
@@ -94,14 +99,14 @@ def _mentioned(transitions: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
-    """Let an action do in a state what the value says; null takes the pair away."""
+    """Set the transition of a pair; null removes it."""
     state, action = _pair(edit)
     index = draft.index(state, action)
     entry = plain_value(edit)
     transitions = list(draft.transitions)
     if entry is None:
         if index is None:
-            raise UserError(f"{shown(action)} does nothing in {shown(state)}: there is nothing to take away")
+            raise UserError(f"{shown(action)} does nothing in {shown(state)}: there is nothing to remove")
         del transitions[index]
     elif not isinstance(entry, Mapping):
         raise UserError(f'{named(edit)} is {shown(edit.value)}; expected {{"to":…,"reward":…}}')
@@ -109,7 +114,7 @@ def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
         raise UserError(f"{named(edit)} names another state or action: leave them out of its table")
     else:
         entry = {"state": state, "action": action, **entry}
-        # beside the other actions of its state, so that a file reads well
+        # next to the other actions of its state, for a readable file
         own = [place for place, each in enumerate(transitions) if each.get("state") == state]
         if index is not None:
             transitions[index] = entry
@@ -121,7 +126,7 @@ def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
 
 
 def _check_size(draft: GraphDraft) -> None:
-    """Raise UserError where there is more in ``draft`` than a file may hold."""
+    """Raise UserError if `draft` exceeds the limits of a file."""
     actions = len({each.get("action") for each in draft.transitions})
     for name, count, most in (
         ("states", len(draft.states), MOST_STATES_WRITTEN),
@@ -133,10 +138,10 @@ def _check_size(draft: GraphDraft) -> None:
 
 
 def _remove_state(draft: GraphDraft, edit: Edit) -> GraphDraft:
-    """Take a state away: what can be done there, and what leads there; other outcomes share its chance."""
+    """Remove a state and everything that leads there. Other outcomes share its chance."""
     (state,) = edit.at if len(edit.at) == 1 else ("",)
     if plain_value(edit) is not None:
-        raise UserError(f"{named(edit)} is {shown(edit.value)}; expected null, which takes it away")
+        raise UserError(f"{named(edit)} is {shown(edit.value)}; expected null, which removes it")
     if state not in draft.states:
         raise UserError(f"there is no state {shown(state)}{near(state, draft.states)}")
     transitions = []
@@ -149,7 +154,7 @@ def _remove_state(draft: GraphDraft, edit: Edit) -> GraphDraft:
 
 
 def _without_start(rules: Mapping[str, Any], state: str) -> Mapping[str, Any]:
-    """Return ``rules`` without ``state`` among the starts: the others share its chance, or there is none."""
+    """Remove `state` from the starts in `rules`. Other starts share its chance."""
     starts = chances_of({"to": rules.get("start")})
     if state not in starts:
         return rules
@@ -165,7 +170,7 @@ def _pair(edit: Edit) -> tuple[str, str]:
 
 
 def _with_places(draft: GraphDraft, near_to: str) -> GraphDraft:
-    """Return ``draft`` with a place for each new state, near to ``near_to``, and none for those gone."""
+    """Place new states near `near_to`, and drop the places of removed states."""
     before = draft.rules.get("place")
     if not isinstance(before, Mapping):
         return draft
@@ -179,7 +184,7 @@ def _with_places(draft: GraphDraft, near_to: str) -> GraphDraft:
 
 
 def _free_places(place: Mapping[str, Sequence[int]], origin: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield where states can be put, the nearest to ``origin`` first: not where those of ``place`` are."""
+    """Yield free places in the drawing, nearest to `origin` first."""
     taken = {tuple(at) for at in place.values()}
     for distance in range(1, LARGEST_PLACE):
         for columns, rows in _AROUND:
@@ -190,7 +195,7 @@ def _free_places(place: Mapping[str, Sequence[int]], origin: Sequence[int]) -> I
 
 
 def _put(draft: GraphDraft, edit: Edit) -> GraphDraft:
-    """Draw a state at another column and row; what stands there changes places with it."""
+    """Move a state to another place. A state already there swaps places with it."""
     at = plain_value(edit)
     (state,) = edit.at if len(edit.at) == 1 else ("",)
     if state not in draft.states:
@@ -212,7 +217,7 @@ _EDITS: Final[Mapping[str, Callable[[GraphDraft, Edit], GraphDraft]]] = {
 
 
 def chances_of(entry: Mapping[str, Any]) -> dict[str, float]:
-    """Return how likely each next state of an entry is, as far as it says so."""
+    """Return the chance of each next state in a transition, as far as it is given."""
     to = entry.get("to")
     if isinstance(to, str):
         return {to: 1.0}
@@ -224,10 +229,14 @@ def chances_of(entry: Mapping[str, Any]) -> dict[str, float]:
 
 
 def with_chance(entry: Mapping[str, Any], state: str, chance: float) -> dict[str, Any]:
-    """Return ``entry`` with so great a ``chance`` of ``state``; the others share the rest as they shared it.
+    """Set the chance of one next state. The others keep their proportions in the rest.
 
-    Where they had nothing to share in proportion to, they share it evenly. ``chance`` is from 0 to 1; where
-    ``state`` is the only one, it is certain.
+    If the others had no chance before, they share the rest evenly. A single outcome stays certain.
+
+    Args:
+        entry: The transition.
+        state: Next state to change.
+        chance: New chance, 0 to 1.
     """
     chances = chances_of(entry)
     others = {name: share for name, share in chances.items() if name != state}
@@ -252,12 +261,15 @@ def with_chance(entry: Mapping[str, Any], state: str, chance: float) -> dict[str
 
 
 def without_outcome(entry: Mapping[str, Any], state: str) -> dict[str, Any]:
-    """Return ``entry``, which leads to other states too, without ``state``: those share its chance."""
+    """Remove `state` from the outcomes of `entry`. The others share its chance.
+
+    There must be other outcomes.
+    """
     rest = with_chance(entry, state, 0.0)
     return {**rest, "to": {name: outcome for name, outcome in rest["to"].items() if name != state}}
 
 
 def transition_edit(state: str, action: str, entry: Mapping[str, Any] | None) -> Edit:
-    """Return the edit that lets ``action`` do in ``state`` what ``entry`` says, or nothing."""
+    """Return the edit that sets the transition of a pair to `entry`, or removes it if None."""
     value = None if entry is None else {k: v for k, v in entry.items() if k not in _PAIR}
     return Edit("transition", (state, action), as_json(value))

@@ -1,4 +1,4 @@
-"""The draft of a map: cells, what they pay, the rules of moving, rows and columns."""
+"""The draft of a map: cells, rewards, rules of movement, rows and columns."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.space import IntArray
     from rl_tui.worlds.world import World
 
-# For cells with a reward of their own stands the digit that is the reward, else the next free one of these
+# Characters for cells with their own reward. A digit equal to the reward comes first
 _MINTED: Final = "abcdefghijklmnopqrstuwxyzABCDEFIJKLMNOPQRTUVWXYZ0123456789"
 _NOT_RULES: Final = ("map", "random", "legend", "wind", "wind_rows")
 RULES: Final = tuple(name for name in GridSection.model_fields if name not in _NOT_RULES)
-"""What can be set for the whole map, by the names of the file's keys."""
+"""Settings for the whole map, named like the keys of the file."""
 
 
 @dataclass(frozen=True, eq=False)
 class GridDraft(Draft):
-    """A map of rows, and the rest of its table.
+    """A map draft: rows of characters, and the rest of the table.
 
-    ``row_ids`` and ``column_ids`` tell lines apart wherever they move; a new line takes ``next_id``.
-    ``minted`` are the characters that stand for rewards given to single cells: they go with the last of them.
+    `row_ids` and `column_ids` identify lines even when they move; a new line takes `next_id`. `minted` are
+    characters invented for single rewards. They disappear with their last cell.
     """
 
     kind = "grid"
@@ -58,27 +58,27 @@ class GridDraft(Draft):
 
     @property
     def table(self) -> dict[str, Any]:
-        """The table as a file would have it."""
+        """The table as a file would contain it."""
         return {"map": "\n".join(self.lines) + "\n", **self.rules}
 
     @property
     def rows(self) -> int:
-        """How many rows there are."""
+        """Number of rows."""
         return len(self.row_ids)
 
     @property
     def columns(self) -> int:
-        """How many columns there are."""
+        """Number of columns."""
         return len(self.column_ids)
 
     @property
     def size(self) -> int:
-        """How many cells there are."""
+        """Number of cells."""
         return self.rows * self.columns
 
     @property
     def legend(self) -> Mapping[str, LegendEntry]:
-        """What each character means that can stand on the map; those at fault are left out."""
+        """Meaning of each character that may appear on the map. Invalid entries are left out."""
         own = {key: parsed(LegendEntry, raw)[0] for key, raw in self._raw_legend.items()}
         return {**BUILT_IN, **{key: entry for key, entry in own.items() if entry is not None}}
 
@@ -88,7 +88,11 @@ class GridDraft(Draft):
         return legend if isinstance(legend, Mapping) else {}
 
     def edited(self, edit: Edit) -> GridDraft:
-        """Return what comes of ``edit``; raises UserError where nothing can."""
+        """Return the draft after `edit`.
+
+        Raises:
+            UserError: The place or the value does not exist.
+        """
         if edit.name in RULES:
             return replace(self, rules={**self.rules, edit.name: rule_value(edit)})
         make = _EDITS.get(edit.name)
@@ -99,7 +103,7 @@ class GridDraft(Draft):
         return make(self, edit)
 
     def state_keys(self, world: World) -> IntArray:
-        """Return the identity of each state of ``world``: of its row and its column, [S]."""
+        """Return an identity made of row and column for each state of `world`, [S]."""
         import numpy as np
 
         assert isinstance(world.drawing, Grid)
@@ -110,12 +114,12 @@ class GridDraft(Draft):
         return keys
 
     def cells_in(self, edit: Edit) -> tuple[range, range]:
-        """Return the rows and columns that ``edit`` is about."""
+        """Return the rows and columns that `edit` names."""
         return places_in(edit, ("row", self.rows), ("column", self.columns))
 
 
 def grid_draft(scenario: Scenario, seed: int) -> GridDraft:
-    """Return the draft of a ``[grid]`` scenario, with the map that ``seed`` draws where it is drawn."""
+    """Return the draft of a ``[grid]`` scenario, with a random map drawn from `seed`."""
     section = scenario.section
     assert isinstance(section, GridSection)
     rules = dict(tables_in(scenario.text)["grid"])
@@ -126,26 +130,31 @@ def grid_draft(scenario: Scenario, seed: int) -> GridDraft:
 
 
 def draft_of_lines(lines: list[str], rules: Mapping[str, Any]) -> GridDraft:
-    """Return the draft of a map, none of whose lines was moved yet."""
+    """Return a new draft of a map.
+
+    Args:
+        lines: Rows of characters.
+        rules: The rest of the table.
+    """
     rows, columns = len(lines), len(lines[0])
     return GridDraft(tuple(lines), dict(rules), tuple(range(rows)), tuple(range(columns)), max(rows, columns))
 
 
 def drawn_lines(cells: CellMap) -> list[str]:
-    """Return a map that was drawn as lines of characters."""
+    """Return a map as lines of characters."""
     return ["".join(cells.characters[code] for code in row) for row in cells.codes.tolist()]
 
 
 def _set_cells(draft: GridDraft, edit: Edit) -> GridDraft:
     if not is_character(edit.value):
-        raise UserError(f"{shown(edit.value)} is no character of a map")
+        raise UserError(f"{shown(edit.value)} is not a character of a map")
     rows, columns = draft.cells_in(edit)
     painted = edit.value * len(columns)
     return _with_cells(draft, rows, columns, lambda _: painted)
 
 
 def _with_cells(draft: GridDraft, rows: range, columns: range, other: Callable[[str], str]) -> GridDraft:
-    """Return ``draft`` with ``other`` characters in those columns of each of those rows."""
+    """Replace cells of some rows and columns by `other` of the old text."""
     lines = list(draft.lines)
     for row in rows:
         line = lines[row]
@@ -155,7 +164,7 @@ def _with_cells(draft: GridDraft, rows: range, columns: range, other: Callable[[
 
 
 def _tidied(draft: GridDraft) -> GridDraft:
-    """Return ``draft`` without the characters that were minted and stand nowhere any more."""
+    """Remove invented characters that no longer appear on the map."""
     gone = {each for each in draft.minted if not any(each in line for line in draft.lines)}
     if not gone:
         return draft
@@ -172,7 +181,7 @@ def _set_reward(draft: GridDraft, edit: Edit) -> GridDraft:
     for character in sorted(present):
         entry = known.get(character)
         if entry is None or entry.is_wall:
-            raise UserError(f"{shown(character)} pays nothing: nobody enters it")
+            raise UserError(f"{shown(character)} has no reward: it cannot be entered")
         draft, paying[ord(character)] = _character_paying(draft, character, entry, reward)
     return _with_cells(draft, rows, columns, lambda cells: cells.translate(paying))
 
@@ -180,7 +189,7 @@ def _set_reward(draft: GridDraft, edit: Edit) -> GridDraft:
 def _character_paying(
     draft: GridDraft, character: str, entry: LegendEntry, reward: float
 ) -> tuple[GridDraft, str]:
-    """Return the character of cells like ``entry`` that pay ``reward``, and the draft that knows it."""
+    """Return the draft and a character for cells like `entry` with the reward `reward`."""
     if entry.pays == reward:
         return draft, character
     wanted = entry.model_copy(update={"reward": reward})
@@ -192,14 +201,14 @@ def _character_paying(
     digit = str(int(reward)) if reward in range(1, 10) else ""
     free = next((each for each in (digit, *_MINTED) if each and each not in taken), None)
     if free is None or len(draft.legend) >= MOST_CHARACTERS:
-        raise UserError("there is no character left for a cell of another reward; use one that is there")
+        raise UserError("no character is left for a cell with another reward; use an existing one")
     raw = wanted.model_dump(mode="json", exclude_defaults=True)
     legend = {**draft._raw_legend, free: raw}
     return replace(draft, rules={**draft.rules, "legend": legend}, minted=draft.minted | {free}), free
 
 
 def _define(draft: GridDraft, edit: Edit) -> GridDraft:
-    """Let a character stand for what the value says; nothing takes its meaning away."""
+    """Set the meaning of a character; an empty value removes it."""
     (character,) = edit.at if len(edit.at) == 1 else ("",)
     if not is_character(character):
         raise UserError(f"{named(edit)}: expected one character")
@@ -215,7 +224,7 @@ def _define(draft: GridDraft, edit: Edit) -> GridDraft:
 
 
 def _blow(draft: GridDraft, edit: Edit) -> GridDraft:
-    """Let it blow in some lines, or, without a place, as the list says in each of them."""
+    """Set the wind of some lines, or of all lines by a list."""
     what, count = ("column", draft.columns) if edit.name == "wind" else ("row", draft.rows)
     value = plain_value(edit)
     if not edit.at:
@@ -233,7 +242,7 @@ def _blow(draft: GridDraft, edit: Edit) -> GridDraft:
 
 
 def _resize(draft: GridDraft, edit: Edit) -> GridDraft:
-    """Add rows or columns of floor before one, or take some away from it on."""
+    """Insert rows or columns of floor, or remove some."""
     is_rows = edit.name == "rows"
     ids = draft.row_ids if is_rows else draft.column_ids
     count, at = lines_added(edit, len(ids))

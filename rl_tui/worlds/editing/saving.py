@@ -1,7 +1,7 @@
 """The text of a scenario file after its world was edited.
 
-Comments, order and style of the old text stay; only lines with changed content differ. The new text
-describes the very same world as the draft, bit for bit.
+Comments, order and style of the old text stay. Only lines with changed content differ. The new text describes
+the same world as the draft, bit for bit.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _LINE_ENDS: Final = re.compile(r"\A(\n*).*?(\n*)\Z", re.DOTALL)
 
 
 def value_text(value: Any) -> str:
-    """Return a value of TOML on one line."""
+    """Return a value as TOML on one line."""
     import tomlkit
 
     if isinstance(value, Mapping):
@@ -40,16 +40,19 @@ def value_text(value: Any) -> str:
 
 
 def key_text(key: str) -> str:
-    """Return a key as TOML wants it, in quotes where it has to be."""
+    """Return a key as TOML, with quotes if needed."""
     import tomlkit
 
     return tomlkit.key(key).as_string()
 
 
 def map_text(lines: Sequence[str], like: str = "") -> str:
-    """Return a map as a string of TOML, quoted as the one that is written ``like`` that if it can be.
+    """Return a map as a TOML string.
 
-    Else it is a block of lines between three quotes.
+    Args:
+        lines: Rows of the map.
+        like: The old string. Its quotes are used again if possible; otherwise the map becomes a block in
+            triple quotes.
     """
     return next(each for each in _map_texts(lines, like) if _says(each, lines))
 
@@ -66,7 +69,7 @@ def _map_texts(lines: Sequence[str], like: str) -> Iterator[str]:
     if quotes in _THREE:
         inside = like[3:-3]
         ends = _LINE_ENDS.match(inside)
-        assert ends is not None  # whatever it is
+        assert ends is not None  # matches any text
         yield quotes + ends[1] + "\n".join(lines) + ends[2] + quotes
     elif like:
         before = tomllib.loads(f"map = {like}")["map"]
@@ -81,7 +84,7 @@ def _map_texts(lines: Sequence[str], like: str) -> Iterator[str]:
 
 
 def section_text(kind: str, table: Mapping[str, Any]) -> str:
-    """Return the table ``kind`` of a scenario file, its own tables below it."""
+    """Return the table `kind` of a scenario file as TOML, followed by its subtables."""
     tables = {key: value for key, value in table.items() if _is_table_of_its_own(value)}
     parts = [f"[{kind}]\n"]
     for key, value in table.items():
@@ -98,7 +101,7 @@ def section_text(kind: str, table: Mapping[str, Any]) -> str:
 
 
 def _is_table_of_its_own(value: Any) -> bool:
-    """Return whether ``value`` is a table of tables or lists, or a list of tables."""
+    """Return True for a table of tables or lists, and for a list of tables."""
     inside = value.values() if isinstance(value, Mapping) else value
     wanted = (Mapping, list) if isinstance(value, Mapping) else Mapping
     is_nested = isinstance(value, (Mapping, list)) and len(value) > 0
@@ -123,17 +126,24 @@ if TYPE_CHECKING:
 
 _MAP, _MEANS, _OUTCOMES = "map", "means", "to"
 _TABLES: Final = ("legend", "place")
-"""What is a table of its own, below that of its world."""
-# Once something is drawn, what it was drawn from is no more; what was drawn stands where it stood
+"""Keys that become subtables."""
+# A drawn map replaces the keys it was generated from
 _DRAWN_FROM: Final = {_MAP: ("random",), _MEANS: ("arms", "mean")}
 _COMMENTS: Final = re.compile(r"[ \t]*#.*", re.DOTALL)
 
 
 def saved_text(text: str, draft: Draft) -> str:
-    """Return ``text``, that of a scenario file, with the world of ``draft`` in place of its own.
+    """Return the text of a scenario file with its world replaced by `draft`.
 
-    Comments, order and style stay: only lines that say something else now differ. Raises UnfinishedError
-    where ``draft`` is no valid MDP, UserError where no text comes to the same world, bit for bit.
+    Comments, order and style stay. Only lines with changed content differ.
+
+    Args:
+        text: Old text of the file.
+        draft: The edited world.
+
+    Raises:
+        UnfinishedError: The draft is not a valid MDP.
+        UserError: No text describes the same world, bit for bit.
     """
     assert draft.section is not None
     wanted = _filled(draft.table)
@@ -146,7 +156,7 @@ def saved_text(text: str, draft: Draft) -> str:
 
 
 def _is_faithful(text: str, kind: str, wanted: Mapping[str, Any]) -> bool:
-    """Return whether ``text`` reads back as a scenario without faults, and as the very table."""
+    """Return True if `text` reads back without errors and as the same table."""
     try:
         scenario = scenario_of(text, Path("drawn.toml"))
         return scenario.kind == kind and _same(first_draft(scenario, 0).table, wanted)
@@ -155,10 +165,10 @@ def _is_faithful(text: str, kind: str, wanted: Mapping[str, Any]) -> bool:
 
 
 def _same(one: object, other: object, key: str = "") -> bool:
-    """Return whether two values of files, those of ``key``, make the same world, bit for bit."""
+    """Return True if two values of the key `key` make the same world, bit for bit."""
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         if key == _OUTCOMES and list(one) != list(other):
-            return False  # states are numbered as they are mentioned
+            return False  # the order of mention numbers the states
         first, second = _filled(one), _filled(other)
         return first.keys() == second.keys() and all(
             _same(value, second[name], name) for name, value in first.items()
@@ -175,12 +185,12 @@ def _same(one: object, other: object, key: str = "") -> bool:
 
 
 def _filled(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return ``table`` without what says nothing: a table with nothing in it."""
+    """Return `table` without empty subtables."""
     return {key: value for key, value in table.items() if value != {}}
 
 
 def _changed(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
-    """Return ``text`` with what differs from ``wanted`` in the table ``kind`` changed, and nothing else."""
+    """Return `text` with the minimal change that makes its table `kind` equal `wanted`."""
     import tomlkit
     from tomlkit.container import OutOfOrderTableProxy
     from tomlkit.items import InlineTable, Table
@@ -212,7 +222,10 @@ def _changed(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
 def _change_values(
     table: MutableTable, old: Mapping[str, Any], wanted: Mapping[str, Any], kept: str | None = None
 ) -> None:
-    """Change in ``table`` what is ``old`` to what is ``wanted``; of what ``kept`` comes from, nothing."""
+    """Change the values in `table` from `old` to `wanted`.
+
+    Keys that the new key `kept` replaces stay for now.
+    """
     for key in [each for each in old if each not in wanted]:
         if key not in _DRAWN_FROM.get(kept or "", ()):
             del table[key]
@@ -224,7 +237,7 @@ def _change_values(
 
 
 def _change_value(table: MutableMapping[str, Any], key: str, old: Any, new: Any) -> None:
-    """Change one value, in the style that it has."""
+    """Change one value and keep its style."""
     import tomlkit
     from tomlkit.container import OutOfOrderTableProxy
     from tomlkit.items import AoT, Array, InlineTable, Table
@@ -250,7 +263,7 @@ def _change_value(table: MutableMapping[str, Any], key: str, old: Any, new: Any)
 
 
 def _change_entries(entries: AoT, old: Sequence[Any], new: Sequence[Any]) -> None:
-    """Change, add and remove tables of a list, told apart by state and action."""
+    """Change, insert and remove tables of a list, identified by state and action."""
     before, after = ([(each.get("state"), each.get("action")) for each in listed] for listed in (old, new))
     moved = 0
     for what, first, last, new_first, new_last in SequenceMatcher(
@@ -268,7 +281,7 @@ def _change_entries(entries: AoT, old: Sequence[Any], new: Sequence[Any]) -> Non
 
 
 def _remove_entry(entries: AoT, index: int) -> None:
-    """Remove a table, and keep the comments behind it: they are about what follows."""
+    """Remove a table, but keep the comments behind it, which describe what follows."""
     import tomlkit
 
     entry = entries[index]
@@ -286,7 +299,7 @@ def _remove_entry(entries: AoT, index: int) -> None:
 
 
 def _insert_entry(entries: AoT, index: int, entry: Mapping[str, Any]) -> None:
-    """Insert a table, with an empty line between it and the next one or the one before."""
+    """Insert a table, separated by an empty line."""
     import tomlkit
 
     table = tomlkit.table()
@@ -297,7 +310,7 @@ def _insert_entry(entries: AoT, index: int, entry: Mapping[str, Any]) -> None:
 
 
 def _add(document: TOMLDocument, kind: str, key: str, value: Any) -> None:
-    """Add to the table ``kind`` a key that it has not, in the style of the shipped files."""
+    """Add a new key to the table `kind`, in the style of the shipped files."""
     import tomlkit
 
     table = cast("MutableTable", document[kind])
@@ -313,7 +326,7 @@ def _add(document: TOMLDocument, kind: str, key: str, value: Any) -> None:
 
 
 def _put_in_place(table: Table, key: str, value: Any) -> None:
-    """Put a key where the first of those stands that it takes the place of, and remove these."""
+    """Put a key in the place of the first key that it replaces, and remove the others."""
     import tomlkit
 
     body = table.value.body
@@ -327,7 +340,7 @@ def _put_in_place(table: Table, key: str, value: Any) -> None:
 
 
 def _rewritten(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
-    """Return ``text`` with a new table ``kind`` in place of whichever world it has; all else stays."""
+    """Return `text` with a new table `kind` instead of its old world."""
     import tomlkit
     from tomlkit.items import Whitespace
 
@@ -347,7 +360,7 @@ def _rewritten(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
 
 
 def _item(value: Any, old: Any = None) -> Item:
-    """Return ``value`` as a file has it, a number with a decimal point where the ``old`` one had it."""
+    """Return `value` as TOML, with a decimal point if the old number had one."""
     import tomlkit
 
     if isinstance(old, float) and type(value) is int and float(value) == value:
@@ -356,12 +369,12 @@ def _item(value: Any, old: Any = None) -> Item:
 
 
 def _copy_surroundings(old: Item, new: Item) -> None:
-    """Give ``new`` the comment and the spaces of ``old``."""
+    """Copy comment and spaces from `old` to `new`."""
     for name in ("indent", "comment_ws", "comment", "trail"):
         setattr(new.trivia, name, getattr(old.trivia, name))
 
 
 def _ended_as(text: str, new: str) -> str:
-    """Return ``new`` with as many empty lines at its end as ``text`` has."""
+    """Return `new` with the line ends at the end of `text`."""
     body = text.rstrip("\r\n")
     return new.rstrip("\r\n") + (text[len(body) :] if body else "\n")

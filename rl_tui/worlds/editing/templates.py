@@ -1,4 +1,4 @@
-"""What a new scenario begins as: a blank world, a shipped one, or a random lake or maze."""
+"""Templates of new scenarios: blank worlds, shipped scenarios, random lakes and mazes."""
 
 from __future__ import annotations
 
@@ -16,19 +16,26 @@ from rl_tui.worlds.sections.schema import WorldRefusedError
 BLANK: Final = ("grid", "mdp", "bandit")
 LAKE, MAZE = "lake", "maze"
 LAKE_HOLES: Final = (0.2, 0.1, 0.05, 0.0)
-"""The share of holes; the next one where so many leave no way, as in a lake of one row."""
+"""Share of holes. The next one is tried if there is no way to the goal."""
 LARGEST_SIDE: Final = 200
-"""Rows and columns of what is drawn at random here; a person edits it cell by cell."""
+"""Largest number of rows and columns of a random map."""
 _FOLDER: Final = os.path.join(os.path.dirname(os.path.abspath(__file__)), "blank")
 
 Draw = Callable[[int, int, int], list[str]]
 
 
 def template_text(template: str, seed: int = 0, rows: int | None = None, columns: int | None = None) -> str:
-    """Return the text of a scenario file made from ``template``.
+    """Return the text of a new scenario file.
 
-    It is one of ``BLANK``, ``lake`` or ``maze``, which are drawn from ``seed`` and can always be solved, or
-    the id of a shipped scenario. Raises UserError where there is none of that name, or sizes are not for it.
+    Args:
+        template: One of ``BLANK``, ``lake`` or ``maze`` (random, always solvable), or the id of a shipped
+            scenario.
+        seed: Seed of a random map.
+        rows: Rows of a random map; None: the default.
+        columns: Columns of a random map; None: the default.
+
+    Raises:
+        UserError: The template does not exist, or the size does not fit.
     """
     if template in SIZES:
         size = SIZES[template]
@@ -49,7 +56,7 @@ def template_text(template: str, seed: int = 0, rows: int | None = None, columns
 
 
 def named(text: str, title: str) -> str:
-    """Return the ``text`` of a scenario file under another ``title``, of which a long one is cut."""
+    """Return the text of a scenario file with another title, shortened if too long."""
     import tomlkit
 
     from rl_tui.worlds.files.scenario import LONGEST_TITLE
@@ -60,7 +67,7 @@ def named(text: str, title: str) -> str:
 
 
 def lake(rows: int, columns: int, seed: int) -> list[str]:
-    """Return the lines of a lake with holes, drawn from ``seed``: there is a way from S to G."""
+    """Return the lines of a random lake with holes and a way from S to G."""
     from rl_tui.worlds.grid.map import BUILT_IN, RandomMap, draw_map
 
     for holes in LAKE_HOLES:
@@ -72,10 +79,12 @@ def lake(rows: int, columns: int, seed: int) -> list[str]:
 
 
 def maze(rows: int, columns: int, seed: int) -> list[str]:
-    """Return the lines of a maze, drawn from ``seed``, in which one way leads from each cell to each other.
+    """Return the lines of a random maze, with exactly one way between any two cells.
 
-    It is a random walk that never enters a cell again and goes back where it cannot go on. Raises UserError
-    where ``rows`` or ``columns`` is even: every second line is one of walls.
+    It is drawn by a random walk that never enters a cell twice and goes back at dead ends.
+
+    Raises:
+        UserError: `rows` or `columns` is even. Every second line is a wall.
     """
     for name, size in (("rows", rows), ("columns", columns)):
         if size % 2 == 0:
@@ -100,12 +109,11 @@ def maze(rows: int, columns: int, seed: int) -> list[str]:
 
 
 SIZES: Final[Mapping[str, tuple[int, int]]] = {LAKE: (8, 8), MAZE: (9, 15)}
-"""Rows and columns of what is drawn at random, where nothing else is asked for."""
+"""Default rows and columns of random maps."""
 _DRAW: Final[Mapping[str, Draw]] = {LAKE: lake, MAZE: maze}
 
 
 def _random_text(template: str, seed: int, rows: int, columns: int) -> str:
-    """Return the blank map with lines drawn at random in place of its own."""
     import tomlkit
 
     from rl_tui.worlds.editing.saving import map_text

@@ -1,1 +1,1 @@
-"""Scenarios as environments of Gymnasium."""
+"""Scenarios as Gymnasium environments."""

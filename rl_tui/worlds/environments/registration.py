@@ -1,7 +1,7 @@
-"""The ids by which Gymnasium makes our scenarios: ``rl_tui/NAME-v0``.
+"""Registration of our scenarios in Gymnasium as ``rl_tui/NAME-v0``.
 
-Gymnasium has had no plugins since its version 1.0: environments are registered when a module is imported,
-here this one. Only names of files are looked at. What is in a file is read when its environment is made.
+Gymnasium has no plugins since version 1.0. So importing this module registers them. It looks only at file
+names and reads a file when its environment is made.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ _OF_A_FILE: Final = "scenario"
 
 
 class ScenarioSpec(EnvSpec):  # type: ignore[misc]
-    """How Gymnasium makes a scenario: its id or the path of its file is ``kwargs["scenario"]``.
+    """Gymnasium's spec of a scenario. Its id or path is ``kwargs["scenario"]``.
 
-    ``max_episode_steps`` is the scenario's time limit, read from it when it is first asked for.
+    `max_episode_steps` is the scenario's time limit, read on first use.
     """
 
     _limit: int | None = None
     _limit_is_known = False
 
     def __post_init__(self) -> None:
-        """Keep which scenario it is: ``make_vec`` hands ``kwargs`` on in another way, and empties it here."""
+        """Store the scenario, because ``make_vec`` empties ``kwargs``."""
         super().__post_init__()
         self._scenario = self.kwargs["scenario"]
 
     @property
     def max_episode_steps(self) -> int | None:
-        """The number of steps after which an episode is truncated, None for never."""
+        """Steps after which an episode is truncated, or None."""
         if not self._limit_is_known:
             from rl_tui.worlds.environments.scenario_env import time_limit_of_scenario
 
@@ -49,12 +49,12 @@ class ScenarioSpec(EnvSpec):  # type: ignore[misc]
 
 
 def spec_of(scenario: str) -> ScenarioSpec:
-    """Return what ``gymnasium.make`` takes for the scenario of this id, or of the file at this path."""
+    """Return the spec for ``gymnasium.make``. `scenario` is an id or the path of a file."""
     name = scenario if _NAME.fullmatch(scenario) else _OF_A_FILE
     return ScenarioSpec(id=f"{OWN_IDS}{name}-v0", entry_point=_ENTRY_POINT, kwargs={"scenario": scenario})
 
 
 for _name in shipped_names():
     _spec = spec_of(_name)
-    # gymnasium.register would compare each id with all others, and make a plain EnvSpec
+    # gymnasium.register would compare all ids, and create a plain EnvSpec
     registry[_spec.id] = _spec

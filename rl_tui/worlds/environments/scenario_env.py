@@ -1,6 +1,6 @@
 """A scenario as a Gymnasium environment, made by ``gymnasium.make("rl_tui/NAME-v0")``.
 
-Its table of transitions has the form of Gymnasium's toy_text. The render mode is ``ansi``.
+Its transition table has the form of Gymnasium's toy_text. The render mode is ``ansi``.
 """
 
 from __future__ import annotations
@@ -41,7 +41,13 @@ _CHARACTERS: Final[Mapping[CellKind, str]] = {
 
 
 def text_picture(world: World, state: int, action: int | None) -> str:
-    """Return a line with the state and the ``action`` that led there, under it the map where there is one."""
+    """Return the state as text, with the map below it if there is one.
+
+    Args:
+        world: The world.
+        state: Current state.
+        action: Last action, or None.
+    """
     taken = "" if action is None else f", after {world.space.action_names[action]}"
     line = f"state {world.space.state_names[state]}{taken}"
     drawing = world.drawing
@@ -59,13 +65,13 @@ def _map(grid: Grid, state: int) -> str:
 
 
 Entry = tuple[float, int, float, bool]
-"""probability, next state, mean reward, whether the episode ends: as in Gymnasium's toy_text."""
+"""Probability, next state, mean reward and end of the episode, as in Gymnasium's toy_text."""
 
 
 class PairRow(NamedTuple):
-    """What may happen when one action is taken in one state.
+    """The outcomes of one action in one state.
 
-    ``cumulative`` and ``reward_std`` are as long as ``entries``; ``pair`` is None where nothing can be done.
+    `cumulative` and `reward_std` have one value per entry. `pair` is None in terminal states.
     """
 
     entries: list[Entry]
@@ -75,10 +81,9 @@ class PairRow(NamedTuple):
 
 
 def rows_of(mdp: TabularMDP, state: int) -> list[PairRow]:
-    """Return the row of each of the A actions in ``state``.
+    """Return the row of each of the A actions in `state`.
 
-    An action that is not legal there does what the first legal one does. A state in which nothing can be done
-    leads to itself for 0, and the episode stays over.
+    An unavailable action acts like the first available one. A terminal state leads to itself with reward 0.
     """
     pairs = mdp.pairs_of(state)
     if not pairs:
@@ -89,7 +94,7 @@ def rows_of(mdp: TabularMDP, state: int) -> list[PairRow]:
 
 
 def table_of(mdp: TabularMDP) -> dict[int, dict[int, list[Entry]]]:
-    """Return state → action → entries, for every state and action."""
+    """Return state → action → entries, for all states and actions."""
     return {
         state: {action: list(row.entries) for action, row in enumerate(rows_of(mdp, state))}
         for state in range(mdp.states)
@@ -108,20 +113,21 @@ def _row(mdp: TabularMDP, pair: int) -> PairRow:
 
 
 class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
-    """The world of a scenario, state numbers, probabilities and all. It has no time limit of its own.
+    """The world of a scenario with the same states and probabilities, but without a time limit.
 
-    ``scenario`` is an id, the path of a file, or a :class:`Scenario`. ``scenario_seed``, an integer of 0 or
-    more, draws what is random about the world itself (the arms of a bandit, a random map), as the seed of
-    ``rl-tui play`` does; the seed of ``reset`` draws what happens in it, and takes drifting arms back to
-    where they began.
+    ``info["prob"]`` is the probability of the outcome. If some states lack some actions,
+    ``info["action_mask"]``, int8 [A], marks the available actions of the new state. An unavailable action
+    acts like the first available one. Worlds without a transition table (cart pole with bins, an egg without
+    a clock) have neither ``info["prob"]`` nor ``P``, and keep their own time limit.
 
-    ``info["prob"]`` is the probability of what happened. Where a world has states in which not all actions
-    are legal, ``info["action_mask"]``, int8 [A], is 1 for those that are in the state just entered. An action
-    that is not legal does what the first legal one does. A world without a table, which is stepped for real
-    (cart pole with bins, an egg without a clock), has no ``info["prob"]`` and no ``P``; its own time limit
-    then counts as well.
+    Args:
+        scenario: Scenario id, path of a file, or a :class:`Scenario`.
+        scenario_seed: Seed of a random world, 0 or more, like the seed of ``rl-tui play``. The seed of
+            ``reset`` draws the outcomes, and resets drifting arms.
+        render_mode: ``"ansi"`` or None.
 
-    Raises UserError where there is no such scenario, or its world cannot be made.
+    Raises:
+        UserError: The scenario does not exist, or its world cannot be made.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["ansi"], "render_fps": 4}
@@ -149,16 +155,22 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
 
     @cached_property
     def P(self) -> dict[int, dict[int, list[Entry]]]:  # noqa: N802
-        """State → action → [(probability, next state, reward, terminated), …]: what steps are drawn from.
+        """State → action → [(probability, next state, reward, terminated), …].
 
-        Rewards are means: where they are noisy, what a step pays lies around them; where they drift, they are
-        those of the beginning. Writing to it changes no step. Raises AttributeError where there is no table.
+        Rewards are means, without noise and before any drift. Changing the table does not change steps.
+
+        Raises:
+            AttributeError: The world has no transition table.
         """
         return table_of(self._table("P"))
 
     @cached_property
     def initial_state_distrib(self) -> npt.NDArray[np.float64]:
-        """The probability to start in each state, [S]. Raises AttributeError where it is not known."""
+        """Probability of starting in each state, [S].
+
+        Raises:
+            AttributeError: The world has no transition table.
+        """
         mdp = self._table("initial_state_distrib")
         start = np.zeros(mdp.states)
         np.add.at(start, mdp.start_state, mdp.start_probability)
@@ -172,7 +184,7 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[int, dict[str, Any]]:
-        """Begin an episode; see :meth:`gymnasium.Env.reset`. There are no ``options``."""
+        """Start an episode; see :meth:`gymnasium.Env.reset`. `options` are ignored."""
         super().reset(seed=seed)
         self.lastaction = None
         if self._mdp is None:
@@ -189,7 +201,11 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
         return self.s, self._info(1.0)
 
     def step(self, action: int) -> tuple[int, float, bool, bool, dict[str, Any]]:
-        """Take ``action``; see :meth:`gymnasium.Env.step`. Raises InvalidAction where there is no such."""
+        """Take `action`; see :meth:`gymnasium.Env.step`.
+
+        Raises:
+            InvalidAction: The action does not exist.
+        """
         if not 0 <= action < self._actions:
             raise InvalidAction(
                 f"found action {action!r}; expected a whole number from 0 to {self._actions - 1}"
@@ -212,7 +228,7 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
         return self.s, reward, terminated, False, self._info(probability)
 
     def _drift(self, offset: npt.NDArray[np.float64], pair: int) -> float:
-        """Return by how far the reward of ``pair`` has moved; then every arm takes a step of its walk."""
+        """Return the drift of the reward of `pair`, then let all arms drift one step."""
         moved = float(offset[pair])
         offset += self._table("drift").drift_std * self.np_random.standard_normal(len(offset))
         return moved
@@ -233,14 +249,15 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
         return text_picture(self.world, self.s, self.lastaction) if self.render_mode == "ansi" else None
 
     def close(self) -> None:
-        """Let an environment behind this one give back what it holds."""
+        """Release the environment behind this one."""
         self._stepped = None
 
 
 def time_limit_of_scenario(scenario: str | Path | Scenario) -> int | None:
-    """Return after how many steps an episode of ``scenario`` is truncated, None for never.
+    """Return the number of steps after which an episode is truncated, or None.
 
-    Raises UserError as :class:`ScenarioEnv` does.
+    Raises:
+        UserError: The scenario does not exist, or its world cannot be made.
     """
     return _found_and_built(scenario, 0)[1].space.time_limit or None
 

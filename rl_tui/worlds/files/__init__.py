@@ -1,1 +1,1 @@
-"""Scenario files: what may stand in them, and the worlds they describe."""
+"""Scenario files: reading, and the list of all scenarios."""

@@ -1,4 +1,4 @@
-"""The scenarios there are: the shipped ones and the user's own."""
+"""The list of scenarios: shipped ones and the user's own."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rl_tui.worlds.files.scenario import LAST, PREFIX, Scenario, environment_sce
 from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
 
 YOURS: Final = "Yours"
-"""The group of the user's own scenarios, whatever their ``order``."""
+"""Group of the user's own scenarios."""
 GROUPS: Final = (
     (100, "Begin here"),
     (200, "Bandits"),
@@ -25,28 +25,28 @@ GROUPS: Final = (
     (400, "Larger and harder"),
     (LAST + 1, "Stepped environments"),
 )
-"""The groups of the shipped scenarios: each has those whose ``order`` is below its number."""
+"""Groups of shipped scenarios: upper bound of ``order``, and heading."""
 
 
 class Catalogue(NamedTuple):
-    """The scenarios in the order they are offered, and what is wrong with files that give none."""
+    """All scenarios in the order of the start screen, and the errors of unreadable files."""
 
     scenarios: list[Scenario]
     broken: list[ScenarioError]
 
 
 def user_folder() -> Path:
-    """Return the folder of the user's own scenarios; it need not exist."""
+    """Return the folder of the user's own scenarios. It may not exist."""
     try:
         return platformdirs.user_config_path("rl-tui", appauthor=False) / "scenarios"
-    except RuntimeError:  # there is no home folder
+    except RuntimeError:  # no home folder
         return Path(os.devnull) / "scenarios"
 
 
 def read_catalogue() -> Catalogue:
-    """Read every scenario file: the shipped ones by ``order``, then the user's likewise.
+    """Read all scenario files: shipped ones by ``order``, then the user's own by ``order``.
 
-    A faulty file only leaves itself out. Environments are not asked, so that nothing slow is imported.
+    A file with errors is left out. Environments are not created, which would be slow.
     """
     catalogue = Catalogue([], [])
     taken: set[str] = set()
@@ -70,24 +70,26 @@ def read_catalogue() -> Catalogue:
 
 
 def group_of(scenario: Scenario) -> str:
-    """Return the heading under which ``scenario`` stands in the catalogue."""
+    """Return the heading of `scenario` on the start screen."""
     if scenario.source.parent != shipped_folder():
         return YOURS
     return next(name for below, name in GROUPS if scenario.order < below)
 
 
 def scenarios() -> list[Scenario]:
-    """Return the scenarios that can be read: the shipped ones in teaching order, then the user's."""
+    """Return all readable scenarios: shipped ones in teaching order, then the user's own."""
     return read_catalogue().scenarios
 
 
 def find(name_or_path: str) -> Scenario:
-    """Return the scenario with this id, or that of a file where a path is given.
+    """Return a scenario by id, by path, or by ``gym:ENV_ID``.
 
-    A path is what has a separator in it or ends in .toml; ``gym:ENV_ID`` is any registered environment of
-    Gymnasium. Other environments are not asked: whether one is there shows when the world is built. Raises
-    ScenarioError where the file has faults, UserError with near names where there is no such scenario, and in
-    a kiosk for all but the shipped ones.
+    A path contains a separator or ends in .toml. Except for ``gym:ENV_ID``, environments are not created
+    here: building the world shows if they exist.
+
+    Raises:
+        ScenarioError: The file has errors.
+        UserError: There is no such scenario, or a kiosk does not allow it.
     """
     is_path = name_or_path.endswith(SUFFIX) or "/" in name_or_path or "\\" in name_or_path
     if in_kiosk() and (is_path or name_or_path.startswith(PREFIX)):
@@ -116,5 +118,5 @@ def _folders() -> tuple[Path, ...]:
 def _files(folder: Path) -> Iterator[Path]:
     try:
         yield from sorted(folder.glob(f"*{SUFFIX}"))
-    except OSError:  # a folder that may not be read offers nothing
+    except OSError:  # an unreadable folder counts as empty
         return

@@ -1,6 +1,6 @@
-"""A scenario: one TOML file that describes a world, what to try in it and how a run starts.
+"""A scenario: a TOML file with a world, texts, and default settings of a run.
 
-``gym:ENV_ID`` names a scenario without a file: any environment registered with Gymnasium.
+``gym:ENV_ID`` is a scenario without a file, for any environment registered with Gymnasium.
 """
 
 from __future__ import annotations
@@ -47,15 +47,15 @@ WORLD_KINDS: Final[Mapping[str, str]] = {
     "grid": "rl_tui.worlds.grid.section:GridSection",
     "bandit": "rl_tui.worlds.sections.bandit_section:BanditSection",
 }
-"""The class of each kind of table, ``module:Class``, imported when a file has such a table."""
+"""Class of each kind of world table, as ``module:Class``, imported on use."""
 
 LONGEST_TITLE: Final = 80
 MOST_PREVIEW_STEPS: Final = 100_000
 PANEL_IDS: Final = ("world", "table", "curve", "timeline", "budget", "controls", "last_step")
-"""The ids of the panels that no key opens: what a scenario or a page of a lesson may begin with."""
+"""Ids of the panels without a key, with which a scenario or a lesson page may start."""
 HIDDEN: Final = "hidden"
 ANSWERS: Final = (HIDDEN, "shown")
-_USUAL_ANSWERS: Final = {"bandit": HIDDEN}  # of every other kind it is shown
+_USUAL_ANSWERS: Final = {"bandit": HIDDEN}  # all other kinds show them
 
 
 def _are_texts(value: object) -> bool:
@@ -63,7 +63,7 @@ def _are_texts(value: object) -> bool:
 
 
 class ScenarioHead(FileSection):
-    """What a file says besides its world."""
+    """The part of a scenario file outside its world table."""
 
     title: Annotated[str, text(LONGEST_TITLE)] = ""
     summary: Annotated[str, text(200)] = ""
@@ -80,14 +80,13 @@ class ScenarioHead(FileSection):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenario:
-    """A scenario file without faults of form.
+    """A scenario file without formal errors.
 
-    ``id`` is the file's stem, ``kind`` the name of its world's table, ``defaults`` the raw table of that name
-    (what its values may be is known to the agents). ``order`` says where it stands among its neighbours in
-    the catalogue. ``text`` is the file as it was read, empty where there is none. ``hides_answer`` says that
-    the exact answer is hidden until a person asks for it. The start screen shows ``guess`` (a question),
-    ``see`` and ``try_this``, and runs ``preview_steps`` steps in its picture, None for the usual number. The
-    playground begins with ``panels``, None: with all.
+    `id` is the stem of the file name. `kind` names the table of the world. `defaults` is the raw table of
+    that name; the agents package checks its values. `order` sorts the start screen. `text` is the content of
+    the file, empty without one. `hides_answer` says that exact values start hidden. The start screen shows
+    `guess` (a question), `see` and `try_this`, and runs `preview_steps` steps (None: the default). `panels`
+    are the panels at the start (None: all).
     """
 
     id: str
@@ -108,10 +107,13 @@ class Scenario:
     panels: frozenset[str] | None = None
 
     def build(self, generator: Generator) -> World:
-        """Return the world. What is random about it (a bandit's arms, a random map) is drawn first from
-        ``generator``; other worlds do not touch it.
+        """Build the world.
 
-        Raises ScenarioError where the environment behind the scenario cannot be used.
+        Random parts of it (arms of a bandit, a random map) are the first draws from `generator`. Other worlds
+        draw nothing.
+
+        Raises:
+            ScenarioError: The environment behind the scenario cannot be used.
         """
         try:
             return self.section.build(generator)
@@ -121,10 +123,15 @@ class Scenario:
 
 
 def read_scenario(path: str | Path, *, ask_environment: bool = True) -> Scenario:
-    """Return the scenario of a file; raises ScenarioError with all of its faults, in the order of the file.
+    """Read a scenario file.
 
-    Without ``ask_environment`` the file alone is read, which is quick: whether Gymnasium has the environment
-    and a table for it then shows when the world is built.
+    Args:
+        path: The file.
+        ask_environment: True to create a Gymnasium environment and check it too. Without this, errors of the
+            environment appear when the world is built.
+
+    Raises:
+        ScenarioError: The file has errors, listed in file order.
     """
     path = Path(path)
     if not is_plain(str(path)):
@@ -137,9 +144,15 @@ def read_scenario(path: str | Path, *, ask_environment: bool = True) -> Scenario
 
 
 def scenario_of(text: str, path: Path, *, ask_environment: bool = True) -> Scenario:
-    """Return the scenario that ``text`` describes, the content of the file ``path``, which is not read.
+    """Parse the content of a scenario file.
 
-    Raises ScenarioError as :func:`read_scenario` does.
+    Args:
+        text: The content.
+        path: Its path, for the id and for messages.
+        ask_environment: True to create a Gymnasium environment and check it too.
+
+    Raises:
+        ScenarioError: The text has errors, listed in file order.
     """
     try:
         raw = tables_in(text)
@@ -201,7 +214,13 @@ def _read_head(raw: Mapping[str, Any]) -> tuple[ScenarioHead | None, list[Findin
 def unknown_panels(
     location: Location, panels: Iterable[str], known: Sequence[str] = PANEL_IDS
 ) -> Iterator[Finding]:
-    """Yield the findings for those of ``panels`` that are no ids of ``known`` ones."""
+    """Yield a finding for each of `panels` that is not a known id.
+
+    Args:
+        location: Location of the findings.
+        panels: Ids to check.
+        known: Known ids.
+    """
     for panel in panels:
         if panel not in known:
             yield Finding(
@@ -237,20 +256,22 @@ _NOTES: Final = """
 * To keep what you find, write a scenario file with `[gymnasium]`, `id = "{id}"` and your `[defaults]`.
 """
 _BY_TABLE: Final = (
-    "It tells its transition table, so every step is drawn from that, at full speed, and the exact answer is "
-    "known."
+    "It provides its transition table. So steps are drawn from the table, at full speed, and exact values "
+    "are known."
 )
 _STEPPED: Final = (
-    "It has no transition table: it is stepped for real, and nobody knows the exact answer. So there is no "
-    "Q*, no error and no exact return here."
+    "It has no transition table and is simulated. So there are no exact values here: no Q*, no error and no "
+    "exact return."
 )
 
 
 def environment_scenario(name: str) -> Scenario:
-    """Return the scenario ``name``, gym:ENV_ID, with the usual defaults and notes that tell what it is.
+    """Return a scenario for ``gym:ENV_ID``, with default settings and generated notes.
 
-    Imports gymnasium and makes the environment once. Raises UserError, with near ids, where it is not
-    registered or its states and actions are not discrete.
+    This imports gymnasium and creates the environment once.
+
+    Raises:
+        UserError: The environment is not registered, or its states or actions are not discrete.
     """
     from rl_tui.worlds.gym.section import GymnasiumSection
 
@@ -274,7 +295,7 @@ def environment_scenario(name: str) -> Scenario:
 
 
 def _kind(world: World) -> str:
-    return "stepped for real" if world.mdp is None else "by its transition table"
+    return "simulated" if world.mdp is None else "by its transition table"
 
 
 def _notes(id_: str, world: World) -> str:

@@ -1,4 +1,4 @@
-"""Reading a TOML file that a person wrote."""
+"""Safe reading of TOML files written by people."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from rl_tui.common.limits import (
 )
 from rl_tui.common.text_file import UnreadableError
 
-# What is no structure: texts in three quotes, in one, and comments. Those that never end match too: to look
-# on from every quote in them would take the square of their length. No choice is repeated possessively:
-# Python took too much of one before 3.11.5 (python/cpython #106052)
+# Strings and comments, which have no structure. Unterminated ones match too: searching on from every quote
+# would take quadratic time. No alternation is repeated possessively: before 3.11.5 Python matched too much
+# there (python/cpython #106052)
 _NO_STRUCTURE: Final = re.compile(
     r""""{3}.*?(?:(?<!\\)(?:\\\\)*+"{3,5}|\Z)|'{3}.*?(?:'{3,5}|\Z)"""
     r"""|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"?|'[^'\n]*+'?|\#[^\n]*+""",
@@ -33,13 +33,17 @@ _LONG_WORD: Final = re.compile(rf"(?<!\w)\w{{{LONGEST_WORD + 1}}}")
 
 
 def tables_in(text: str) -> dict[str, Any]:
-    """Return the tables that ``text`` spells in TOML. Raises UnreadableError."""
+    """Parse `text` as TOML.
+
+    Raises:
+        UnreadableError: It is not valid TOML, or exceeds a limit.
+    """
     _check_structure(text)
     try:
         return tomllib.loads(text)
     except RecursionError as error:
         raise UnreadableError("", "tables within tables, too deep to read", "TOML of a few levels") from error
-    except ValueError as error:  # not only TOMLDecodeError: a number of 5,000 digits is a plain ValueError
+    except ValueError as error:  # not only TOMLDecodeError: a number with 5,000 digits is a plain ValueError
         message, where = _split(str(error), text)
         comma = _decimal_comma(message, where, text)
         if comma is not None:
@@ -48,14 +52,14 @@ def tables_in(text: str) -> dict[str, Any]:
 
 
 def _check_structure(text: str) -> None:
-    """Refuse what would take minutes and gigabytes to read; a glance at it takes a fraction of a second."""
+    """Refuse text that would take minutes and gigabytes to parse, by a quick estimate."""
     structure = _NO_STRUCTURE.sub("s", text)
     if _LONG_KEY.search(structure):
         raise UnreadableError("", "a key of too many parts", f"at most {MOST_KEY_PARTS} parts, a.b.c")
     if _LONG_WORD.search(structure):
         expected = f"numbers and keys of at most {LONGEST_WORD:,} characters"
         raise UnreadableError("", "a number or a key that is far too long", expected)
-    # inline tables have a comma for a key, tables two brackets
+    # an inline table has a comma per key, a table two brackets
     values = max(structure.count("="), structure.count(",")) + structure.count("[") // 2
     if values > MOST_VALUES:
         raise UnreadableError("", f"some {values:,} values", f"at most {MOST_VALUES:,}")
@@ -63,7 +67,7 @@ def _check_structure(text: str) -> None:
     if named > MOST_NAMED_TABLES:
         expected = f"at most {MOST_NAMED_TABLES:,}, a list of them counted once"
         raise UnreadableError("", f"{named:,} tables", expected)
-    # every part of a key but the last is a table; [[mdp.transition]] has one such part for each entry
+    # all parts of a key except the last are tables; [[mdp.transition]] has one per entry
     parts = structure.count(".") - sum(1 for _ in _FLOAT.finditer(structure))
     tables = named + structure.count("{") + max(parts, structure.count("[["))
     if tables > MOST_TABLES:
@@ -71,7 +75,7 @@ def _check_structure(text: str) -> None:
 
 
 def _decimal_comma(message: str, place: str, text: str) -> UnreadableError | None:
-    """Return what to say where tomllib stumbled over a number with a comma; None for any other fault."""
+    """Return an error if tomllib failed at a number with a decimal comma, else None."""
     match = re.fullmatch(r"line (\d+), column (\d+)", place)
     if match is None or not re.search("Expected (newline|'=')|Unclosed array", message):
         return None
@@ -87,7 +91,7 @@ def _decimal_comma(message: str, place: str, text: str) -> UnreadableError | Non
 
 
 def _split(message: str, text: str) -> tuple[str, str]:
-    """Part tomllib's message from the line and column at its end."""
+    """Split tomllib's message into text, and line and column."""
     match = re.fullmatch(r"(.*) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
     if match is None:
         return f"invalid TOML ({one_line(message, 200)})", ""

@@ -1,6 +1,6 @@
 """A map of characters and its legend, read from a file or drawn at random.
 
-The cells are an array [rows, columns] of indices into the legend.
+Cells are an array [rows, columns] of indices into the legend.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _GOAL_REWARD: Final = 1.0
 
 
 def is_character(value: object) -> bool:
-    """Return whether a value can stand for a cell of a map."""
+    """Return True if `value` can represent a cell of a map."""
     return isinstance(value, str) and len(value) == 1 and is_plain(value)
 
 
@@ -44,13 +44,12 @@ Character = Annotated[str, Expect("one character", is_character, with_control_ch
 
 
 class LegendEntry(FileSection):
-    """What one character of a map stands for.
+    """The meaning of one character on a map.
 
-    ``reward`` is paid on entering or on leaving the cell, as the grid says (a goal pays 1 unless set
-    otherwise). ``terminal`` ends the episode when the cell is entered, by default in goals and holes. With
-    ``exit`` the cell can be entered, and its only action ends the episode and pays the reward. Every action
-    from a cell with ``jump`` leads to the cell of that character. Entering a cell with ``back`` puts the
-    agent at the start. In a cell with ``only`` the other moves stay put.
+    `reward` is the reward for entering or leaving the cell, as the grid says; for goals the default is 1.
+    `terminal` ends the episode on entering, by default in goals and holes. `exit` cells can be entered; their
+    only action ends the episode and pays the reward. From a `jump` cell every action leads to the cell of
+    that character. A `back` cell sends the agent to the start. In an `only` cell other moves stay in place.
     """
 
     kind: Annotated[CellKind, Expect(f"one of {', '.join(KINDS)}", lambda value: value in KINDS)]
@@ -63,21 +62,21 @@ class LegendEntry(FileSection):
 
     @property
     def pays(self) -> float:
-        """The reward of the cell."""
+        """Reward of the cell."""
         if self.reward is not None:
             return self.reward
         return _GOAL_REWARD if self.kind is CellKind.GOAL else 0.0
 
     @property
     def ends(self) -> bool:
-        """Whether entering the cell ends the episode."""
+        """True if entering the cell ends the episode."""
         if self.terminal is not None:
             return self.terminal
         return self.kind in (CellKind.GOAL, CellKind.HOLE) and not self.exit
 
     @property
     def is_wall(self) -> bool:
-        """Whether the agent cannot be here."""
+        """True if the cell cannot be entered."""
         return self.kind is CellKind.WALL
 
 
@@ -98,11 +97,17 @@ BUILT_IN: Final[Mapping[str, LegendEntry]] = {
 def entry_findings(
     entry: LegendEntry, raw: Mapping[str, Any], moves: Sequence[str] | None
 ) -> Iterator[Finding]:
-    """Yield what contradicts itself in one entry, located inside it."""
+    """Yield contradictions inside one legend entry.
+
+    Args:
+        entry: The parsed entry.
+        raw: The entry as written.
+        moves: Moves of the grid, or None if unknown.
+    """
     if entry.is_wall:
         for key in raw:
             if key != "kind":
-                yield Finding((key,), f"{key} in a wall", "nothing but the kind: nobody enters a wall")
+                yield Finding((key,), f"{key} in a wall", "only the kind: a wall cannot be entered")
         return
     if entry.kind is CellKind.START and entry.ends:
         yield Finding(("terminal",), "a start that is terminal", "a start in which something can be done")
@@ -136,7 +141,7 @@ if TYPE_CHECKING:
     CodeArray = npt.NDArray[np.uint8]
 
 MOST_HOLES: Final = 0.9
-# A map that was drawn has a way to the goal, or others are drawn: so many, or fewer if they are large
+# Maps without a way to the goal are drawn again, up to these limits (fewer times for large maps)
 _MOST_DRAWN: Final = 1_000
 _FEWEST_DRAWN: Final = 5
 _MOST_CELLS_DRAWN: Final = 20_000_000
@@ -146,7 +151,7 @@ WAY_CHARACTERS: Final = (START, FLOOR, GOAL)
 
 
 class RandomMap(FileSection):
-    """A map to be drawn: the start at the top left, the goal at the bottom right, holes in between."""
+    """A random map: start at the top left, goal at the bottom right, holes between."""
 
     rows: Annotated[int, whole_number(1, LONGEST_SIDE)]
     columns: Annotated[int, whole_number(1, LONGEST_SIDE)]
@@ -155,7 +160,7 @@ class RandomMap(FileSection):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CellMap:
-    """Rows × columns cells: ``codes``, [rows, columns], are indices into ``characters`` and ``entries``."""
+    """A map of cells. `codes`, [rows, columns], are indices into `characters` and `entries`."""
 
     codes: CodeArray
     characters: tuple[str, ...]
@@ -163,12 +168,12 @@ class CellMap:
 
 
 def lines_of(text: str) -> list[str]:
-    """Return the rows of a map, without line breaks around it."""
+    """Return the rows of a map, without surrounding line breaks."""
     return text.strip("\n").split("\n")
 
 
 def read_map(text: str, legend: Mapping[str, LegendEntry]) -> CellMap:
-    """Return a map that has no faults."""
+    """Return the cells of a valid map."""
     import numpy as np
 
     lines = lines_of(text)
@@ -184,9 +189,16 @@ def read_map(text: str, legend: Mapping[str, LegendEntry]) -> CellMap:
 def draw_map(
     wanted: RandomMap, legend: Mapping[str, LegendEntry], moves: str, generator: Generator
 ) -> CellMap:
-    """Return the first map drawn from ``generator`` on which moves alone lead to the goal past the holes.
+    """Draw maps until one has a way to the goal.
 
-    Raises WorldRefusedError where none of many does.
+    Args:
+        wanted: Size of the map, and share of holes.
+        legend: Meaning of each character.
+        moves: Name of the set of moves.
+        generator: Source of random numbers.
+
+    Raises:
+        WorldRefusedError: No map with a way was found.
     """
     import numpy as np
 
@@ -206,7 +218,7 @@ def draw_map(
 
 
 def with_border(cells: BoolArray) -> BoolArray:
-    """Return [rows, columns] truth values within a border of False, row by row in one dimension."""
+    """Return truth values [rows, columns] with a border of False, flattened row by row."""
     import numpy as np
 
     return np.pad(cells, 1).ravel()
@@ -229,6 +241,6 @@ def _is_goal_reachable(is_hole: BoolArray, moves: str) -> bool:
 
 
 def first_place(lines: Sequence[str], character: str) -> str:
-    """Return where on a map a character first stands, in words."""
+    """Return the line and column where `character` first appears, as text."""
     line = next(index for index, line in enumerate(lines) if character in line)
     return f"line {line + 1}, column {lines[line].index(character) + 1}"

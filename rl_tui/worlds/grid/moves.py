@@ -1,4 +1,4 @@
-"""How one moves on a map: steps, slips and wind."""
+"""Movement on a map: steps, slips and wind."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STEPS: Final[Mapping[str, tuple[int, int]]] = {
     "up-left": (-1, -1),
     "stay": (0, 0),
 }
-"""Rows down and columns right of each move; the order is that of the actions, unless they go clockwise."""
+"""Rows down and columns right of each move, in the order of the actions (unless clockwise)."""
 
 MOVES: Final[Mapping[str, tuple[str, ...]]] = {
     "four": tuple(STEPS)[:4],
@@ -35,24 +35,26 @@ MOVES: Final[Mapping[str, tuple[str, ...]]] = {
 }
 
 COMPASS: Final = tuple(MOVES[name] for name in ("four", "clockwise"))
-"""The moves that go round in a circle, so that one beside the meant one is at a right angle to it."""
+"""Sets of moves in circular order, so that neighbours are at right angles."""
 
 
 class Slip(NamedTuple):
-    """A move ``turn`` actions after the meant one (modulo 4) happens in its place with ``probability``."""
+    """A slip: the move `turn` actions after the meant one (modulo 4), with `probability`."""
 
     turn: int
     probability: float
 
 
 def slips_of(noise: float, slippery: bool) -> tuple[Slip, ...]:
-    """Return what may happen when a move is meant, in the order of Gymnasium's tables; none impossible.
+    """Return the possible slips in the order of Gymnasium's tables.
 
-    ``noise`` is shared by the two moves at right angles to the meant one (the Berkeley CS188 gridworld). On
-    slippery ice (Gymnasium's FrozenLake) each of the three is as likely as the others.
+    Args:
+        noise: Probability shared by the two moves at right angles (Berkeley CS188 gridworld).
+        slippery: True for ice: all three moves are equally likely (Gymnasium's FrozenLake).
     """
     if slippery:
-        # Gymnasium's own sum: 1/3 for the meant move, half of the rest, which is not quite 1/3, to each side
+        # as Gymnasium computes it: 1/3 for the meant move, and half of the rest, not exactly 1/3, for each
+        # side
         meant = 1.0 / 3.0
         side = (1.0 - meant) / 2.0
     else:
@@ -62,7 +64,7 @@ def slips_of(noise: float, slippery: bool) -> tuple[Slip, ...]:
 
 
 class Gust(NamedTuple):
-    """So much is added to the wind, down and to the right, where there is any."""
+    """An addition to the wind, down and to the right, where it blows."""
 
     down: int
     right: int
@@ -72,23 +74,23 @@ STILL: Final = Gust(0, 0)
 
 
 class Landings(NamedTuple):
-    """Where a move leads from each of n cells, and whether something was in the way, [n] each."""
+    """Result of a move from n cells: landing cells, [n], and whether something was in the way, [n]."""
 
     cells: CellArray
     bumped: BoolArray
 
     def of(self, chosen: IntArray) -> Landings:
-        """Return those from the ``chosen`` of the n cells."""
+        """Return the results for the `chosen` cells."""
         return Landings(self.cells[chosen], self.bumped[chosen])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Terrain:
-    """Where one can be, and the wind there.
+    """Open cells and wind of a map.
 
-    A border of closed cells surrounds the map: ``open_cells`` is [(rows + 2) · (columns + 2)], row by row,
-    and ``width`` is columns + 2. ``wind_down`` and ``wind_right``, of the same length, tell how many cells
-    the wind pushes; None where it blows nowhere.
+    A border of closed cells surrounds the map. All arrays have the shape [(rows + 2) · (columns + 2)], row by
+    row. `width` is columns + 2. `wind_down` and `wind_right` hold the strength of the wind in cells, or are
+    None.
     """
 
     open_cells: BoolArray
@@ -103,12 +105,17 @@ class Terrain:
         allowed: BoolArray | None = None,
         gust: Gust = STILL,
     ) -> Landings:
-        """Return where ``step`` (rows down, columns right) leads from each of ``cells``, [n].
+        """Return where a step leads from each of n cells.
 
-        Where it is not ``allowed``, [n], there is no step, only wind. Step and wind that point against each
-        other cancel out. What is left of the step is taken at once, an oblique one between two walls too, or
-        not at all where a wall or the edge is in its way. Then the wind pushes cell by cell, down or up
-        before right or left, as far as the way is free.
+        Step and wind in opposite directions cancel. The rest of the step happens at once, even diagonally
+        between two walls, or not at all if a wall or the edge is in the way. Then the wind pushes cell by
+        cell, vertically first, until something is in the way.
+
+        Args:
+            cells: Start cells, [n].
+            step: Rows down and columns right.
+            allowed: False for cells where only the wind acts, [n]; None: all True.
+            gust: Addition to the wind.
         """
         import numpy as np
 
@@ -126,7 +133,7 @@ class Terrain:
         return Landings(landed, bumped)
 
     def _pushed(self, cells: CellArray, push: CellArray | None, offset: int) -> CellArray:
-        """Return where ``cells`` are after as many pushes by ``offset`` (against it where below 0)."""
+        """Push `cells` by `offset` as often as `push` says; negative counts push backwards."""
         import numpy as np
 
         if push is None:
@@ -151,7 +158,7 @@ def _wind(wind: CellArray | None, cells: CellArray, gust: int) -> CellArray | No
 
 
 def _cancelled(step: CellArray, wind: CellArray | None) -> tuple[CellArray, CellArray | None]:
-    """Return what is left of both along one axis, where a step is of one cell at most."""
+    """Return the rest of step and wind along one axis, for steps of at most one cell."""
     import numpy as np
 
     if wind is None:

@@ -1,7 +1,7 @@
 """The ``[grid]`` table of a scenario file: a map, and the rules for moves on it.
 
-Contradictions between its entries are found in the raw table. So they are reported together with errors
-in single values.
+Contradictions between its entries are found in the raw table. So they are reported together with errors in
+single values.
 """
 
 from __future__ import annotations
@@ -61,8 +61,6 @@ if TYPE_CHECKING:
 
 
 # Contradictions between entries
-#
-# It reads the raw table, so that these faults are reported together with faults of form.
 
 
 _MOST_TOLD: Final = 20
@@ -70,7 +68,7 @@ _MOST_TOLD: Final = 20
 
 @dataclass(frozen=True, slots=True)
 class _Shape:
-    """The size of the map, and how often each character stands on it (``many`` for more than once)."""
+    """Size of the map, and the count of each character on it. Random maps count 2 for several."""
 
     rows: int
     columns: int
@@ -78,7 +76,7 @@ class _Shape:
 
 
 def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield what does not fit together in a raw ``[grid]`` table, located inside it."""
+    """Yield contradictions in a raw ``[grid]`` table, located inside it."""
     legend = _legend(raw.get("legend"))
     moves = raw.get("moves", "four")
     known_moves = MOVES[moves] if isinstance(moves, str) and moves in MOVES else None
@@ -93,7 +91,7 @@ def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
     key = "map" if "map" in raw else "random"
     if key == "map":
         if not isinstance(raw["map"], str):
-            return  # a fault of form, reported already; it ends the search here
+            return  # a formal error, reported already; nothing more can be checked
         findings = list(_form_findings(raw["map"]))
         if findings:
             yield from findings
@@ -107,7 +105,7 @@ def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
 
 
 def _legend(raw: object) -> dict[str, LegendEntry | None]:
-    """Return what each character means, None where the file does not say it soundly."""
+    """Return the meaning of each character, or None for invalid entries."""
     legend: dict[str, LegendEntry | None] = dict(BUILT_IN)
     if isinstance(raw, dict) and len(raw) <= MOST_CHARACTERS:
         legend |= {key: parsed(LegendEntry, entry)[0] for key, entry in raw.items() if is_character(key)}
@@ -115,7 +113,7 @@ def _legend(raw: object) -> dict[str, LegendEntry | None]:
 
 
 def _slip_findings(raw: Mapping[str, Any], moves: Sequence[str] | None) -> Iterator[Finding]:
-    """Yield what does not go with slips; ``moves`` are None where those are at fault themselves."""
+    """Yield contradictions about slips; `moves` is None if the moves are invalid."""
     noisy, slippery = raw.get("noise") not in (None, 0), raw.get("slippery") is True
     if noisy and slippery:
         yield Finding(("slippery",), "slippery beside noise", "one of the two")
@@ -127,7 +125,7 @@ def _slip_findings(raw: Mapping[str, Any], moves: Sequence[str] | None) -> Itera
 
 
 def _winds(raw: Mapping[str, Any]) -> int:
-    """Return along how many axes wind blows anywhere."""
+    """Return the number of axes along which the wind blows."""
     return sum(isinstance(wind, list) and any(wind) for wind in (raw.get("wind"), raw.get("wind_rows")))
 
 
@@ -154,14 +152,13 @@ def _form_findings(text: str) -> Iterator[Finding]:
 
 
 def _shape(raw: Mapping[str, Any], key: str) -> _Shape | None:
-    """Return the size of the map, None where it cannot be read."""
     if key == "map":
         lines = lines_of(raw["map"])
         return _Shape(len(lines), len(lines[0]), Counter("".join(lines)))
     wanted, _ = parsed(RandomMap, raw["random"])
     if wanted is None:
         return None
-    # the numbers of holes and free cells are unknown, but there are holes and free cells
+    # the exact numbers are unknown, but there are several holes and free cells
     counts = {START: 1, GOAL: 1, FLOOR: 2, HOLE: 2}
     return _Shape(wanted.rows, wanted.columns, counts)
 
@@ -195,7 +192,7 @@ def _wind_findings(raw: Mapping[str, Any], shape: _Shape) -> Iterator[Finding]:
 def _meeting_findings(
     key: str, shape: _Shape, raw: Mapping[str, Any], legend: Mapping[str, LegendEntry | None]
 ) -> Iterator[Finding]:
-    """Yield where the characters of the map and the legend do not go together."""
+    """Yield contradictions between the characters of the map and the legend."""
     unknown = sorted(character for character in shape.counts if character not in legend)
     lines = lines_of(raw["map"]) if unknown else []
     for character in unknown[:_MOST_TOLD]:
@@ -229,8 +226,8 @@ def _jump_findings(
 ) -> Iterator[Finding]:
     count, entry = shape.counts.get(target, 0), legend.get(target)
     if count != 1:
-        found = f"{shown(target)}, which stands {count:,} times on the map" if count else shown(target)
-        yield Finding(where, found, "a character that stands once on the map")
+        found = f"{shown(target)}, which is on the map {count:,} times" if count else shown(target)
+        yield Finding(where, found, "a character that is on the map once")
     elif entry is not None and entry.is_wall:
         yield Finding(where, f"{shown(target)}, a wall", "a cell that one can be in")
 
@@ -249,11 +246,11 @@ Wind = Annotated[
 
 
 class GridSection(WorldSection):
-    """The whole table: a ``map``, or one to be drawn at ``random``, and the rules.
+    """The ``[grid]`` table: a `map`, or one drawn at `random`, and the rules.
 
-    ``rewards`` says whether a cell pays on entering or on leaving it; a move that is stopped enters its own
-    cell again. ``step_reward`` is added to every step but "exit", ``bump_reward`` to steps that a wall or the
-    edge stops. ``wind`` blows up in a column, ``wind_rows`` to the right in a row, as many cells as they say.
+    `rewards` says if a cell pays on entering or on leaving. A stopped move enters its own cell again.
+    `step_reward` is added to every step except "exit", `bump_reward` to steps stopped by a wall or the edge.
+    `wind` blows upwards per column, `wind_rows` to the right per row, by a number of cells.
     """
 
     map: Annotated[
@@ -279,30 +276,31 @@ class GridSection(WorldSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield what does not fit together: map, legend and rules."""
+        """Yield contradictions between map, legend and rules."""
         return grid_findings(raw)
 
     @property
     def drawn_from_seed(self) -> bool:
-        """Whether the map is drawn."""
+        """True if the map is random."""
         return self.random is not None
 
     @property
     def slips(self) -> tuple[Slip, ...]:
-        """What may happen when a move is meant."""
+        """Possible slips of a move."""
         return slips_of(self.noise, self.slippery)
 
     def sketch(self) -> Grid:
-        """Return a grid of the map's size, with its wind."""
+        """Return a grid with the size and wind of the map, without cells."""
         lines = lines_of(self.map)
         drawn = self.random
         rows, columns = (len(lines), len(lines[0])) if drawn is None else (drawn.rows, drawn.columns)
         return Grid(rows, columns, (), (), (), wind=tuple(self.wind) if any(self.wind) else ())
 
     def build(self, generator: Generator) -> World:
-        """Return the world; a random map is the first draws from ``generator``.
+        """Build the world. A random map is the first draw from `generator`.
 
-        Raises WorldRefusedError where none with a way to the goal is found.
+        Raises:
+            WorldRefusedError: No random map with a way to the goal was found.
         """
         from rl_tui.worlds.grid.table import GridStates, grid_drawing, grid_table
 
@@ -311,7 +309,7 @@ class GridSection(WorldSection):
         return World(mdp, grid_drawing(states, mdp.action_names, self.wind))
 
     def cells(self, generator: Generator) -> CellMap:
-        """Return the map, drawn from ``generator`` where it is random, as :meth:`build` does."""
+        """Return the map. A random one is drawn from `generator`, exactly as in :meth:`build`."""
         legend = {**BUILT_IN, **self.legend}
         if self.random is not None:
             return draw_map(self.random, legend, self.moves, generator)

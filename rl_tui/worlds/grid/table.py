@@ -1,4 +1,4 @@
-"""The transition table of a grid world, built from its map and rules in whole arrays.
+"""The transition table of a grid world, built in whole arrays.
 
 The states are the cells that are not walls, row by row. Arrays of states are [S].
 """
@@ -31,62 +31,62 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class GridStates:
-    """S states in the order of their cells; every array is [S] unless it says otherwise."""
+    """The S states of a map in the order of their cells. Arrays are [S] unless noted."""
 
     map: CellMap
 
     @cached_property
     def numbers(self) -> IntArray:
-        """The cell of each state, row · columns + column."""
+        """Cell of each state, row · columns + column."""
         return np.flatnonzero(~self._is_wall.ravel())
 
     @cached_property
     def open_cells(self) -> BoolArray:
-        """Where one can be, with a border around the map, [(rows + 2) · (columns + 2)]."""
+        """True for cells that can be entered, with a border, [(rows + 2) · (columns + 2)]."""
         return with_border(~self._is_wall)
 
     @cached_property
     def places(self) -> CellArray:
-        """The cell of each state in ``open_cells``."""
+        """Index of each state in `open_cells`."""
         return np.flatnonzero(self.open_cells).astype(np.int32)
 
     @cached_property
     def state_at(self) -> CellArray:
-        """The state of each of ``open_cells``, anything where there is none."""
+        """State of each of `open_cells`; undefined for closed cells."""
         states = np.zeros(len(self.open_cells), dtype=np.int32)
         states[self.places] = np.arange(len(self.places), dtype=np.int32)
         return states
 
     @cached_property
     def starts(self) -> IntArray:
-        """The states to start in, [K]."""
+        """Start states, [K]."""
         return np.flatnonzero(self._of(lambda entry: entry.kind is CellKind.START, np.bool_))
 
     @cached_property
     def ends(self) -> BoolArray:
-        """Whether the episode ends on entering."""
+        """True if entering ends the episode."""
         return self._of(lambda entry: entry.ends, np.bool_)
 
     @cached_property
     def exits(self) -> BoolArray:
-        """Whether "exit" is the only action."""
+        """True if "exit" is the only action."""
         return self._of(lambda entry: entry.exit, np.bool_)
 
     @cached_property
     def rewards(self) -> FloatArray:
-        """What each cell pays."""
+        """Reward of each cell."""
         return self._of(lambda entry: entry.pays, np.float64)
 
     @cached_property
     def arrival(self) -> CellArray:
-        """The state one is in after entering each: itself, or the start after falling off a cliff."""
+        """State after entering: itself, or the start after a fall from a cliff."""
         arrival = np.arange(len(self.numbers), dtype=np.int32)
         arrival[self._of(lambda entry: entry.back, np.bool_)] = self.starts[0]
         return arrival
 
     @cached_property
     def jump_to(self) -> CellArray:
-        """The state that all actions lead to, −1 where they are moves."""
+        """State to which all actions lead, or −1 if they are normal moves."""
         code_of = {character: code for code, character in enumerate(self.map.characters)}
         target = np.full(len(self.map.entries), -1, dtype=np.int32)
         for code, entry in enumerate(self.map.entries):
@@ -95,14 +95,13 @@ class GridStates:
         return target[self._codes]
 
     def allows(self, move: str) -> BoolArray | None:
-        """Return where ``move`` is a move, None for everywhere."""
+        """Return where `move` is possible, or None for everywhere."""
         if all(entry.only is None for entry in self.map.entries):
             return None
         return self._of(lambda entry: entry.only is None or move in entry.only, np.bool_)
 
     @cached_property
     def _is_wall(self) -> BoolArray:
-        """Whether each cell of the map is a wall, [rows, columns]."""
         return self._lookup(lambda entry: entry.is_wall, np.bool_)[self.map.codes]
 
     @cached_property
@@ -117,7 +116,13 @@ class GridStates:
 
 
 def grid_drawing(states: GridStates, actions: Sequence[str], wind: Sequence[int] = ()) -> Grid:
-    """Return the drawing of a map; ``actions`` are the names of its actions, ``wind`` that of its columns."""
+    """Return the drawing of a map.
+
+    Args:
+        states: States of the map.
+        actions: Names of the actions.
+        wind: Wind of each column.
+    """
     rows, columns = states.map.codes.shape
     kinds = np.array([entry.kind for entry in states.map.entries], dtype=object)
     steps = [STEPS.get(name, (0, 0)) for name in actions]
@@ -133,7 +138,7 @@ def grid_drawing(states: GridStates, actions: Sequence[str], wind: Sequence[int]
 
 
 def _one_way(cells: CellMap) -> Iterator[tuple[int, tuple[int, int]]]:
-    """Yield the cells, row by row, that are left in one direction only, each with its step."""
+    """Yield each cell that can be left in one direction only, with its step, row by row."""
     ways = {
         code: STEPS[entry.only[0]]
         for code, entry in enumerate(cells.entries)
@@ -153,29 +158,29 @@ _Way = tuple[int, Gust]
 
 
 class Variant(NamedTuple):
-    """One way in which every move may turn out."""
+    """One possible outcome of a move."""
 
     slip: Slip
     gust: Gust
 
 
 def variants_of(rules: GridSection) -> list[Variant]:
-    """Return the ways in which moves may turn out, at most 27."""
+    """Return the possible outcomes of a move, at most 27."""
     down = (0, -1, 1) if rules.gusts and any(rules.wind) else (0,)
     right = (0, -1, 1) if rules.gusts and any(rules.wind_rows) else (0,)
     return [Variant(slip, Gust(*gust)) for slip, *gust in product(rules.slips, down, right)]
 
 
 def action_names(states: GridStates, rules: GridSection) -> tuple[str, ...]:
-    """Return the moves, and "exit" where a cell has it."""
+    """Return the names of the moves, and "exit" if some cell has it."""
     moves = MOVES[rules.moves]
     return (*moves, EXIT) if states.exits.any() else moves
 
 
 def grid_table(states: GridStates, rules: GridSection) -> TabularMDP:
-    """Return the table of a map without faults.
+    """Return the transition table of a valid map, computed for all cells at once.
 
-    It is worked out for all cells at once; those that cannot be reached have no pairs.
+    Cells that cannot be reached get no pairs.
     """
     block = _Block(states, rules)
     return mdp_of_arrays(
@@ -190,9 +195,9 @@ def grid_table(states: GridStates, rules: GridSection) -> TabularMDP:
 
 
 class _Block:
-    """The outcomes of n acting cells × A actions × V variants; not all of them are possible everywhere.
+    """The outcomes of n acting cells × A actions × V variants, including impossible ones.
 
-    Acting are the cells that episodes come to and go on from.
+    Acting cells are reached by episodes and do not end them.
     """
 
     def __init__(self, states: GridStates, rules: GridSection) -> None:
@@ -214,7 +219,7 @@ class _Block:
         self._walk(landings)
 
     def arrays(self) -> TransitionArrays:
-        """Return all that is possible, pair by pair."""
+        """Return the possible outcomes, pair by pair."""
         cells, actions, variants = self.shape
         probability = self._probability()
         all_possible = bool((probability > 0.0).all())
@@ -246,7 +251,7 @@ class _Block:
         )
 
     def _landings(self, acting: IntArray) -> dict[_Way, Landings]:
-        """Return where each move that may happen leads from the ``acting`` cells, [n], in each gust."""
+        """Return the landings from the acting cells, [n], for each possible move and gust."""
         states, known = self.states, dict[_Way, Landings]()
         places = states.places[acting]
         for action, (slip, gust) in product(range(len(self.moves)), self.variants):
@@ -260,7 +265,7 @@ class _Block:
         return known
 
     def _reached(self, acting: IntArray, landings: dict[_Way, Landings]) -> BoolArray:
-        """Return which states episodes come to, [S]; ``landings`` say where the ``acting`` ones lead."""
+        """Return which states episodes reach, [S]."""
         states = self.states
         leads_to = np.stack([states.state_at[each.cells] for each in landings.values()], axis=1)
         jumps = states.jump_to[acting] >= 0
@@ -272,7 +277,7 @@ class _Block:
         return reachable(np.cumsum(count), leads_to[goes_on].astype(np.int64), states.starts)
 
     def _walk(self, landings: dict[_Way, Landings]) -> None:
-        """Work out which state each outcome enters, and where one is stopped."""
+        """Compute the state that each outcome enters, and where a move is stopped."""
         for action, (variant, (slip, gust)) in product(range(len(self.moves)), enumerate(self.variants)):
             landed = landings[(action + slip.turn) % len(self.moves), gust]
             self.entered[:, action, variant] = self.states.state_at[landed.cells]
@@ -284,7 +289,7 @@ class _Block:
             self.entered[still] = ends_in[:, None, None]
             if self.rules.bump_reward:
                 self.bumped[still] = False
-        # "exit" is impossible elsewhere, but must not point out of the map
+        # "exit" is impossible elsewhere, but its index must stay on the map
         self.entered[:, len(self.moves) :] = self.acting[:, None, None]
 
     def _probability(self) -> FloatArray:
@@ -314,7 +319,7 @@ class _Block:
         return happened
 
     def _reward(self) -> FloatArray:
-        """Return what each outcome pays, [n, 1 or A, 1 or V]."""
+        """Return the reward of each outcome, [n, 1 or A, 1 or V]."""
         states, rules = self.states, self.rules
         if rules.rewards == "leaving":
             reward = (states.rewards[self.acting] + rules.step_reward)[:, None, None]
@@ -328,7 +333,7 @@ class _Block:
 
 
 def _terrain(states: GridStates, rules: GridSection) -> Terrain:
-    """Return the map with its wind, which blows up where rows are counted down."""
+    """Return the map with its wind. Upward wind is negative, since rows count downwards."""
     rows, columns = states.map.codes.shape
 
     def everywhere(wind: CellArray) -> CellArray | None:

@@ -1,1 +1,1 @@
-"""Environments of Gymnasium."""
+"""Worlds made from Gymnasium environments."""

@@ -1,8 +1,7 @@
-"""The ``[gymnasium.bins]`` table: a Box of real numbers cut into states, one dimension at a time.
+"""The ``[gymnasium.bins]`` table: it cuts a Box of real numbers into states.
 
 All observations in the same bins are one state to the agent: state aggregation (Sutton & Barto, 2nd ed.,
-section 9.3, there for values). An environment that is too large for a table is refused before anything
-of its size is made.
+section 9.3, there for values). Environments that are too large are refused before memory is allocated.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ _FAR_TOO_MANY: Final = 10**15
 
 
 def combinations(sizes: Iterable[int]) -> int:
-    """Return how many combinations parts of these sizes have; of more than 10^15 it stops counting."""
+    """Return the number of combinations of parts with these sizes. Counting stops above 10^15."""
     product = 1
     for size in sizes:
         product *= size
@@ -48,7 +47,17 @@ def combinations(sizes: Iterable[int]) -> int:
 
 
 def check_sizes(name: str, states: int, actions: int, key: str) -> None:
-    """Raise WorldRefusedError, at ``key``, where the environment ``name`` has too many states or actions."""
+    """Check that an environment is not too large.
+
+    Args:
+        name: Id of the environment.
+        states: Number of states.
+        actions: Number of actions.
+        key: Key of the file, for the error.
+
+    Raises:
+        WorldRefusedError: There are too many states, actions or pairs.
+    """
     for what, count, most in (
         ("states", states, MOST_STATES),
         ("actions", actions, MOST_ACTIONS),
@@ -66,11 +75,11 @@ def check_sizes(name: str, states: int, actions: int, key: str) -> None:
 _MOST_TOLD: Final = 100
 _MOST_DECIMALS: Final = 12
 _USUAL_NAME: Final = " " * len("-0.17")
-_FINEST: Final = 1e-14  # of the bounds; a double has 16 digits
+_FINEST: Final = 1e-14  # relative to the bounds; a double has 16 digits
 
 
 def _is_list_of_edges(value: object) -> bool:
-    # of a long list one fault is reported, not one for each entry
+    # a long list gets one error, not one per entry
     return isinstance(value, list) and (
         len(value) <= _MOST_TOLD or (len(value) <= MOST_EDGES and all(map(is_number, value)))
     )
@@ -83,10 +92,10 @@ Edges = Annotated[list[Number], Expect(f"a list of at most {MOST_EDGES:,} number
 
 
 class BinsSection(FileSection):
-    """How each dimension is cut: into ``count`` equal bins from ``low`` to ``high``, or at ``edges``.
+    """The bins of each dimension: `count` equal bins from `low` to `high`, or inner `edges`.
 
-    Without ``low`` and ``high`` the bounds are those of the Box itself. What lies outside falls into the bin
-    at that end. A count of 1, or no edges, leaves a dimension out of account.
+    Default bounds are those of the Box. Values outside fall into the outermost bins. A count of 1, or an
+    empty list of edges, ignores a dimension.
     """
 
     low: Annotated[list[Number], _LIST] | None = None
@@ -96,7 +105,7 @@ class BinsSection(FileSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield what does not fit together: lists of different lengths, bins that are empty."""
+        """Yield contradictions: lists of different lengths, and empty bins."""
         if "edges" in raw:
             for key in ("low", "high", "count"):
                 if key in raw:
@@ -115,11 +124,11 @@ class BinsSection(FileSection):
 
     @property
     def sizes(self) -> list[int]:
-        """The number of bins of each dimension."""
+        """Number of bins of each dimension."""
         return self.count or [len(edges) + 1 for edges in self.edges or ()]
 
     def known_names(self) -> list[list[str]]:
-        """Return the names of the bins; where their bounds are not in the file, blanks as long as most."""
+        """Return the names of the bins, or blanks of typical length if the file has no bounds."""
         if self.edges is not None:
             return [_range_names(edges) for edges in self.edges]
         counts = self.count or []
@@ -129,7 +138,15 @@ class BinsSection(FileSection):
         return [_middle_names(low, (high - low) / count, count) for low, high, count in bounds]
 
     def states(self, name: str, space: Box) -> BinStates:
-        """Return the states of ``space``, that of the environment ``name``. Raises WorldRefusedError."""
+        """Return the states of a Box.
+
+        Args:
+            name: Id of the environment.
+            space: Its observation space.
+
+        Raises:
+            WorldRefusedError: The bins do not fit the Box, or there are too many.
+        """
         from rl_tui.worlds.gym.states import BinStates
 
         dimensions = math.prod(space.shape)
@@ -177,7 +194,7 @@ def _length_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
 
 
 def _bounds(name: str, key: str, values: Any, counts: Sequence[int]) -> list[float]:
-    """Return the Box's own bounds; they count only where there are bins to cut."""
+    """Return the bounds of the Box. They matter only in dimensions with several bins."""
     bounds: list[float] = values.ravel().astype(float).tolist()
     for dimension, count in enumerate(counts):
         if count == 1:
@@ -189,7 +206,7 @@ def _bounds(name: str, key: str, values: Any, counts: Sequence[int]) -> list[flo
 
 
 def _middle_names(low: float, width: float, count: int) -> list[str]:
-    """Return the middles of equal bins, written as short as keeps them apart."""
+    """Return the middles of equal bins, with as few digits as keep them distinct."""
     middles = [low + width * (place + 0.5) for place in range(count)]
     fewest = max(-math.floor(math.log10(width)) - 1, 0)
     if fewest > _MOST_DECIMALS:
@@ -203,7 +220,7 @@ def _middle_names(low: float, width: float, count: int) -> list[str]:
 
 
 def _range_names(edges: Sequence[float]) -> list[str]:
-    """Return the bins between edges as ranges: <a, a..b, ≥b."""
+    """Return the bins between edges as ranges: <a, a..b, >=b."""
     if not edges:
         return ["any"]
     for digits in range(6, 18):

@@ -1,9 +1,8 @@
 """The exact transition table of Gymnasium's Blackjack (Sutton & Barto, 2nd ed., example 5.1).
 
-Cards come from an infinite deck, so what was drawn before tells nothing. The dealer draws up to 17, a soft 17
-included, and shows one card. Gymnasium observes the player's sum, that card and whether an ace counts 11. One
-thing is missing there: a 21 that was dealt (a natural) pays otherwise than a 21 that was drawn. So naturals
-are states of their own here.
+Cards come from an infinite deck, so earlier cards are irrelevant. The dealer draws up to 17, including a soft
+17, and shows one card. Gymnasium observes the player's sum, that card, and a usable ace. It does not observe
+a natural (21 with two cards), which pays differently. So naturals are separate states here.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ _SUMS: Final = tuple(map(str, range(BEST, 3, -1)))
 
 
 def _axes(rows: tuple[str, ...], ends: Mapping[int, str]) -> Axes:
-    """Return the labels of ``rows`` and cards, and below the ``ends``, by their columns, their names."""
+    """Return the labels of rows and cards, and the names of the ends below, by column."""
     across = len(_CARD_LABELS)
     halves = Title(-1, 0, across, "no usable ace"), Title(-1, _RIGHT, across, "usable ace")
     below = (Title(len(rows) - 2, column - 1, 3, name) for column, name in ends.items())
@@ -41,19 +40,19 @@ _BUST: Final = _RIGHT + 5
 TABLE_AXES: Final = _axes(("nat", *_SUMS), _ENDS)
 OBSERVED_AXES: Final = _axes(_SUMS, {_BUST: "bust"})
 OBSERVED_PARTS: Final = (32, 11, 2)
-"""How many sums, cards of the dealer, and usable aces or none Gymnasium observes."""
+"""Number of sums, dealer's cards and ace values that Gymnasium observes."""
 TABLE_LEGEND: Final = "sum down, dealer's card across, usable ace right"
 
 
 class Hand(NamedTuple):
-    """What counts of a hand: its sum, whether an ace is 11 in it, whether it is a dealt ace and ten."""
+    """A hand: its sum, whether an ace counts 11, and whether it is a natural."""
 
     sum: int
     usable_ace: bool
     natural: bool = False
 
     def with_card(self, card: int) -> Hand:
-        """Return the hand with another card; a sum above 21 is a bust."""
+        """Return the hand with one more card. A sum above 21 is a bust."""
         if self.usable_ace:
             total = self.sum + card
             return Hand(total, True) if total <= BEST else Hand(total - 10, False)
@@ -62,10 +61,10 @@ class Hand(NamedTuple):
 
 
 class BlackjackRules(NamedTuple):
-    """The arguments of the environment.
+    """Arguments of the environment.
 
-    With ``sab`` a natural wins against all but a natural, as in the book. Else it is a 21 like others, which
-    brings 1.5 in place of 1 where ``natural`` is true.
+    With `sab` a natural beats everything except a natural, as in the book. Without it, a natural is a normal
+    21, which pays 1.5 instead of 1 if `natural` is true.
     """
 
     sab: bool
@@ -73,12 +72,17 @@ class BlackjackRules(NamedTuple):
 
 
 def is_blackjack(environment: Any) -> bool:
-    """Return whether an unwrapped environment is Gymnasium's."""
+    """Return True if the unwrapped environment is Gymnasium's Blackjack."""
     return type(environment).__name__ == "BlackjackEnv"
 
 
 def blackjack_world(environment: Any, time_limit: int) -> World:
-    """Return the exact world of an unwrapped environment."""
+    """Return the exact world of an unwrapped Blackjack environment.
+
+    Args:
+        environment: The environment, for its rules.
+        time_limit: Time limit in steps; 0: none.
+    """
     rules = BlackjackRules(bool(environment.sab), bool(environment.natural))
     hands = _player_hands()
     states = [(hand, showing) for hand in hands for showing in CARDS]
@@ -121,7 +125,7 @@ def _start(number: Mapping[tuple[Hand, int], int]) -> dict[int, float]:
 
 @cache
 def _dealer_from(hand: Hand) -> Mapping[Hand, float]:
-    """Return how likely the dealer ends with which hand."""
+    """Return final hand → probability for a dealer who has `hand`."""
     if hand.sum >= DEALER_STANDS:
         return {hand: 1.0}
     ends: defaultdict[Hand, float] = defaultdict(float)
@@ -133,7 +137,7 @@ def _dealer_from(hand: Hand) -> Mapping[Hand, float]:
 
 @cache
 def dealer_showing(showing: int) -> Mapping[Hand, float]:
-    """Return the hands in which a dealer who shows that card ends, each with its probability."""
+    """Return final hand → probability for a dealer who shows the card `showing`."""
     ends: defaultdict[Hand, float] = defaultdict(float)
     for hidden, p_hidden in CARDS.items():
         for end, p_end in _dealer_from(_first_two(showing, hidden)).items():
@@ -142,7 +146,7 @@ def dealer_showing(showing: int) -> Mapping[Hand, float]:
 
 
 def _reward(rules: BlackjackRules, player: Hand, dealer: Hand) -> float:
-    """Return what sticking brings against the dealer's final hand."""
+    """Return the reward for sticking against the dealer's final hand."""
     of_dealer = dealer.sum if dealer.sum <= BEST else 0
     reward = float((player.sum > of_dealer) - (player.sum < of_dealer))
     if rules.sab and player.natural and not dealer.natural:
@@ -176,9 +180,10 @@ def _transitions(
 
 
 def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:
-    """Return the drawing: sums downwards from a natural to 4, the dealer's card across.
+    """Return the drawing of the table.
 
-    Hands without a usable ace are on the left, those with one on the right, and below these how it can end.
+    Sums go down from a natural to 4, the dealer's cards across. Hands with a usable ace are on the right, and
+    the three ends are below them.
     """
     cells = [
         _cell(0 if hand.natural else BEST + 1 - hand.sum, showing, usable_ace=hand.usable_ace)
@@ -192,7 +197,7 @@ def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:
 
 
 def observed_drawing() -> Grid:
-    """Return the same drawing of all that Gymnasium observes: what never comes up is with sums above 21."""
+    """Return the same drawing for all observations. Impossible ones share a cell with busts."""
     sums, cards, aces = map(range, OBSERVED_PARTS)
     bust = (len(OBSERVED_AXES.rows) - 3) * len(OBSERVED_AXES.columns) + _BUST
     cells = []

@@ -1,4 +1,4 @@
-"""Calls into environments: how long each has lasted, and stderr for what they print."""
+"""Calls into environments: their duration, and redirection of their output to stderr."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import threading
 import time
 from typing import Final, TextIO
 
-# Reentrant: garbage collection may close an environment, which is a call, in the middle of another
+# Reentrant, because garbage collection may close an environment during another call
 _LOCK: Final = threading.RLock()
-# When the call began, by the thread that waits for its result
+# Start of the current call, by thread
 _SINCE: Final = dict[int, float]()
 
 
 class EnvironmentCall:
-    """A context for one call into an environment. May not be entered again inside itself.
+    """A context for one call into an environment. It cannot be nested.
 
-    All that environments print goes to stderr: stdout is for results. Several threads may call environments
-    at once, and the driver of a terminal may exchange the streams meanwhile: then they stay as it left them.
+    Output of environments goes to stderr, because stdout is for results. Several threads may call
+    environments at once. If a terminal driver replaces the streams meanwhile, its change stays.
     """
 
     def __init__(self) -> None:
@@ -45,6 +45,6 @@ ENVIRONMENT_CALL: Final = EnvironmentCall()
 
 
 def seconds_in_call(thread: int | None) -> float:
-    """Return for how many seconds ``thread``, an identifier, has waited in a call; 0 outside of calls."""
+    """Return how many seconds `thread` (an identifier) has been in a call; 0 outside calls."""
     since = None if thread is None else _SINCE.get(thread)
     return 0.0 if since is None else time.perf_counter() - since

@@ -1,4 +1,4 @@
-"""Modules that the id of an environment may import: those that a person allowed by name, and no other."""
+"""Modules that environment ids may import: only those that the user allowed by name."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ from rl_tui.worlds.sections.schema import WorldRefusedError
 
 OPTION: Final = "--allow-module"
 _LONGEST_REASON: Final = 200
-# As imports are, it is one for the whole process
+# Global, like imports
 ALLOWED: Final[set[str]] = set()
 
 
 def allow_module(name: str) -> None:
-    """Let ids begin with ``name:``, which imports that module.
+    """Allow ids of the form ``name:ID``, which import the module `name`.
 
-    Raises UserError where that is no name of a module, and in a kiosk.
+    Raises:
+        UserError: `name` is not a module name, or this is a kiosk.
     """
     if in_kiosk():
         raise UserError(f"kiosk mode imports no modules: leave {OPTION} out")
@@ -32,13 +33,16 @@ def allow_module(name: str) -> None:
 
 
 def module_of(id_: str) -> str:
-    """Return the module that an environment's id wants imported, empty if none."""
+    """Return the module in an environment id. Empty if there is none."""
     module, colon, _ = id_.partition(":")
     return module if colon else ""
 
 
 def refusal_of(id_: str) -> Finding | None:
-    """Return why the id may not be used: it is a scenario of ours, or needs a module that was not allowed."""
+    """Return why an id may not be used, or None.
+
+    Refused are our own scenarios, and ids that need a module which was not allowed.
+    """
     if id_.rpartition(":")[2].startswith(OWN_IDS):
         return Finding(("id",), shown(id_), "an environment from elsewhere: this is a scenario of rl-tui's")
     if ":" not in id_ or (module_of(id_) in ALLOWED and not in_kiosk()):
@@ -50,9 +54,10 @@ def refusal_of(id_: str) -> Finding | None:
 
 
 def registered_id(id_: str) -> str:
-    """Return the id by which Gymnasium knows the environment; imports the module before it, if allowed.
+    """Import the module in `id_`, if it is allowed, and return the rest of the id.
 
-    Raises WorldRefusedError where it is not allowed, or cannot be imported.
+    Raises:
+        WorldRefusedError: The module is not allowed, or cannot be imported.
     """
     refusal = refusal_of(id_)
     if refusal is not None:
@@ -62,7 +67,7 @@ def registered_id(id_: str) -> str:
         try:
             with ENVIRONMENT_CALL:
                 import_module(module)
-        except BaseException as error:  # importing a module may raise anything
+        except BaseException as error:  # an import may raise anything
             if is_interrupt(error):
                 raise
             reason = one_line(f"{type(error).__name__}: {error}", _LONGEST_REASON)

@@ -1,6 +1,6 @@
-"""Registered Gymnasium environments: made quietly, checked, and stepped without a transition table.
+"""Registered Gymnasium environments: creation, checks, and simulation without a transition table.
 
-The results of reset and step are checked before an agent learns from them.
+Results of reset and step are checked before an agent learns from them.
 """
 
 from __future__ import annotations
@@ -40,18 +40,22 @@ if TYPE_CHECKING:
 
 LONGEST_REASON: Final = 200
 SMALL: Final = ("gymnasium.envs.toy_text.", "gymnasium.envs.classic_control.")
-# Which warnings are shown is one setting for all threads
+# The warning filter is global to all threads
 _MAKING: Final = threading.Lock()
 
 
 def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
-    """Return a new environment of the registered id ``name``, made with ``kwargs``.
+    """Create an environment, silently.
 
-    An id ``module:ID`` imports that module first, if that is allowed.
+    It gets the wrappers of its registration (the time limit), but not Gymnasium's checker, because results
+    are checked here. From the first call on, Gymnasium's advice is silenced.
 
-    It has the wrappers that its registration asks for (the time limit), but not the one that checks: what an
-    environment answers is checked here. Raises WorldRefusedError where it is not registered or cannot be
-    made. From the first call on Gymnasium keeps its advice to itself.
+    Args:
+        name: Registered id. ``module:ID`` first imports the module, if allowed.
+        kwargs: Arguments of the environment.
+
+    Raises:
+        WorldRefusedError: The environment is not registered or cannot be made.
     """
     import gymnasium
 
@@ -67,9 +71,9 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     try:
         with ENVIRONMENT_CALL, _MAKING, warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            # a map without a start divides by zero; the check of the start distribution says that plainly
+            # a map without a start divides by zero; a later check reports that clearly
             with np.errstate(invalid="ignore", divide="ignore"):
-                # by its spec: looking an id up warns about newer versions, no concern of a scenario
+                # the spec avoids a lookup by id, which warns about newer versions
                 spec = gymnasium.registry[name]
                 return gymnasium.make(spec, **{"disable_env_checker": True, **kwargs})
     except BaseException as error:  # a constructor may raise anything
@@ -85,16 +89,21 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
 
 @contextmanager
 def looked_at(name: str, kwargs: Mapping[str, Any]) -> Iterator[Env[Any, Any]]:
-    """Yield a new environment to be read and closed again.
+    """Create an environment, yield it for inspection, and close it.
 
-    Raises WorldRefusedError as :func:`made` does, and where it raises something while it is looked at.
+    Args:
+        name: Registered id.
+        kwargs: Arguments of the environment.
+
+    Raises:
+        WorldRefusedError: It cannot be made, or fails during inspection.
     """
     environment = made(name, kwargs)
     try:
         yield environment
     except WorldRefusedError:
         raise
-    except BaseException as error:  # attributes are an environment's own code too
+    except BaseException as error:  # attributes may run the environment's code
         if is_interrupt(error):
             raise
         found = f"{name}, which cannot be read ({reason_of(error)})"
@@ -104,17 +113,17 @@ def looked_at(name: str, kwargs: Mapping[str, Any]) -> Iterator[Env[Any, Any]]:
 
 
 def close(environment: Env[Any, Any]) -> None:
-    """Let ``environment`` give back what it holds."""
+    """Close `environment`, and ignore its errors."""
     try:
         with ENVIRONMENT_CALL:
             environment.close()
-    except BaseException as error:  # a failure to close concerns no one any more
+    except BaseException as error:  # errors on closing no longer matter
         if is_interrupt(error):
             raise
 
 
 def size_of(arguments: Mapping[str, Any]) -> int:
-    """Return how many characters and values there are in ``arguments``."""
+    """Return the number of characters and values in `arguments`."""
     size = 0
     to_count: list[Any] = [arguments]
     while to_count:
@@ -128,9 +137,9 @@ def size_of(arguments: Mapping[str, Any]) -> int:
 
 
 def _may_serve(id_: str, entry_point: object) -> bool:
-    """Return, by where an environment comes from and without making it, whether it is worth suggesting.
+    """Return True if an environment is worth suggesting, judged by its origin.
 
-    Of Gymnasium's own, few have states and actions that are discrete or few real numbers.
+    Few of Gymnasium's own environments have discrete states and actions, or few real numbers.
     """
     entry = str(entry_point)
     if id_.startswith(OWN_IDS):
@@ -139,13 +148,13 @@ def _may_serve(id_: str, entry_point: object) -> bool:
 
 
 def reason_of(error: BaseException) -> str:
-    """Return what an environment raised, in one line of at most 200 characters that is safe to print."""
+    """Return the error of an environment as one printable line of at most 200 characters."""
     name, text = type(error).__name__, text_of(error)
     return one_line(f"{name}: {text}" if text else name, LONGEST_REASON)
 
 
 def text_of(thing: object) -> str:
-    """Return the text of what comes from an environment, which may fail at that too."""
+    """Return the text of a foreign object, whose ``__str__`` may fail."""
     try:
         return str(thing)
     except Exception:
@@ -153,9 +162,10 @@ def text_of(thing: object) -> str:
 
 
 def time_limit_of(environment: Env[Any, Any]) -> int:
-    """Return after how many steps its registration truncates an episode, 0 for never.
+    """Return the time limit of the environment's registration in steps; 0: none.
 
-    Raises WorldRefusedError where that is no number of steps.
+    Raises:
+        WorldRefusedError: The limit is not a valid number of steps.
     """
     most_steps = environment.spec.max_episode_steps if environment.spec else None
     limit = 0 if most_steps is None else most_steps
@@ -173,11 +183,15 @@ _VALUES: Final = 5
 
 
 class UnsoundResultError(Exception):
-    """A result of the wrong form; the message goes on after the environment's name."""
+    """A result of the wrong form. The message continues after the environment's name."""
 
 
 def parts_of(result: Any) -> tuple[Any, ...]:
-    """Return observation, reward, terminated, truncated and info. Raises UnsoundResultError."""
+    """Return observation, reward, terminated, truncated and info.
+
+    Raises:
+        UnsoundResultError: The result has another form.
+    """
     if not isinstance(result, tuple | list) or len(result) != _VALUES:
         found = f"{len(result)} values" if isinstance(result, tuple | list) else seen(result)
         raise UnsoundResultError(
@@ -187,14 +201,22 @@ def parts_of(result: Any) -> tuple[Any, ...]:
 
 
 def first_observation(result: Any) -> Any:
-    """Return the observation of a reset, which returns observation and info."""
+    """Return the observation in the result of a reset.
+
+    Raises:
+        UnsoundResultError: The result has another form.
+    """
     if not isinstance(result, tuple | list) or len(result) != 2:
         raise UnsoundResultError(f"answered {seen(result)} to a reset, which is not observation and info")
     return result[0]
 
 
 def reward_of(value: Any) -> float:
-    """Return a reward as a finite number. Raises UnsoundResultError where it is none."""
+    """Return a reward as a float.
+
+    Raises:
+        UnsoundResultError: It is not a finite number.
+    """
     if type(value) is float and math.isfinite(value):
         return value
     number = number_of(value)
@@ -204,7 +226,7 @@ def reward_of(value: Any) -> float:
 
 
 def number_of(value: Any) -> float:
-    """Return a value of an environment as a number, NaN where it is none."""
+    """Return a value of an environment as a float, or NaN if it is not a number."""
     if isinstance(value, str | bytes | bytearray):
         return math.nan
     try:
@@ -214,7 +236,15 @@ def number_of(value: Any) -> float:
 
 
 def truth_of(value: Any, what: str) -> bool:
-    """Return ``what``, terminated or truncated, as true or false. Raises UnsoundResultError."""
+    """Return a flag of an environment as a bool.
+
+    Args:
+        value: The flag.
+        what: "terminated" or "truncated", for messages.
+
+    Raises:
+        UnsoundResultError: It is neither true nor false.
+    """
     if value is True or value is False:
         return bool(value)
     single = _single(value)
@@ -224,13 +254,13 @@ def truth_of(value: Any, what: str) -> bool:
 
 
 def seen(value: Any) -> str:
-    """Return a value of an environment as a short line that is safe to print."""
+    """Return a value of an environment as a short, printable line."""
     text = repr(value) if isinstance(value, str) else text_of(value)
     return one_line(text, LONGEST_SHOWN)
 
 
 def _single(value: Any) -> Any:
-    """Return the only number of an array of one, which Python would not take for a number for much longer."""
+    """Return the element of an array of size 1. Python will soon refuse to convert such arrays."""
     return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
 
 
@@ -238,7 +268,10 @@ def _single(value: Any) -> Any:
 
 
 class SteppedEnvironment:
-    """One Gymnasium environment, its observations made states; closed when it is no longer referenced."""
+    """A simulated Gymnasium environment whose observations become states.
+
+    It is closed when it is no longer referenced.
+    """
 
     def __init__(self, name: str, environment: Env[Any, Any], states: States, first_action: int) -> None:
         self._name = name
@@ -248,7 +281,11 @@ class SteppedEnvironment:
         weakref.finalize(self, close, environment)
 
     def reset(self, seed: int | None = None) -> int:
-        """Begin an episode and return its first state."""
+        """Start an episode and return its first state.
+
+        Raises:
+            EnvironmentFailedError: The environment failed.
+        """
         try:
             with ENVIRONMENT_CALL:
                 result = self._environment.reset(seed=seed)
@@ -258,7 +295,11 @@ class SteppedEnvironment:
         return self._state(observation)
 
     def step(self, action: int) -> StepResult:
-        """Take ``action``; an episode that is both terminated and truncated is terminated."""
+        """Take `action`. An episode that is both terminated and truncated counts as terminated.
+
+        Raises:
+            EnvironmentFailedError: The environment failed.
+        """
         try:
             with ENVIRONMENT_CALL:
                 result = self._environment.step(action + self._first_action)
@@ -279,7 +320,7 @@ class SteppedEnvironment:
             ) from error
 
     def _failure(self, error: BaseException, how: str) -> BaseException:
-        """Return ``error`` as a failure of the environment, or ``error`` itself if it is ctrl+C."""
+        """Return `error` as a failure of the environment, or ctrl+C unchanged."""
         if isinstance(error, UnsoundResultError):
             return EnvironmentFailedError(f"{self._name} {error}")
         if is_interrupt(error):
@@ -288,11 +329,18 @@ class SteppedEnvironment:
 
 
 def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None = None) -> World:
-    """Return the world of the registered environment ``name``, to be stepped.
+    """Return the simulated world of a registered environment.
 
-    Observations have to be discrete: one number, or a tuple, dictionary or array of them, of which every
-    combination is a state. ``bins`` cuts a Box of real numbers into states. Raises WorldRefusedError where
-    the environment cannot be made, its observations or actions are of another kind, or they are too many.
+    Observations must be discrete: a number, or a tuple, dictionary or array of them. Each combination is a
+    state.
+
+    Args:
+        name: Registered id.
+        kwargs: Arguments of the environment.
+        bins: Cuts a Box of real numbers into states; None: not a Box.
+
+    Raises:
+        WorldRefusedError: It cannot be made, is not discrete, or is too large.
     """
     with looked_at(name, kwargs) as environment:
         spaces = environment.observation_space, environment.action_space
@@ -343,7 +391,7 @@ def _states_of(name: str, environment: Env[Any, Any], bins: BinsSection | None) 
 
 
 def _actions_of(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
-    """Return the first action and how many there are."""
+    """Return the first action and the number of actions."""
     from gymnasium.spaces import Discrete
 
     space = environment.action_space

@@ -1,4 +1,4 @@
-"""The ``[gymnasium]`` table: a registered environment, by its transition table or stepped for real."""
+"""The ``[gymnasium]`` table: an environment, used by its transition table or simulated."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _TABLE: Final = Expect("true (its transition table) or false (stepped)", is_trut
 _IN_LINES: Final = "\n\t"
 _DRAWN_HERE: Final = "no such argument: the world is drawn here"
 _NOT_ITS_OWN: Final = "arguments of the environment itself"
-# The time limit alone may be chosen of what Gymnasium's make takes for itself, or a registration says
+# Of the arguments of gymnasium.make and of a registration, only the time limit may be set
 _OF_MAKE: Final = ("id", "spec", "env", "env_id", "wrappers", "disable_env_checker", "make_kwargs")
 _OF_A_SPEC: Final = ("entry_point", "vector_entry_point", "additional_wrappers", "order_enforce", "kwargs")
 _REFUSED: Final[Mapping[str, str]] = {
@@ -40,10 +40,10 @@ _REFUSED: Final[Mapping[str, str]] = {
 
 
 class GymnasiumSection(WorldSection):
-    """The whole table: the environment's id, what it is made with, and how it is used.
+    """The ``[gymnasium]`` table: id and arguments of an environment.
 
-    Its transition table is read once where it has a sound one; else it is stepped. ``table`` says which of
-    both it has to be. ``bins`` cuts observations of real numbers into states.
+    A sound transition table is read once; otherwise the environment is simulated. `table` demands one of the
+    two. `bins` cuts real observations into states.
     """
 
     id: Annotated[str, text(100)]
@@ -53,7 +53,7 @@ class GymnasiumSection(WorldSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield what may not be asked for: importing a module, other arguments, a table of bins."""
+        """Yield forbidden entries: modules to import, certain arguments, a table with bins."""
         name, kwargs, bins = raw.get("id"), raw.get("kwargs"), raw.get("bins")
         refusal = refusal_of(name) if isinstance(name, str) else None
         if refusal is not None:
@@ -67,7 +67,10 @@ class GymnasiumSection(WorldSection):
                 yield finding.inside("bins")
 
     def environment_findings(self) -> Iterator[Finding]:
-        """Yield why the environment cannot be used, if so. Imports gymnasium, starts a stepped one once."""
+        """Yield why the environment cannot be used.
+
+        Imports gymnasium, and starts a simulated environment once.
+        """
         try:
             world = self._world()
             if world.new_environment is not None:
@@ -78,13 +81,17 @@ class GymnasiumSection(WorldSection):
             yield Finding(("kwargs" if self.kwargs else "id",), str(failure), "an environment that starts")
 
     def sketch(self) -> Grid | None:
-        """Return what is known of the grid without Gymnasium; None if its size is not."""
+        """Return the known part of the grid without importing Gymnasium, or None."""
         from rl_tui.worlds.gym.stepped_layout import known_grid
 
         return known_grid(self)
 
     def build(self, generator: Generator) -> World:
-        """Return the world; ``generator`` is not touched. Imports gymnasium, raises WorldRefusedError."""
+        """Build the world. `generator` is not used. Imports gymnasium.
+
+        Raises:
+            WorldRefusedError: The environment cannot be used.
+        """
         return self._world()
 
     def _world(self) -> World:
@@ -102,7 +109,7 @@ class GymnasiumSection(WorldSection):
 
 
 def _kwargs_findings(kwargs: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield which of the raw ``kwargs`` may not be given, and which texts in them no terminal should see."""
+    """Yield forbidden arguments, and texts that must not reach a terminal."""
     for name, value in kwargs.items():
         if name in _REFUSED:
             yield Finding(("kwargs", name), shown(value), _REFUSED[name])
@@ -110,7 +117,7 @@ def _kwargs_findings(kwargs: Mapping[str, Any]) -> Iterator[Finding]:
 
 
 def _unprintable(kwargs: Mapping[str, Any]) -> Iterator[Finding]:
-    left: list[tuple[object, Location]] = [(kwargs, ("kwargs",))]  # tables may lie deep in one another
+    left: list[tuple[object, Location]] = [(kwargs, ("kwargs",))]  # tables may be nested deeply
     while left:
         value, location = left.pop()
         if isinstance(value, Mapping):

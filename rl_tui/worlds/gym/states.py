@@ -1,4 +1,4 @@
-"""What an environment observes, as states numbered from 0."""
+"""Conversion of observations to states numbered from 0."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ Reader = Callable[[Any], Iterable[Any]]
 
 
 class OutsideError(Exception):
-    """An observation is not in its space."""
+    """An observation outside its space."""
 
 
 class ObservationPart(NamedTuple):
-    """A discrete part of an observation: its values are first .. first + size − 1."""
+    """A discrete part of an observation, with the values first .. first + size − 1."""
 
     first: int
     size: int
 
 
 class ProductNames(Sequence[str]):
-    """The names of all combinations of named parts, the last part running fastest; made when asked for.
+    """Names of all combinations of named parts, the last part changing fastest.
 
-    Parts that know one name only are left out of it.
+    Each name is made on access. Parts with a single value are left out of the name.
     """
 
     def __init__(self, parts: Sequence[Sequence[str]]) -> None:
@@ -64,21 +64,25 @@ class ProductNames(Sequence[str]):
 
 
 class States(Protocol):
-    """How observations become states; ``sizes[i]`` says how many values part i has."""
+    """The conversion of observations to states. ``sizes[i]`` is the number of values of part i."""
 
     sizes: Sequence[int]
 
     @property
     def part_names(self) -> Sequence[Sequence[str]]:
-        """The names of the values of each part, in order."""
+        """Names of the values of each part, in order."""
         ...
 
     def state_of(self, observation: Any) -> int:
-        """Return the state of an observation; raises OutsideError, TypeError or ValueError if it has none."""
+        """Return the state of an observation.
+
+        Raises:
+            OutsideError: The observation is outside the space. TypeError and ValueError mean the same.
+        """
 
 
 class DiscreteStates:
-    """Every combination of the discrete parts of a space is a state."""
+    """States that are all combinations of the discrete parts of a space."""
 
     def __init__(self, parts: Sequence[ObservationPart], read: Reader) -> None:
         self.sizes: Sequence[int] = [part.size for part in parts]
@@ -87,11 +91,15 @@ class DiscreteStates:
 
     @property
     def part_names(self) -> Sequence[Sequence[str]]:
-        """The numbers of each part, eight bytes for each: the sizes are to be checked first."""
+        """Numbers of each part, eight bytes each. Check the sizes first."""
         return [NumberNames(np.arange(first, first + size)) for first, size in self._parts]
 
     def state_of(self, observation: Any) -> int:
-        """Return the number of this combination."""
+        """Return the number of this combination.
+
+        Raises:
+            OutsideError: The observation is outside the space.
+        """
         state = 0
         for value, (first, size) in zip(self._read(observation), self._parts, strict=True):
             place = int(value) - first
@@ -102,7 +110,7 @@ class DiscreteStates:
 
 
 class BinStates:
-    """Every combination of bins is a state. ``edges`` are the inner ones of each dimension, growing."""
+    """States that are all combinations of bins. `edges` are the rising inner edges per dimension."""
 
     def __init__(self, edges: Sequence[Sequence[float]], names: Sequence[Sequence[str]]) -> None:
         self.part_names = names
@@ -111,11 +119,15 @@ class BinStates:
 
     @property
     def middles(self) -> tuple[tuple[float, ...], ...]:
-        """The middle of each bin of each dimension, NaN where it has none: it is not cut, or once."""
+        """Middle of each bin of each dimension, or NaN for fewer than two edges."""
         return tuple(_middles(edges) for edges, _ in self._bins)
 
     def state_of(self, observation: Any) -> int:
-        """Return the state of a Box's observation; an edge belongs to the bin above it."""
+        """Return the state of a Box's observation. An edge belongs to the bin above it.
+
+        Raises:
+            OutsideError: A number is NaN.
+        """
         state = 0
         numbers = np.ravel(observation).tolist()
         for value, (edges, count) in zip(numbers, self._bins, strict=True):
@@ -126,9 +138,9 @@ class BinStates:
 
 
 def _middles(edges: Sequence[float]) -> tuple[float, ...]:
-    """Return the middles of the bins between ``edges``; those outside are as wide as their neighbours.
+    """Return the middles of the bins between `edges`. Outer bins are as wide as their neighbours.
 
-    Without neighbours they have no middle: NaN.
+    Without neighbours the middle is NaN.
     """
     if len(edges) < 2:
         return (math.nan,) * (len(edges) + 1)
@@ -137,7 +149,7 @@ def _middles(edges: Sequence[float]) -> tuple[float, ...]:
 
 
 def discrete_states(space: Space[Any]) -> DiscreteStates | None:
-    """Return the states of a space made of discrete parts, None where a part is not discrete."""
+    """Return the states of a space with discrete parts, or None if a part is not discrete."""
     found = _parts_of(space)
     return None if found is None else DiscreteStates(*found)
 
@@ -151,7 +163,7 @@ def _parts_of(space: Space[Any]) -> tuple[list[ObservationPart], Reader] | None:
         numbers = zip(np.ravel(space.start).tolist(), np.ravel(space.nvec).tolist(), strict=True)
         return [ObservationPart(first, size) for first, size in numbers], _flat
     if isinstance(space, spaces.MultiBinary):
-        # beyond so many there are too many states, however many there are
+        # more parts are too many states anyway
         return [ObservationPart(0, 2)] * min(math.prod(space.shape), MOST_PARTS), _flat
     if isinstance(space, spaces.Tuple):
         return _together([_parts_of(each) for each in space.spaces], lambda observation: observation)
@@ -170,7 +182,7 @@ def _flat(observation: Any) -> list[Any]:
 def _together(
     inner: Sequence[tuple[list[ObservationPart], Reader] | None], split: Callable[[Any], Sequence[Any]]
 ) -> tuple[list[ObservationPart], Reader] | None:
-    """Join the parts of several spaces; ``split`` takes an observation of all apart."""
+    """Join the parts of several spaces. `split` divides an observation among them."""
     known = [each for each in inner if each is not None]
     if len(known) < len(inner) or not known:
         return None

@@ -1,7 +1,7 @@
-"""The drawing of a Gymnasium environment: its grid of states, and the names on it.
+"""The grid on which the states of a Gymnasium environment are drawn, and its names.
 
-The names of known environments are written here, since Gymnasium has them only in its documentation. An
-environment is recognized by the name of its class, so nothing of Gymnasium need be imported.
+Names of known environments are written here, since Gymnasium has them only in its documentation. A class is
+recognized by its name, so Gymnasium need not be imported.
 """
 
 from __future__ import annotations
@@ -33,15 +33,13 @@ if TYPE_CHECKING:
 # Names and grid of states
 
 
-# Gymnasium numbers actions and observations and names them only in its documentation. A class is known by its
-# name, so that nothing of Gymnasium need be imported.
 _ACTIONS: Final[Mapping[str, tuple[str, ...]]] = {
     "BlackjackEnv": ("stick", "hit"),
     "CartPoleEnv": ("left", "right"),
     "MountainCarEnv": ("left", "coast", "right"),
     "AcrobotEnv": ("-1", "0", "+1"),
 }
-# by part of an observation; empty: the part's own numbers
+# per part of an observation; empty: the part's own numbers
 _PARTS: Final[Mapping[str, tuple[tuple[str, ...], ...]]] = {"BlackjackEnv": ((), (), ("no", "yes"))}
 _MOST_LABELS: Final = 2_000
 _TERMS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -56,13 +54,24 @@ _BODIES: Final[Mapping[str, BodyKind]] = {
 
 
 def action_names(environment: Any, first: int, actions: int) -> tuple[str, ...]:
-    """Return the names of the ``actions`` of an unwrapped environment; their numbers if it is unknown."""
+    """Return the names of the actions of an unwrapped environment.
+
+    Args:
+        environment: The environment.
+        first: First action number.
+        actions: Number of actions. Unknown actions are named by their numbers.
+    """
     names = _ACTIONS.get(type(environment).__name__, ())
     return names if len(names) == actions else tuple(str(first + action) for action in range(actions))
 
 
 def known_part_names(environment: Any, sizes: Sequence[int]) -> Sequence[Sequence[str]]:
-    """Return names for the parts of an observation, of so many values each; empty where none are known."""
+    """Return known names for the parts of an observation; empty ones if unknown.
+
+    Args:
+        environment: The unwrapped environment.
+        sizes: Number of values of each part.
+    """
     names = _PARTS.get(type(environment).__name__, ())
     fits = len(names) == len(sizes) and all(
         not part or len(part) == size for part, size in zip(names, sizes, strict=True)
@@ -71,12 +80,17 @@ def known_part_names(environment: Any, sizes: Sequence[int]) -> Sequence[Sequenc
 
 
 def part_terms(environment: Any) -> Sequence[str]:
-    """Return what the parts of an observation are; empty where that is not known."""
+    """Return what the parts of an observation mean. Empty if unknown."""
     return _TERMS.get(type(environment).__name__, ())
 
 
 def body_of(environment: Any, middles: Sequence[Sequence[float]]) -> Body | None:
-    """Return the body of an unwrapped environment whose observations are cut into bins with ``middles``."""
+    """Return the body of an unwrapped environment, or None.
+
+    Args:
+        environment: The environment.
+        middles: Middles of the bins of each number.
+    """
     kind = _BODIES.get(type(environment).__name__)
     if kind is None or len(middles) != len(part_terms(environment)):
         return None
@@ -84,9 +98,15 @@ def body_of(environment: Any, middles: Sequence[Sequence[float]]) -> Body | None
 
 
 def grid_of(environment: Any, states: States, actions: int, part_names: Sequence[Sequence[str]]) -> Grid:
-    """Return the grid of the ``states`` of an unwrapped environment: see :func:`product_grid`.
+    """Return the grid of an unwrapped environment's states; see :func:`product_grid`.
 
-    What Gymnasium observes of Blackjack is drawn as its table is.
+    Observations of Blackjack are drawn like its transition table.
+
+    Args:
+        environment: The environment.
+        states: Its states.
+        actions: Number of actions.
+        part_names: Names of the values of each part.
     """
     if is_blackjack(environment) and tuple(states.sizes) == OBSERVED_PARTS:
         return observed_drawing()
@@ -101,12 +121,18 @@ def product_grid(
     names: Sequence[Sequence[str]] = (),
     body: Body | None = None,
 ) -> Grid:
-    """Return the grid of states that are all combinations of parts with so many values each.
+    """Return the grid of states that are all combinations of several parts.
 
-    One part lies in the squarest grid. The first two of several give the rows and columns; with every
-    combination of the others begins a new block of those, set apart by a wall. Parts of one value do not
-    count. No action is a direction. ``terms`` are what the parts are called in the legend, where that is
-    known; else they are numbered. ``names`` of the values of each part label rows and columns.
+    A single part fills the squarest grid. The first two parts are rows and columns. Each combination of
+    further parts is a block of its own, separated by walls. Parts with one value are ignored. Actions are not
+    directions.
+
+    Args:
+        sizes: Number of values of each part.
+        actions: Number of actions.
+        terms: Meaning of the parts, for the legend. Parts are numbered if unknown.
+        names: Names of the values of each part, as labels.
+        body: Body that the parts describe.
     """
     there = _that_count(sizes)
     shape = product_shape(sizes)
@@ -141,7 +167,7 @@ def _that_count(sizes: Sequence[int]) -> list[int]:
 
 
 def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
-    """Return ``angle down, angular velocity across``; empty for one part, which just fills the rows."""
+    """Return text such as ``angle down, angular velocity across``. Empty for one part."""
     count = sum(size > 1 for size in sizes)
     known = [term for term, size in zip(terms, sizes, strict=False) if size > 1]
     names = known if len(known) == count else [f"part {place}" for place in range(1, count + 1)]
@@ -152,7 +178,7 @@ def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
 
 
 def _axes(sizes: Sequence[int], terms: Sequence[str], names: Sequence[Sequence[str]]) -> Axes | None:
-    """Return the labels of a grid that has rows and columns of its own; None of too many to label."""
+    """Return the labels of a grid with real rows and columns, or None if there are too many."""
     there = [place for place, size in enumerate(sizes) if size > 1]
     rows, columns = product_shape(sizes)
     if not names or len(there) < 2 or rows + columns > _MOST_LABELS:
@@ -172,7 +198,7 @@ def _axes(sizes: Sequence[int], terms: Sequence[str], names: Sequence[Sequence[s
 
 
 def _cells(sizes: Sequence[int], width: int) -> np.ndarray:
-    """Return the cell of each state, [product of ``sizes``], on a grid of ``width`` columns."""
+    """Return the cell of each state on a grid of `width` columns, [product of `sizes`]."""
     rows, columns, blocks = sizes[0], sizes[1], math.prod(sizes[2:])
     across = (width + 1) // (columns + 1)
     row, column, block = np.unravel_index(np.arange(rows * columns * blocks), (rows, columns, blocks))
@@ -190,12 +216,12 @@ _BY_TABLE: Final[Mapping[str, tuple[int, int]]] = {
     "CliffWalking": (4, 12),
     "Taxi": TAXI_SHAPE,
 }
-"""By id, without its version."""
+"""Rows and columns by id without version."""
 _BLACKJACK: Final = "Blackjack"
 
 
 def known_grid(section: GymnasiumSection) -> Grid | None:
-    """Return the drawing of ``section`` as far as it is known, without cells; None if its size is not."""
+    """Return the drawing of `section` without cells, as far as it is known, or None."""
     name = re.sub(r"-v\d+$", "", section.id)
     if section.bins is not None:
         sizes = section.bins.sizes
@@ -213,7 +239,7 @@ def known_grid(section: GymnasiumSection) -> Grid | None:
 
 
 def _known_product(name: str, sizes: Sequence[int], names: Sequence[Sequence[str]]) -> Grid:
-    """Return the grid of the environment ``name``, whose class is called like it."""
+    """Return the grid of a known environment, found by its class name."""
     terms, kind = _TERMS.get(f"{name}Env", ()), _BODIES.get(f"{name}Env")
     rows, columns = product_shape(sizes)
     return Grid(
@@ -229,7 +255,6 @@ def _known_product(name: str, sizes: Sequence[int], names: Sequence[Sequence[str
 
 
 def _map_shape(kwargs: Mapping[str, Any]) -> tuple[int, int] | None:
-    """Return the shape of the lake that ``kwargs`` ask for; None if they ask for none."""
     lines, name = kwargs.get("desc"), kwargs.get("map_name")
     if isinstance(lines, list) and lines and isinstance(lines[0], str):
         return len(lines), len(lines[0])

@@ -1,4 +1,4 @@
-"""Where the states of a Gymnasium table lie on a grid, how its actions are called and where they slip."""
+"""The grid of an environment with a transition table, its names and its slips."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _LETTERS: Final = {b"S": CellKind.START, b"F": CellKind.FLOOR, b"H": CellKind.HO
 
 _STEPS: Final = {"left": (0, -1), "down": (1, 0), "right": (0, 1), "up": (-1, 0)}
 
-# Gymnasium numbers its actions but names them only in its documentation. A class is known by its name, so
-# that nothing of Gymnasium need be imported.
+# Gymnasium names its actions only in its documentation. A class is recognized by its name, so that nothing of
+# Gymnasium need be imported
 _CLIFF: Final = "CliffWalkingEnv"
 _TAXI: Final = "TaxiEnv"
 _ACTION_NAMES: Final = {
@@ -25,15 +25,14 @@ _ACTION_NAMES: Final = {
     _CLIFF: ("up", "right", "down", "left"),
 }
 
-# Taxi: a state is where the taxi is (5×5), where the passenger is (four places or the taxi) and where the
-# passenger wants to go (four places); its number is ((row · 5 + column) · 5 + passenger) · 4 + destination.
-# So the map is twenty maps of the town: a row of them for each place of the passenger, a column for each
-# destination.
+# Taxi: a state is the place of the taxi (5×5), of the passenger (four stops or the taxi) and of the
+# destination (four stops). Its number is ((row · 5 + column) · 5 + passenger) · 4 + destination. The map
+# shows the town twenty times: one row per place of the passenger, one column per destination
 _TAXI_ACTIONS: Final = ("south", "north", "east", "west", "pickup", "dropoff")
 _TAXI_STATES: Final = 500
 _TAXI_DIRECTIONS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), None, None)
 _TOWN: Final = 5  # rows and columns
-_PITCH: Final = _TOWN + 1  # a line of wall keeps the towns apart
+_PITCH: Final = _TOWN + 1  # a wall separates the towns
 _DESTINATIONS: Final = ("R", "G", "Y", "B")
 _PASSENGER: Final = (*_DESTINATIONS, "in")
 _STOPS: Final = ((0, 0), (0, 4), (4, 0), (4, 3))
@@ -53,10 +52,9 @@ TAXI_AXES: Final = Axes(
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The grid of an environment and the names of its states and actions.
+    """The grid of an environment, with the names of states and actions.
 
-    ``compass`` says that the actions are directions in the order of a circle, and that a state's number is
-    its cell.
+    `compass` says that actions are directions in circular order and that state numbers are cells.
     """
 
     grid: Grid
@@ -65,11 +63,20 @@ class Layout:
     compass: bool
 
     def happened(self, state: int, action: int, place: int, count: int, next_state: int) -> int:
-        """Return the action that really happened in outcome ``place`` of the ``count`` that the table lists.
+        """Return the action that really happened in an outcome.
 
-        On a compass Gymnasium lists the actions beside the meant one in the order a − 1, a, a + 1 (modulo 4),
-        or the meant one alone; a step off the cliff leads back to the start. The answer is −1 where that does
-        not explain ``next_state`` on this grid.
+        On a compass Gymnasium lists the outcomes in the order a − 1, a, a + 1 (modulo 4), or only a. A step
+        off the cliff leads back to the start.
+
+        Args:
+            state: State before the step.
+            action: Meant action a.
+            place: Index of the outcome.
+            count: Number of outcomes of the pair.
+            next_state: State after the step.
+
+        Returns:
+            The action, or −1 if no action explains `next_state` on this grid.
         """
         if not self.compass or count not in (1, 3):
             return UNKNOWN_ACTION
@@ -79,7 +86,7 @@ class Layout:
         return candidate if landing == next_state or falls else UNKNOWN_ACTION
 
     def _landing(self, state: int, action: int) -> int:
-        """Return the cell that a step from ``state`` leads to on a compass, staying at the edge."""
+        """Return the cell after a step on a compass. At the edge it stays."""
         down, right = _STEPS[self.action_names[action]]
         row, column = divmod(state, self.grid.columns)
         row = min(max(row + down, 0), self.grid.rows - 1)
@@ -90,9 +97,14 @@ class Layout:
 def layout_of(environment: Any, states: int, actions: int, start: Mapping[int, float]) -> Layout:
     """Return the layout of an unwrapped environment.
 
-    States lie row by row in the environment's own map if it has one of ``states`` cells. Those of Taxi lie
-    on the map of its twenty towns, all others in the squarest grid that holds them, where actions are no
-    directions.
+    States lie on the environment's own map, if its size fits. Taxi has a map of twenty towns. All others get
+    the squarest grid, without directions.
+
+    Args:
+        environment: The environment.
+        states: Number of states.
+        actions: Number of actions.
+        start: Probability of each start state.
     """
     classes = [each.__name__ for each in type(environment).__mro__]
     if _TAXI in classes and (states, actions) == (_TAXI_STATES, len(_TAXI_ACTIONS)):
@@ -124,7 +136,7 @@ def layout_of(environment: Any, states: int, actions: int, start: Mapping[int, f
 
 
 def _taxi_state_names() -> tuple[str, ...]:
-    """Return the names: ``2,3 R→B`` has the taxi in row 2, column 3, the passenger at R and bound for B.
+    """Return names such as ``2,3 R→B``: taxi in row 2, column 3, passenger from R to B.
 
     ``in`` is a passenger in the taxi.
     """
@@ -138,8 +150,8 @@ def _taxi_state_names() -> tuple[str, ...]:
 def _taxi_grid() -> Grid:
     """Return the map of the twenty towns.
 
-    The goal is drawn where a ride has ended: the passenger is where they wanted to go, and so is the taxi.
-    The walls inside the town lie between cells and are not drawn.
+    A goal is a finished ride: taxi and passenger are at the destination. Walls inside the town are between
+    cells and not drawn.
     """
     kinds = [CellKind.WALL] * (_TAXI_ROWS * _TAXI_COLUMNS)
     cells = []
@@ -161,7 +173,6 @@ def _taxi_grid() -> Grid:
 
 
 def _taxi_decoded(state: int) -> tuple[int, int, int, int]:
-    """Return row, column, passenger and destination."""
     rest, destination = divmod(state, len(_DESTINATIONS))
     rest, passenger = divmod(rest, len(_PASSENGER))
     row, column = divmod(rest, _TOWN)

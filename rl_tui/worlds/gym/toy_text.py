@@ -1,4 +1,4 @@
-"""Gymnasium environments that carry their transition table (``P``), as finite MDPs."""
+"""Gymnasium environments with a transition table (``P``), as finite MDPs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _FORM: Final = "(probability, next state, reward, terminated)"
 
 
 class NoEntriesError(Exception):
-    """The table has no readable entry for a pair; ``found`` and ``expected`` say where and what."""
+    """No readable entries for a pair. `found` and `expected` describe the error."""
 
     def __init__(self, found: str, expected: str) -> None:
         super().__init__(found)
@@ -45,23 +45,32 @@ class NoEntriesError(Exception):
 
 
 class UnsoundTableError(NoEntriesError):
-    """An entry of the table is out of range, though the environment may still be stepped."""
+    """An entry out of range. The environment may still be simulated."""
 
 
 class UnusableRewardError(UnsoundTableError):
-    """A reward that is unusable in steps too."""
+    """A reward out of range, which rules out simulation too."""
 
 
 def read_entries(table: Any, state: int, action: int, states: int) -> list[Outcome]:
-    """Return the outcomes that ``table[state][action]`` lists, of a world with so many ``states``.
+    """Return the outcomes in ``table[state][action]``, checked.
 
-    Probabilities are at least 0 and sum to 1 (±1e-9), rewards lie within ±1e12. Raises NoEntriesError where
-    there are none, or they have another form, UnsoundTableError where one of them is out of its range.
+    Probabilities must be at least 0 and sum to 1 (±1e-9). Rewards must lie within ±1e12.
+
+    Args:
+        table: The environment's table.
+        state: State of the pair.
+        action: Action of the pair.
+        states: Number of states.
+
+    Raises:
+        NoEntriesError: Entries are missing or have another form.
+        UnsoundTableError: A value is out of range.
     """
     where = f"state {state}, action {action}"
     try:
         listed = list(table[state][action])
-    except Exception as error:  # a table is an environment's own code too
+    except Exception as error:  # a table may run the environment's code
         raise NoEntriesError(
             f"nothing for {where} ({reason_of(error)})", "outcomes for every state and action"
         ) from error
@@ -107,17 +116,22 @@ _OR_STEPPED: Final = "or table = false in a scenario file, which steps it all th
 
 
 class NoTableError(WorldRefusedError):
-    """The environment may be sound, but has no transition table that can be read."""
+    """The environment has no readable transition table, but may be sound."""
 
 
 def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) -> World:
-    """Return the world of the registered environment ``name`` made with ``kwargs``.
+    """Return the world of a registered environment with a transition table.
 
-    States are called "0", "1", … where the environment has no better names; the time limit is the
-    environment's own. ``computed`` also takes tables that are worked out here from the rules: that of
-    Blackjack. Raises WorldRefusedError where it is not registered, cannot be made, has no start, rewards
-    beyond ±1e12 or a table that contradicts itself; NoTableError where it is no finite MDP with a table that
-    can be read.
+    States are named "0", "1", … unless better names are known. The time limit is the environment's own.
+
+    Args:
+        name: Registered id.
+        kwargs: Arguments of the environment.
+        computed: True to accept tables computed here from the rules (Blackjack).
+
+    Raises:
+        WorldRefusedError: It is not registered, cannot be made, has no start, or its table is contradictory.
+        NoTableError: It is not a finite MDP with a readable table.
     """
     place = "kwargs" if kwargs else "id"
     with looked_at(name, kwargs) as environment:
@@ -142,7 +156,7 @@ def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) ->
             limit,
         )
     except UnsoundTableError as fault:
-        # not "no table": to step what contradicts itself would only hide that
+        # not NoTableError, because simulating would hide the contradiction
         found = f"{name}, whose table has {fault.found}"
         stepped = "" if isinstance(fault, UnusableRewardError) else f", {_OR_STEPPED}"
         raise WorldRefusedError((place,), found, f"{fault.expected}{stepped}") from fault
@@ -186,7 +200,7 @@ def _start(name: str, environment: Env[Any, Any], states: int, place: str) -> di
 
 
 def _outcomes(table: Any, layout: Layout, state: int, action: int) -> list[Outcome]:
-    """Return the outcomes of one pair, kept apart even where they land alike."""
+    """Return the outcomes of one pair, not merged even if they are equal."""
     entries = read_entries(table, state, action, len(layout.state_names))
     return [
         entry._replace(action=layout.happened(state, action, number, len(entries), entry.next_state))

@@ -1,1 +1,1 @@
-"""The finite Markov decision process in flat arrays."""
+"""The finite Markov decision process as flat arrays."""

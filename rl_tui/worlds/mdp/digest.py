@@ -10,11 +10,11 @@ import numpy as np
 
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-_PIECE: Final = 65_536  # names at a time: of a large world all of them are not written out at once
+_PIECE: Final = 65_536  # names per piece, to save memory with large worlds
 
 
 def table_digest(mdp: TabularMDP) -> str:
-    """Return the sha256 of everything that ``mdp`` is, in hexadecimal: equal tables have equal digests."""
+    """Return the SHA-256 of all content of `mdp` in hexadecimal. Equal tables have equal digests."""
     digest = hashlib.sha256()
     for each in fields(mdp):
         value = getattr(mdp, each.name)

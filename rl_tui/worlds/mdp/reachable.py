@@ -1,4 +1,4 @@
-"""Which states can be reached from the start."""
+"""Search for the states that can be reached from the start."""
 
 from __future__ import annotations
 
@@ -9,18 +9,23 @@ import numpy as np
 
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
-# Up to so many edges a plain search takes less time than importing SciPy does
+# Up to this many edges, a plain search is faster than importing SciPy
 MOST_PLAIN: Final = 100_000
-# Up to so many it takes less time than SciPy's own
+# Up to this many edges, it is faster than SciPy's search
 FEW: Final = 2_000
 _COMPILED: Final = "scipy.sparse"
 
 
 def reachable(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> BoolArray:
-    """Return which of S states can be reached from ``start``, [K], by any number of edges, as [S].
+    """Return which of S states can be reached from the start by any number of edges.
 
-    State s owns the edges first_edge[s] .. first_edge[s+1], ``first_edge`` being [S+1]; ``leads_to``, [E],
-    holds the state at the end of each.
+    Args:
+        first_edge: State s owns the edges first_edge[s] .. first_edge[s+1], [S+1].
+        leads_to: State at the end of each edge, [E].
+        start: Start states, [K].
+
+    Returns:
+        Truth values, [S].
     """
     most_plain = min(FEW, MOST_PLAIN) if _COMPILED in sys.modules else MOST_PLAIN
     search = _plain_search if len(leads_to) <= most_plain else _large_search
@@ -45,7 +50,7 @@ def _plain_search(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> 
 
 
 def _large_search(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> BoolArray:
-    """Search in compiled code, from one more state whose edges lead to all of ``start``."""
+    """Search with SciPy, from an extra state with edges to all of `start`."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import breadth_first_order
 

@@ -1,4 +1,4 @@
-"""The states and actions of a finite MDP, with or without its transition table."""
+"""The states and actions of a finite MDP, with or without a transition table."""
 
 from __future__ import annotations
 
@@ -16,11 +16,17 @@ BoolArray = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FiniteSpace:
-    """S states, A named actions and P legal state–action pairs.
+    """S states, A named actions and P available state–action pairs.
 
-    State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions; ``pair_action``,
-    [P], says which of the A actions a pair is. ``time_limit`` is the number of steps after which an episode
-    is truncated (0: none). Arrays never change: those that are writable elsewhere are copied.
+    State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions. Arrays are
+    immutable; writable ones are copied.
+
+    Args:
+        state_names: Name of each state, [S].
+        action_names: Name of each action, [A].
+        first_pair: First pair of each state, [S+1].
+        pair_action: Action of each pair, [P].
+        time_limit: Steps after which an episode is truncated; 0: none.
     """
 
     state_names: Sequence[str]
@@ -39,38 +45,44 @@ class FiniteSpace:
 
     @property
     def states(self) -> int:
-        """S, the number of states, terminal ones included."""
+        """S, the number of states, including terminal ones."""
         return len(self.state_names)
 
     @property
     def pairs(self) -> int:
-        """P, the number of legal state–action pairs."""
+        """P, the number of available state–action pairs."""
         return len(self.pair_action)
 
     @property
     def pair_state(self) -> IntArray:
-        """The state of each pair, [P]."""
+        """State of each pair, [P]."""
         return np.repeat(np.arange(self.states), np.diff(self.first_pair))
 
     def state_of(self, pair: int) -> int:
-        """Return the state that owns ``pair``."""
+        """Return the state that owns `pair`."""
         return int(np.searchsorted(self.first_pair, pair, side="right")) - 1
 
     def pairs_of(self, state: int) -> range:
-        """Return the pairs that ``state`` owns; empty for a terminal state."""
+        """Return the pairs of `state`. Empty for a terminal state."""
         return range(int(self.first_pair[state]), int(self.first_pair[state + 1]))
 
     def pair_of(self, state: int, action: int) -> int | None:
-        """Return the pair of ``state`` and ``action``, None where that action is not legal there."""
+        """Return the pair of `state` and `action`, or None if the action is not available."""
         return next((pair for pair in self.pairs_of(state) if self.pair_action[pair] == action), None)
 
     def pair_name(self, pair: int) -> str:
-        """Return the names of state and action of ``pair``, such as ``6, left``."""
+        """Return the names of state and action, such as ``6, left``."""
         return f"{self.state_names[self.state_of(pair)]}, {self.action_names[int(self.pair_action[pair])]}"
 
 
 def all_pairs(state_names: Sequence[str], action_names: Sequence[str], time_limit: int) -> FiniteSpace:
-    """Return the space in which every action is legal in every state, as Gymnasium's environments have it."""
+    """Return the space in which all actions are available in all states, as in Gymnasium.
+
+    Args:
+        state_names: Name of each state, [S].
+        action_names: Name of each action, [A].
+        time_limit: Steps after which an episode is truncated; 0: none.
+    """
     states, actions = len(state_names), len(action_names)
     return FiniteSpace(
         state_names=state_names,
@@ -82,9 +94,10 @@ def all_pairs(state_names: Sequence[str], action_names: Sequence[str], time_limi
 
 
 class NumberNames(Sequence[str]):
-    """The names "3", "4", "7", … of rising ``numbers``, [n], each made when it is asked for.
+    """Names "3", "4", "7", … of rising numbers, [n], each made on access.
 
-    Raises ValueError where the numbers do not rise: no two states may be called alike.
+    Raises:
+        ValueError: The numbers do not rise. Names must be unique.
     """
 
     __slots__ = ("numbers",)

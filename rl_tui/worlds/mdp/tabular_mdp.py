@@ -1,4 +1,4 @@
-"""The finite Markov decision process in flat arrays (Sutton & Barto, 2nd ed., section 3.1)."""
+"""The finite Markov decision process as flat arrays (Sutton & Barto, 2nd ed., section 3.1)."""
 
 from __future__ import annotations
 
@@ -14,14 +14,18 @@ from rl_tui.worlds.mdp.reachable import reachable
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray, NumberNames
 
 PROBABILITY_TOLERANCE: Final = 1e-9
-"""How far from 1 a sum of probabilities may be."""
+"""Largest deviation from 1 of a sum of probabilities."""
 
 
 # What the arrays must satisfy for all that is built on them
 
 
 def check_consistency(mdp: TabularMDP) -> None:
-    """Raise ValueError, naming the array and the first bad index, unless ``mdp`` is a sound finite MDP."""
+    """Check the arrays of `mdp`.
+
+    Raises:
+        ValueError: `mdp` is not a sound finite MDP. The message names the array and the first bad index.
+    """
     _check_shapes(mdp)
     _check_pairs(mdp)
     _check_outcomes(mdp)
@@ -60,7 +64,7 @@ def _check_shapes(mdp: TabularMDP) -> None:
         _require(np.isfinite(getattr(mdp, name)), name, "a finite number")
     _check_array("terminated", mdp.terminated, outcomes, np.bool_)
     for kind, names in {"state": mdp.state_names, "action": mdp.action_names}.items():
-        # numbers that rise are all different, without making a text of each
+        # rising numbers are distinct, so no texts need to be made
         if not isinstance(names, NumberNames) and len(set(names)) != len(names):
             raise ValueError(f"{kind}_names: expected no name twice")
 
@@ -135,11 +139,15 @@ UNKNOWN_ACTION = -1
 
 
 class Outcome(NamedTuple):
-    """One thing that may happen when a pair (state, action) is taken.
+    """One possible outcome of a pair.
 
-    ``reward`` is its mean and ``reward_std`` the standard deviation of Gaussian noise on it. ``terminated``
-    says that the episode ends here. ``action`` is the action that really happened where the world slips, −1
-    if not known.
+    Args:
+        probability: Its probability.
+        next_state: State after the step.
+        reward: Mean reward.
+        terminated: True if the episode ends here.
+        reward_std: Standard deviation of Gaussian noise on the reward.
+        action: Action that really happened, if the world slips; −1: unknown.
     """
 
     probability: float
@@ -152,26 +160,28 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TabularMDP(FiniteSpace):
-    """S states, A named actions, P legal state–action pairs, O outcomes, as arrays that never change.
+    """S states, A named actions, P available state–action pairs and O outcomes, as immutable arrays.
 
-    State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions; pair p owns the
-    outcomes first_outcome[p] .. first_outcome[p+1], at least one. A state that owns no pair is terminal or
-    cannot be reached, and every outcome into it is terminated. :func:`tabular_mdp` makes one from a list of
+    State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions. Pair p owns the
+    outcomes first_outcome[p] .. first_outcome[p+1], at least one. A state without pairs is terminal or cannot
+    be reached, and every outcome into it is terminated. :func:`tabular_mdp` makes an MDP from a list of
     transitions.
 
-    ========================  =========  ==========================================================
-    first_pair                [S+1]      pair_action     [P]    which of the A actions this pair is
-    first_outcome             [P+1]      probability     [O]    for solvers
-    next_state                [O]        cumulative      [O]    inside the pair; the last is exactly 1
-    reward, reward_std        [O]        terminated      [O]    no bootstrapping past it
-    outcome_action            [O]        the action that really happened; −1: not known
-    start_state               [K]        start_cumulative [K]   cumulative start distribution
-    ========================  =========  ==========================================================
+        ========================  =========  ==========================================================
+        first_pair                [S+1]      pair_action     [P]    which of the A actions this pair is
+        first_outcome             [P+1]      probability     [O]    for solvers
+        next_state                [O]        cumulative      [O]    inside the pair; the last is exactly 1
+        reward, reward_std        [O]        terminated      [O]    no bootstrapping past it
+        outcome_action            [O]        the action that really happened; −1: not known
+        start_state               [K]        start_cumulative [K]   cumulative start distribution
+        ========================  =========  ==========================================================
 
-    ``time_limit`` is the number of steps after which an episode is truncated (0: none). With a ``drift_std``
+    `time_limit` is the number of steps after which an episode is truncated (0: none). With a `drift_std`
     above 0 the world is not stationary: after every step the rewards of each pair move together by a draw
-    from N(0, drift_std²); ``reward`` is where they start. Raises ValueError where the arrays contradict each
-    other or leave their ranges.
+    from N(0, drift_std²). `reward` is the initial value.
+
+    Raises:
+        ValueError: The arrays contradict each other or are out of range.
     """
 
     first_outcome: IntArray
@@ -191,37 +201,37 @@ class TabularMDP(FiniteSpace):
         check_consistency(self)
 
     def __reduce__(self) -> tuple[type[TabularMDP], tuple[object, ...]]:
-        # an array unpickled by itself would come back writable
+        # a separately unpickled array would be writable
         return TabularMDP, tuple(getattr(self, each.name) for each in fields(self))
 
     @property
     def outcome_pair(self) -> IntArray:
-        """The pair of each outcome, [O]."""
+        """Pair of each outcome, [O]."""
         return np.repeat(np.arange(self.pairs), np.diff(self.first_outcome))
 
     @property
     def expected_reward(self) -> FloatArray:
-        """The expected reward of each pair, [P]."""
+        """Expected reward of each pair, [P]."""
         expected: FloatArray = np.add.reduceat(self.probability * self.reward, self.first_outcome[:-1])
         return expected
 
     @property
     def start_probability(self) -> FloatArray:
-        """The probability of each of ``start_state``, [K]."""
+        """Probability of each of `start_state`, [K]."""
         return np.diff(self.start_cumulative, prepend=0.0)
 
     def average_at_start(self, values: npt.NDArray[np.floating]) -> float:
-        """Return the mean of the ``values`` of states, [S] or more, over the start distribution."""
-        # One after another, as a kernel adds: numpy's product of vectors has an order of its own
+        """Return the mean of state values, [S] or more, over the start distribution."""
+        # Added in sequence, as a kernel does; numpy's dot product uses another order
         return float(np.cumsum(self.start_probability * values[self.start_state])[-1])
 
     def outcomes_of(self, pair: int) -> range:
-        """Return the outcomes that ``pair`` owns."""
+        """Return the outcomes of `pair`."""
         return range(int(self.first_outcome[pair]), int(self.first_outcome[pair + 1]))
 
 
 class Transition(NamedTuple):
-    """The outcomes of one pair, as :func:`tabular_mdp` takes them."""
+    """The outcomes of one pair, for :func:`tabular_mdp`."""
 
     state: int
     action: int
@@ -229,11 +239,10 @@ class Transition(NamedTuple):
 
 
 class TransitionArrays(NamedTuple):
-    """All outcomes of P pairs as arrays, as :func:`mdp_of_arrays` takes them.
+    """All outcomes of P pairs as arrays, for :func:`mdp_of_arrays`.
 
-    Pairs are in the order of their states, and of their actions within a state; of the O outcomes pair p
-    owns ``outcome_count[p]``. ``probability``, ``next_state``, ``reward``, ``reward_std``, ``terminated`` and
-    ``outcome_action`` are what they are in :class:`TabularMDP`.
+    Pairs are sorted by state, then by action. Pair p owns ``outcome_count[p]`` of the O outcomes. The other
+    arrays are defined as in :class:`TabularMDP`.
     """
 
     pair_state: IntArray
@@ -254,14 +263,21 @@ def tabular_mdp(
     start: Mapping[int, float],
     time_limit: int = 0,
 ) -> TabularMDP:
-    """Make the MDP of these transitions, keeping the pairs of live states only.
+    """Make an MDP from transitions, keeping only pairs of live states.
 
-    Live are the states that can be reached from ``start`` (state → probability) through outcomes that do not
-    terminate. Every outcome into a state without pairs is marked as terminated. Outcomes that land alike stay
-    apart.
+    Live states can be reached from the start through outcomes that do not terminate. Every outcome into a
+    state without pairs is marked as terminated. Equal outcomes are not merged.
 
-    Raises ValueError where a probability, reward, state or action is out of its range, probabilities do not
-    sum to 1 (±1e-9), a pair is given twice, or nothing can be done at the start.
+    Args:
+        state_names: Name of each state, [S].
+        action_names: Name of each action, [A].
+        transitions: Outcomes of each pair, in any order.
+        start: Probability of each start state.
+        time_limit: Steps after which an episode is truncated; 0: none.
+
+    Raises:
+        ValueError: A value is out of range, probabilities do not sum to 1 (±1e-9), a pair is given twice, or
+            a start state has no actions.
     """
     by_state = _pairs_by_state(len(state_names), len(action_names), transitions)
     _check_distribution("start", list(start.values()))
@@ -302,12 +318,21 @@ def mdp_of_arrays(
     *,
     is_live: bool = False,
 ) -> TabularMDP:
-    """Make the MDP of these arrays as :func:`tabular_mdp` does of a list, in no more passes than numpy needs.
+    """Make an MDP from arrays, like :func:`tabular_mdp`, but with few NumPy passes.
 
-    ``start_state`` and ``start_probability``, [K], are where an episode begins. ``is_live`` says that the
-    arrays hold the pairs of live states only, as they are to be. They become the MDP's own where they can: do
-    not write to them afterwards. Raises ValueError where nothing can be done at the start, or the arrays
-    contradict each other.
+    The MDP keeps the arrays where possible, so do not write to them afterwards.
+
+    Args:
+        state_names: Name of each state, [S].
+        action_names: Name of each action, [A].
+        arrays: Outcomes of all pairs.
+        start_state: Start states, [K].
+        start_probability: Their probabilities, [K].
+        time_limit: Steps after which an episode is truncated; 0: none.
+        is_live: True if the arrays hold only pairs of live states.
+
+    Raises:
+        ValueError: A start state has no actions, or the arrays contradict each other.
     """
     states = len(state_names)
     owned = np.bincount(arrays.pair_state, minlength=states)
@@ -342,16 +367,22 @@ def mdp_of_arrays(
 
 
 def cumulative_inside(probability: FloatArray, first_outcome: IntArray) -> FloatArray:
-    """Return the running sums of ``probability`` inside each pair, as drawing from it needs them.
+    """Return running sums of probabilities inside each pair, for sampling.
 
-    They start afresh in every pair, never exceed 1, and the last of a pair is exactly 1, however it was
-    rounded.
+    The sums restart in every pair, never exceed 1, and end at exactly 1 despite rounding.
+
+    Args:
+        probability: Probability of each outcome, [O].
+        first_outcome: First outcome of each pair, [P+1].
+
+    Returns:
+        Read-only array, [O].
     """
     result = probability.copy()
     length = np.diff(first_outcome)
     longest = int(length.max(initial=0))
     if len(result) == longest * len(length):
-        # pairs of equally many outcomes stand as rows: no index has to be looked up
+        # with equal counts the pairs form rows, without index lookups
         rows = result.reshape(len(length), longest)
         for place in range(1, longest):
             rows[:, place] += rows[:, place - 1]
@@ -366,7 +397,7 @@ def cumulative_inside(probability: FloatArray, first_outcome: IntArray) -> Float
 
 
 def _offsets(count: IntArray) -> IntArray:
-    """Return where each of these many begins when they stand one after another, and where the last ends."""
+    """Return where each group begins if groups of these sizes follow one another, and the end."""
     offsets = np.zeros(len(count) + 1, dtype=np.int64)
     np.cumsum(count, out=offsets[1:])
     offsets.flags.writeable = False
@@ -382,17 +413,17 @@ def _check_start(start_state: IntArray, owned: IntArray) -> None:
 
 
 def _live_states(arrays: TransitionArrays, owned: IntArray, start_state: IntArray) -> BoolArray:
-    """Return the states with pairs that can be reached from the start without ending an episode, [S]."""
+    """Return the states with pairs that the start can reach without ending an episode, [S]."""
     goes_on = ~arrays.terminated
     goes_on &= (owned > 0)[arrays.next_state]
-    # the first outcome of each state, and how many of those before it go on
+    # the first outcome of each state, and the number of continuing outcomes before it
     first = _offsets(arrays.outcome_count)[_offsets(owned)]
     first_edge = np.where(first > 0, np.cumsum(goes_on)[first - 1], 0)
     return reachable(first_edge, arrays.next_state[goes_on], start_state)
 
 
 def _only(arrays: TransitionArrays, kept: BoolArray) -> TransitionArrays:
-    """Return the pairs that are ``kept``, [P], and their outcomes."""
+    """Return the pairs selected by `kept`, [P], with their outcomes."""
     outcomes = np.repeat(kept, arrays.outcome_count)
     pairs = ("pair_state", "pair_action", "outcome_count")
     return TransitionArrays(
@@ -403,7 +434,6 @@ def _only(arrays: TransitionArrays, kept: BoolArray) -> TransitionArrays:
 def _pairs_by_state(
     states: int, actions: int, transitions: Iterable[Transition]
 ) -> list[dict[int, list[Outcome]]]:
-    """Return state → action → its possible outcomes, each checked."""
     by_state: list[dict[int, list[Outcome]]] = [{} for _ in range(states)]
     for state, action, outcomes in transitions:
         where = f"state {state}, action {action}"
@@ -421,7 +451,7 @@ def _pairs_by_state(
 
 
 def _check_distribution(where: str, probabilities: Sequence[float]) -> None:
-    # "not p >= 0" also catches NaN, which would otherwise be dropped as if it were 0
+    # "not p >= 0" also catches NaN
     if any(not probability >= 0.0 for probability in probabilities):
         raise ValueError(f"{where}: expected probabilities of at least 0")
     if not abs(math.fsum(probabilities) - 1.0) <= PROBABILITY_TOLERANCE:
@@ -429,6 +459,6 @@ def _check_distribution(where: str, probabilities: Sequence[float]) -> None:
 
 
 def smallest_mdp() -> TabularMDP:
-    """Return a world of one state and two actions, each of which pays nothing and ends the episode."""
+    """Return a world with one state and two actions that end the episode with reward 0."""
     transitions = [Transition(0, action, [Outcome(1.0, 0, 0.0, terminated=True)]) for action in (0, 1)]
     return tabular_mdp(["here"], ["one", "other"], transitions, {0: 1.0})

@@ -1,1 +1,1 @@
-"""The tables of a scenario file that describe a world, and what their values may be."""
+"""The world tables of a scenario file, and the values they accept."""

@@ -1,4 +1,4 @@
-"""The ``[bandit]`` table: arms, what they pay, and a budget of pulls (Sutton & Barto, 2nd ed., chapter 2)."""
+"""The ``[bandit]`` table: arms, rewards and a budget of pulls (Sutton & Barto, 2nd ed., chapter 2)."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ def _is_pair(value: object) -> TypeGuard[list[float]]:
 
 
 class MeanDistribution(FileSection):
-    """Where the true means of the arms are drawn from, anew for every seed: the one or the other.
+    """Distribution of the true means, drawn again for every seed. Give one of the two.
 
-    ``normal`` has mean and standard deviation, ``uniform`` the lowest and the highest.
+    `normal` is mean and standard deviation, `uniform` is lowest and highest value.
     """
 
     normal: (
@@ -69,12 +69,11 @@ _MEANS: Final = Expect(f"1 to {MOST_ARMS:,} numbers", sized(list, MOST_ARMS, 1))
 
 
 class BanditSection(WorldSection):
-    """The whole table: ``arms`` means drawn from ``mean``, or ``means`` written out (then without ``arms``).
+    """The ``[bandit]`` table: `arms` means drawn from `mean`, or explicit `means`.
 
-    ``rewards`` are Gaussian around the means, with the standard deviation ``std``, or Bernoulli: 1 with the
-    mean as its probability, else 0. Means are drawn from N(0, 1), those of Bernoulli arms from [0, 1], where
-    the file does not say otherwise. ``drift`` is the standard deviation of the step that the mean of every
-    arm takes after every pull. ``budget`` is the pulls of a run.
+    `rewards` are Gaussian around the means with standard deviation `std`, or Bernoulli: 1 with the mean as
+    probability, else 0. Default means come from N(0, 1), those of Bernoulli arms from [0, 1]. `drift` is the
+    standard deviation of the step of every mean after every pull. `budget` is the number of pulls of a run.
     """
 
     arms: Annotated[int, whole_number(1, MOST_ARMS)] = 0
@@ -90,7 +89,7 @@ class BanditSection(WorldSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield what does not fit together: who says how many arms there are, and what they pay."""
+        """Yield contradictions about the number of arms and their rewards."""
         arms, means, mean = raw.get("arms"), raw.get("means"), raw.get("mean")
         if "means" not in raw and "arms" not in raw:
             yield Finding(("arms",), "nothing", f"a whole number from 1 to {MOST_ARMS:,}, or means")
@@ -106,15 +105,15 @@ class BanditSection(WorldSection):
 
     @property
     def drawn_from_seed(self) -> bool:
-        """Whether the means are drawn."""
+        """True if the means are random."""
         return self.means is None
 
     def sketch(self) -> Arms:
-        """Return the drawing."""
+        """Return the drawing of the bandit."""
         return Arms(self.arms if self.means is None else len(self.means))
 
     def build(self, generator: Generator) -> World:
-        """Return the world; means that the file does not fix are the first draws from ``generator``."""
+        """Build the world. Random means are the first draws from `generator`."""
         from rl_tui.worlds.mdp.tabular_mdp import Transition, tabular_mdp
 
         means = self.drawn_means(generator)
@@ -127,7 +126,7 @@ class BanditSection(WorldSection):
         return World(replace(mdp, drift_std=self.drift) if self.drift else mdp, Arms(len(means)), self.budget)
 
     def drawn_means(self, generator: Generator) -> list[float]:
-        """Return the true mean of each arm; those that the file does not fix are drawn from ``generator``."""
+        """Return the true mean of each arm. Random ones are drawn from `generator`."""
         if self.means is not None:
             return self.means
         uniform = self.mean.uniform
@@ -146,7 +145,7 @@ class BanditSection(WorldSection):
 
 
 def _bernoulli_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield what Bernoulli arms cannot have: means that are no probabilities, noise and drift."""
+    """Yield settings that Bernoulli arms do not allow: other means, noise and drift."""
     means, mean = raw.get("means"), raw.get("mean")
     if isinstance(means, list):
         for index, each in enumerate(means[:MOST_ARMS]):

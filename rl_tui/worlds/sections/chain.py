@@ -1,4 +1,4 @@
-"""Chains: worlds whose states lie in a row, each leading only to itself and its neighbours."""
+"""Chains: worlds whose states form a row, each leading only to itself and its neighbours."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _LEAST_STATES: Final = 3
 
 
 class Move(NamedTuple):
-    """An action of a state, by name, and the probability of each state that it may lead to."""
+    """A named action of a state, and the probability of each next state."""
 
     state: int
     action: str
@@ -21,11 +21,16 @@ class Move(NamedTuple):
 def chain_order(
     states: int, moves: Iterable[Move], places: Mapping[int, tuple[float, float]]
 ) -> tuple[int, ...]:
-    """Return the states of a chain from left to right; empty where the world is none.
+    """Return the states of a chain from left to right. Empty if the world is not a chain.
 
-    A row of boxes has no room for the names of actions. So a world is a chain only if it has a single
-    action, or if its actions are called left and right, and then these lead that way on average. Otherwise
-    the end with the smaller of ``places``, (column, row), is on the left, or that with the smaller number.
+    A row of boxes has no room for action names. So a chain has a single action, or the actions left and
+    right, which must lead that way on average. With a single action, the end with the smaller place is on the
+    left, or the smaller number without places.
+
+    Args:
+        states: Number of states.
+        moves: All actions of all states.
+        places: (column, row) of states in the drawing.
     """
     moves = tuple(moves)
     names = {move.action for move in moves}

@@ -1,7 +1,7 @@
-"""An MDP of which only observations are seen: states that look alike are one state to the agent.
+"""An MDP seen only through observations, where several states can look the same.
 
-What follows an observation then depends on how one came there: it is a partially observable process (Sutton &
-Barto, 2nd ed., section 17.3), and has no transition table over what is seen.
+The future then depends on the past, so there is no transition table over observations. It is a partially
+observable process (Sutton & Barto, 2nd ed., section 17.3).
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from rl_tui.worlds.world import Prospect, World
 
 
 class ObservedEnvironment:
-    """A table that is stepped, and tells of each state only what it looks like.
+    """A simulated transition table that returns only the observation of each state.
 
-    An action that is not legal does what the first legal one does; after the end nothing happens any more.
+    An unavailable action acts like the first available one. Nothing happens after the end.
     """
 
     def __init__(self, hidden: TabularMDP, looks: Sequence[int]) -> None:
@@ -34,7 +34,7 @@ class ObservedEnvironment:
         self._steps = 0
 
     def reset(self, seed: int | None = None) -> int:
-        """Begin an episode and return what its first state looks like."""
+        """Start an episode and return its first observation."""
         if seed is not None:
             self._generator = Generator(PCG64(seed))
         mdp = self._hidden
@@ -43,7 +43,7 @@ class ObservedEnvironment:
         return self._looks[self._state]
 
     def step(self, action: int) -> StepResult:
-        """Take ``action``; at the time limit the episode is truncated."""
+        """Take `action`. At the time limit the episode is truncated."""
         mdp, pairs = self._hidden, self._hidden.pairs_of(self._state)
         if not pairs:
             return StepResult(self._looks[self._state], 0.0, True, False)
@@ -60,19 +60,25 @@ class ObservedEnvironment:
         return StepResult(self._looks[self._state], reward, terminated, truncated)
 
     def _drawn(self, cumulative: np.ndarray) -> int:
-        # nothing is drawn where only one thing may happen
+        # no draw if only one outcome is possible
         return bisect_right(cumulative.tolist(), self._generator.random()) if len(cumulative) > 1 else 0
 
 
 def observed_world(hidden: TabularMDP, names: Sequence[str], looks: Sequence[int], drawing: Drawing) -> World:
-    """Return what is seen of ``hidden`` where its state s looks like ``names[looks[s]]``; it is stepped.
+    """Return the simulated world of the observations of `hidden`.
 
-    States that look alike must have the same actions.
+    States with equal observations must have the same actions.
+
+    Args:
+        hidden: The real MDP.
+        names: Names of the observations.
+        looks: Observation of each state, [S].
+        drawing: Drawing of the observations.
     """
     alike: list[list[int]] = [[] for _ in names]
     for state, look in enumerate(looks):
         alike[look].append(state)
-    # of one look the first state speaks for the others: their pairs are in the same order
+    # the first state represents its observation: all pairs have the same order
     owned = [hidden.pairs_of(states[0]) for states in alike]
     space = FiniteSpace(
         state_names=tuple(names),
@@ -95,7 +101,13 @@ def _actions(hidden: TabularMDP, owned: Sequence[range]) -> IntArray:
 
 
 def _prospects(hidden: TabularMDP, looks: Sequence[int], pairs: Sequence[int]) -> tuple[Prospect, ...]:
-    """Return what may be seen after one action in states that look alike, whose ``pairs`` these are."""
+    """Return the possible observations after one action.
+
+    Args:
+        hidden: The real MDP.
+        looks: Observation of each state.
+        pairs: The pair of this action in each state with the same observation.
+    """
     chances = [_chances(hidden, looks, pair) for pair in pairs]
     seen = dict.fromkeys(look for each in chances for look in each)
     return tuple(_prospect(look, [each.get(look, (0.0, 0.0)) for each in chances]) for look in seen)
@@ -109,7 +121,7 @@ def _prospect(look: int, chances: Sequence[tuple[float, float]]) -> Prospect:
 
 
 def _chances(hidden: TabularMDP, looks: Sequence[int], pair: int) -> Mapping[int, tuple[float, float]]:
-    """Return of each look that may follow a hidden pair its probability and its mean reward."""
+    """Return observation → probability and mean reward after a hidden pair."""
     sums: dict[int, tuple[float, float]] = {}
     for outcome in hidden.outcomes_of(pair):
         probability, look = float(hidden.probability[outcome]), looks[int(hidden.next_state[outcome])]

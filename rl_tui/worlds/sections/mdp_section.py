@@ -1,7 +1,7 @@
-"""The ``[mdp]`` table of a scenario file: states, actions, probabilities and rewards written out.
+"""The ``[mdp]`` table of a scenario file: states, actions, probabilities and rewards.
 
-Contradictions between its entries are found in the raw table. So they are reported together with errors
-in single values.
+Contradictions between its entries are found in the raw table. So they are reported together with errors in
+single values.
 """
 
 from __future__ import annotations
@@ -49,13 +49,11 @@ if TYPE_CHECKING:
 
 
 # Contradictions between entries
-#
-# It reads the raw table, so that these faults are reported together with faults of form.
 
 
 @dataclass(frozen=True, slots=True)
 class Arrows:
-    """One ``[[mdp.transition]]``, as far as it can be read; ``possible`` are the states with p > 0."""
+    """The readable part of one ``[[mdp.transition]]``. `possible` are the next states with p > 0."""
 
     index: int
     state: str | None
@@ -65,12 +63,15 @@ class Arrows:
 
     @property
     def whole(self) -> bool:
-        """Return whether all of it could be read."""
+        """True if all of it could be read."""
         return self.state is not None and self.action is not None and bool(self.possible)
 
 
 def connection_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield unknown and unreachable states, pairs given twice and shared places of a raw ``[mdp]`` table."""
+    """Yield contradictions in a raw ``[mdp]`` table.
+
+    They are unknown and unreachable states, repeated pairs, and shared places.
+    """
     entries = raw.get("transition")
     arrows = [_read(index, entry) for index, entry in enumerate(entries if isinstance(entries, list) else [])]
     places, looks = _table(raw.get("place")), _table(raw.get("seen_as"))
@@ -78,7 +79,7 @@ def connection_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
     yield from _given_twice(arrows)
     yield from _shared_places(places)
     if not arrows or any(each.state is None for each in arrows):
-        return  # without every state that acts, the rest would only repeat that fault
+        return  # with a missing state, everything else would repeat that error
     unknown = [*_unknown_destinations(arrows, places), *_unknown_starts(raw.get("start"), arrows)]
     unknown += _unknown_places(arrows, places, looks)
     yield from unknown
@@ -113,7 +114,7 @@ def _read(index: int, entry: object) -> Arrows:
 
 
 def _weights(distribution: object) -> dict[str, bool]:
-    """Return each state of a ``to`` or ``start`` and whether it is possible."""
+    """Return next state → possible or not, for a ``to`` or ``start``."""
     if isinstance(distribution, str):
         return {distribution: True} if is_name(distribution) else {}
     if not isinstance(distribution, dict):
@@ -156,14 +157,14 @@ def _shared_places(places: Mapping[str, Any]) -> Iterator[Finding]:
         if isinstance(at, list) and all(isinstance(each, int) for each in at):
             holder = taken.setdefault(tuple(at), name)
             if holder != name:
-                yield Finding(("place", name), f"{shown(at)}, where {shown(holder)} stands", "a free place")
+                yield Finding(("place", name), f"{shown(at)}, the place of {shown(holder)}", "a free place")
 
 
 def _unknown_destinations(arrows: Sequence[Arrows], places: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield destinations that nothing else in the file knows.
+    """Yield next states that the file does not mention elsewhere.
 
-    With ``[mdp.place]`` a terminal state must stand in it: that is how a slip of the pen differs from a
-    terminal state. Without it only names that differ from another in nothing but case and spaces are refused.
+    With ``[mdp.place]`` a terminal state must be listed there, which exposes typing errors. Without it, only
+    names that differ from another in case or spaces are refused.
     """
     known = {each.state or "" for each in arrows} | set(places)
     alike = {_loosely(name): name for name in known}
@@ -207,14 +208,14 @@ def _unknown_places(
 
 
 def _seen_findings(arrows: Sequence[Arrows], looks: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield states that are not there, and those in which other actions are legal than where it looks so."""
+    """Yield unknown states, and states whose actions differ from those of an equal observation."""
     mentioned = _mentioned(arrows)
     legal: dict[str, set[str]] = {name: set() for name in mentioned}
     for each in arrows:
         legal[each.state or ""].add(each.action or "")
     first: dict[str, str] = {}
-    faulty = set[str]()  # of each look one fault is enough
-    for name in sorted(mentioned, key=lambda name: (name in looks, name)):  # first what is seen as itself
+    faulty = set[str]()  # one error per observation is enough
+    for name in sorted(mentioned, key=lambda name: (name in looks, name)):  # plain ones first
         look = looks.get(name, name)
         if not is_name(look) or look in faulty:
             continue
@@ -225,7 +226,7 @@ def _seen_findings(arrows: Sequence[Arrows], looks: Mapping[str, Any]) -> Iterat
             yield Finding(
                 ("seen_as", name if name in looks else other),
                 f"{shown(look)} with the actions {here}, but {there} where it is {shown(other)}",
-                "the same actions in all states that look alike",
+                "the same actions in all states with equal observations",
             )
     for name in looks:
         if name not in mentioned:
@@ -268,7 +269,7 @@ def _reached_from(starts: Iterable[str], arrows: Sequence[Arrows]) -> set[str]:
 
 _AT_MOST: Final = f", at most {MOST_STATES_WRITTEN:,}"
 PLACE_FORM: Final = f"[column, row], whole numbers from 0 to {LARGEST_PLACE}"
-"""Where a state can stand in the drawing."""
+"""The form of a state's place in the drawing."""
 _COLUMN_OR_ROW: Final = whole_number(0, LARGEST_PLACE)
 _STATES: Final = sized(dict, MOST_STATES_WRITTEN)
 
@@ -276,7 +277,7 @@ Deviation = Annotated[float, number(0, LARGEST_STD)]
 
 
 class Destination(FileSection):
-    """Where a transition may lead: a probability, and a reward and its noise if they differ from the rest."""
+    """A next state: probability, and its own reward and noise if they differ."""
 
     p: Probability
     reward: Number | None = None
@@ -308,14 +309,14 @@ def _sums_to_one(distribution: dict[str, Share]) -> dict[str, Share]:
 
 
 def is_place(value: object) -> bool:
-    """Return whether a state can stand at ``value``, as a file has it."""
+    """Return True if `value` is a valid place of a state."""
     return isinstance(value, list) and len(value) == 2 and all(map(_COLUMN_OR_ROW.test, value))
 
 
 class TransitionEntry(FileSection):
-    """What an action does in a state: one ``[[mdp.transition]]``.
+    """One ``[[mdp.transition]]``: the result of an action in a state.
 
-    ``std`` is the standard deviation of Gaussian noise on the reward.
+    `std` is the standard deviation of Gaussian noise on the reward.
     """
 
     state: Name
@@ -330,7 +331,12 @@ class TransitionEntry(FileSection):
     ]
 
     def outcomes(self, index: Mapping[str, int], action: int) -> list[Outcome]:
-        """Return what may happen; nothing but the action itself does."""
+        """Return the outcomes of this transition.
+
+        Args:
+            index: Number of each state.
+            action: Number of the action, which always happens as meant.
+        """
         from rl_tui.worlds.mdp.tabular_mdp import Outcome
 
         return [
@@ -347,10 +353,10 @@ class TransitionEntry(FileSection):
 
 
 class MDPSection(WorldSection):
-    """The whole table. States without transitions are terminal.
+    """The ``[mdp]`` table. States without transitions are terminal.
 
-    ``seen_as`` says what the agent sees in place of a state. Where two states look alike there is no table of
-    what it sees: then the world is stepped.
+    `seen_as` gives the observation of a state. If two states share one, the world is simulated, because there
+    is no transition table over observations.
     """
 
     start: Annotated[
@@ -380,16 +386,16 @@ class MDPSection(WorldSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield what does not fit together between entries."""
+        """Yield contradictions between entries."""
         return connection_findings(raw)
 
     def sketch(self) -> Graph:
-        """Return how the world is drawn."""
+        """Return the drawing of the world."""
         seen, states = self._numbered()
         return self._graph(states) if len(seen) == len(states) else Graph(self._places(seen))
 
     def build(self, generator: Generator) -> World:
-        """Return the world; ``generator`` is not touched."""
+        """Build the world. `generator` is not used."""
         from rl_tui.worlds.mdp.tabular_mdp import Transition, tabular_mdp
 
         seen, states = self._numbered()
@@ -415,13 +421,13 @@ class MDPSection(WorldSection):
         return observed_world(mdp, list(seen), [seen[name] for name in names], Graph(self._places(seen)))
 
     def _numbered(self) -> tuple[dict[str, int], dict[str, int]]:
-        """Return what is seen and the states, each with its number; without ``seen_as`` they are equal."""
+        """Return observations and states, each with its number. Without `seen_as` they are equal."""
         mentioned = [name for each in self.transition for name in (each.state, *each.to)]
         seen = _in_order(map(self._look, [*self.place, *mentioned]))
         return seen, _in_order(sorted(mentioned, key=lambda name: seen[self._look(name)]))
 
     def _graph(self, states: Mapping[str, int]) -> Graph:
-        """Return the drawing of ``states``, which are seen as they are, with their numbers."""
+        """Return the drawing of `states`, given with their numbers."""
         moves = (
             Move(states[each.state], each.action, {states[name]: to.p for name, to in each.to.items()})
             for each in self.transition
@@ -433,7 +439,7 @@ class MDPSection(WorldSection):
         return self.seen_as.get(name, name)
 
     def _places(self, states: Iterable[str]) -> tuple[tuple[int, int], ...]:
-        """Return (column, row) of each state as it is seen; those without one fill rows below the others."""
+        """Return (column, row) of each observation. Those without a place fill rows below the others."""
         states = list(states)
         place = {self._look(name): at for name, at in reversed(self.place.items())}
         place |= {name: at for name, at in self.place.items() if name in states}
@@ -445,5 +451,5 @@ class MDPSection(WorldSection):
 
 
 def _in_order(names: Iterable[str]) -> dict[str, int]:
-    """Return each name once, in the order of first mention, with its index."""
+    """Return each name with its index, in the order of first mention."""
     return {name: index for index, name in enumerate(dict.fromkeys(names))}

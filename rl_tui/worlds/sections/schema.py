@@ -1,7 +1,7 @@
-"""The base of all tables in a scenario file: allowed values, and errors reported as findings.
+"""The base of all world tables: accepted values, and errors as findings.
 
-Each kind of world is one subclass of `WorldSection`, and one row in `files/scenario.py`. Complaints of
-pydantic become findings: what was found, what was expected, and where.
+Each kind of world is one subclass of `WorldSection`, and one row in `files/scenario.py`. Errors of pydantic
+become findings: found, expected, and place.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ _IN_LINES: Final = "\n\t"
 
 
 class FileSection(BaseModel):
-    """A table of a scenario file. Keys it does not know are faults."""
+    """A table of a scenario file. Unknown keys are errors."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     @model_validator(mode="before")
     @classmethod
     def _has_few_keys(cls, value: object) -> object:
-        """Refuse a table of very many keys at once: to complain of each takes a kilobyte."""
+        """Refuse very many keys at once, since each error takes a kilobyte."""
         if isinstance(value, dict) and len(value) > MOST_KEYS:
             raise refused(shown(value), f"a table of at most {MOST_KEYS:,} keys")
         return value
@@ -50,9 +50,9 @@ AnySection = TypeVar("AnySection", bound=FileSection)
 
 @dataclass(frozen=True, slots=True)
 class Expect:
-    """Put into Annotated: refuses a raw value that fails ``test``, in the words of ``expected``.
+    """An annotation that refuses raw values which fail `test`.
 
-    ``found`` says what such a value is.
+    `expected` is the text of the error, and `found` describes a refused value.
     """
 
     expected: str
@@ -70,24 +70,24 @@ class Expect:
 
 
 def refused(found: str, expected: str) -> PydanticCustomError:
-    """Return the error by which a validator says what it found and what it expected."""
+    """Return the error of a validator, with found and expected value."""
     return PydanticCustomError("refused", "{found}", {"found": found, "expected": expected})
 
 
 def is_number(value: object) -> bool:
-    """Return whether a value is a number: no truth value, date or NaN."""
+    """Return True for a number. Booleans, dates and NaN are not numbers."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and value == value
 
 
 def number(low: float = -LARGEST_NUMBER, high: float = LARGEST_NUMBER) -> Expect:
-    """Expect a finite number within ``low`` .. ``high``."""
+    """Expect a finite number from `low` to `high`."""
     return Expect(
         f"a finite number from {low:g} to {high:g}", lambda value: is_number(value) and low <= value <= high
     )
 
 
 def whole_number(low: int, high: int) -> Expect:
-    """Expect an integer within ``low`` .. ``high``."""
+    """Expect an integer from `low` to `high`."""
     return Expect(
         f"a whole number from {low:,} to {high:,}",
         lambda value: is_number(value) and isinstance(value, int) and low <= value <= high,
@@ -95,13 +95,18 @@ def whole_number(low: int, high: int) -> Expect:
 
 
 def with_control_character(value: object, also: str = "") -> str:
-    """Return a value as :func:`shown` does, and before it the control character that is in it, if any."""
+    """Return a value as :func:`shown` does, preceded by its first control character, if any.
+
+    Args:
+        value: The value.
+        also: Allowed control characters.
+    """
     named = control_character(value, also) if isinstance(value, str) else ""
     return f"{named} in {shown(value)}" if named else shown(value)
 
 
 def text(longest: int) -> Expect:
-    """Expect one line of at most ``longest`` characters."""
+    """Expect one line of at most `longest` characters."""
     return Expect(
         f"one line of text of at most {longest:,} characters, none of them a control character",
         lambda value: isinstance(value, str) and len(value) <= longest and is_plain(value),
@@ -110,7 +115,7 @@ def text(longest: int) -> Expect:
 
 
 def markdown(longest: int) -> Expect:
-    """Expect Markdown of at most ``longest`` characters, which spells no control character either."""
+    """Expect Markdown of at most `longest` characters, without escaped control characters."""
 
     def found(value: object) -> str:
         return with_control_character(unescape(value) if isinstance(value, str) else value, _IN_LINES)
@@ -128,22 +133,28 @@ def markdown(longest: int) -> Expect:
 
 
 def is_name(value: object) -> bool:
-    """Return whether a value can name a state or an action."""
+    """Return True if `value` can name a state or an action."""
     return isinstance(value, str) and 0 < len(value.strip()) <= len(value) <= LONGEST_NAME and is_plain(value)
 
 
 def is_table(value: object) -> bool:
-    """Return whether a value is a table."""
+    """Return True if `value` is a table."""
     return isinstance(value, dict)
 
 
 def sized(kind: type[list[Any] | dict[Any, Any]], most: int, least: int = 0) -> Callable[[object], bool]:
-    """Return the test whether a value is a list or a table of ``least`` to ``most`` entries."""
+    """Return a test for a list or table with `least` to `most` entries.
+
+    Args:
+        kind: list or dict.
+        most: Largest number of entries.
+        least: Smallest number of entries.
+    """
     return lambda value: isinstance(value, kind) and least <= len(value) <= most
 
 
 def is_truth_value(value: object) -> bool:
-    """Return whether a value is true or false."""
+    """Return True if `value` is true or false."""
     return isinstance(value, bool)
 
 
@@ -154,7 +165,11 @@ Name = Annotated[str, Expect(f"a name of 1 to {LONGEST_NAME} characters", is_nam
 
 
 def parsed(section: type[AnySection], raw: object) -> tuple[AnySection | None, list[Finding]]:
-    """Return the section made of ``raw`` and no findings, or None and all that is wrong with its form."""
+    """Parse `raw` as a `section`.
+
+    Returns:
+        The section and no findings, or None and the formal errors.
+    """
     try:
         return section.model_validate(raw), []
     except ValidationError as error:
@@ -176,13 +191,13 @@ def _finding(section: type[FileSection], error: ErrorDetails) -> Finding:
 
 
 def unknown_key(location: tuple[str | int, ...], keys: Iterable[str]) -> Finding:
-    """Return the finding for a key that its table does not know."""
+    """Return the finding for an unknown key of a table."""
     keys = list(keys)
     return Finding(location, "an unknown key", f"one of {', '.join(keys)}{near(str(location[-1]), keys)}")
 
 
 def _section_at(section: type[FileSection], location: tuple[str | int, ...]) -> type[FileSection]:
-    """Return the section whose key the last step of ``location`` is."""
+    """Return the section that contains the last key of `location`."""
     for step in location[:-1]:
         field = section.model_fields.get(str(step))
         section = next(_sections_in(field.annotation), section) if field else section
@@ -209,32 +224,32 @@ class WorldSection(FileSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield faults between the entries of the raw table, whether or not the form of each is sound."""
+        """Yield contradictions between the entries of the raw table, even if some are invalid."""
         return iter(())
 
     def environment_findings(self) -> Iterator[Finding]:
-        """Yield faults that only show once the world outside the file is looked at; may be slow."""
+        """Yield errors outside the file, such as a missing environment. May be slow."""
         return iter(())
 
     @property
     def drawn_from_seed(self) -> bool:
-        """Whether another seed makes another world."""
+        """True if the world depends on the seed."""
         return False
 
     def sketch(self) -> Drawing | None:
-        """Return how the world will be drawn, without building it; None if the table does not tell.
+        """Return the drawing without building the world, or None if it is unknown.
 
-        A map has its size and wind only, a graph no states.
+        A map has only size and wind, and a graph has no states.
         """
         return None
 
     @abstractmethod
     def build(self, generator: Generator) -> World:
-        """Return the world; what is random about the world itself is drawn from ``generator``."""
+        """Build the world. Its random parts are drawn from `generator`."""
 
 
 class WorldRefusedError(Exception):
-    """The world cannot be built; ``finding`` says why, located inside its table."""
+    """The world cannot be built. `finding` gives the reason, located inside its table."""
 
     def __init__(self, location: Location, found: str, expected: str) -> None:
         super().__init__(found)

@@ -1,4 +1,4 @@
-"""What planners share: the expected update of a state (Sutton & Barto, 2nd ed., section 4.1)."""
+"""The expected update of a state, shared by the planners (Sutton & Barto, 2nd ed., section 4.1)."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ ANY = -1
 
 
 class Sweep(NamedTuple):
-    """The progress of the sweep under way, each an array of one number.
+    """Progress of the current sweep, in arrays of one number.
 
-    ``number`` is the sweep as the loop counts them, −1 before the first, and ``sweeps`` as the planner does.
-    ``change`` is the largest change of a state's value in it so far; infinite before the first, and where the
-    discount was changed on the way, since then it proves nothing. ``gamma`` is the discount it began with.
+    `number` counts sweeps as the loop does, −1 before the first, and `sweeps` as the planner does. `change`
+    is the largest change of a value so far. It is infinite before the first sweep and after a change of the
+    discount, because it then proves nothing. `gamma` is the discount at the start.
     """
 
     number: IntArray
@@ -30,13 +30,13 @@ class Sweep(NamedTuple):
 
 
 def no_sweep() -> Sweep:
-    """Return the sweep before the first one."""
+    """Return the progress before the first sweep."""
     return Sweep(np.full(1, -1, dtype=np.int64), np.zeros(1, dtype=np.int64), np.full(1, np.inf), np.zeros(1))
 
 
 @inlined
 def begin_sweep(progress: Sweep, params: KernelParameters, number: int) -> None:
-    """Begin another sweep, which nothing has changed in yet."""
+    """Start another sweep."""
     progress.number[0] = number
     progress.sweeps[0] += 1
     progress.change[0] = 0.0
@@ -53,13 +53,13 @@ def note_change(progress: Sweep, params: KernelParameters, change: float) -> Non
 
 @inlined
 def at_rest(progress: Sweep, params: KernelParameters) -> bool:
-    """Return True if the sweep just done moved no value by more than the accuracy, for this discount."""
+    """Return True if the last sweep changed no value by more than the accuracy, for this discount."""
     still: bool = progress.change[0] <= params.accuracy
     return still and bool(progress.gamma[0] == params.gamma)
 
 
 def change_in_words(change: FloatArray) -> str:
-    """Say what the largest change of a sweep is, [1]."""
+    """Return the largest change of a sweep, [1], as text."""
     if np.isinf(change[0]):
         return "γ changed on the way"
     return f"largest change {change[0]:.2g}"
@@ -75,10 +75,20 @@ def back_up_pairs(
     state: int,
     reported: int,
 ) -> Update:
-    """Set all estimates of ``state`` to their expected update from ``v``, and count a visit of each.
+    """Set all estimates of `state` to their expected update from `v`, and count the visits.
 
-    The update is that of the pair ``reported``, or with −1 of the best one: it gathers the expected reward,
-    and its bootstrap is the expected value of what comes next.
+    Args:
+        q: Estimates, [P], changed in place.
+        visits: Number of backups, [P], changed in place.
+        v: Value of each state, [S].
+        params: Hyper-parameters.
+        tables: Tables of the world.
+        state: State to back up.
+        reported: Pair to report; −1: the best one.
+
+    Returns:
+        The update of the reported pair. It gathers the expected reward and bootstraps from the expected next
+        value.
     """
     first, last = pairs_of(tables, state)
     pair, before, gathered, bootstrap, after = first, 0.0, 0.0, 0.0, -np.inf

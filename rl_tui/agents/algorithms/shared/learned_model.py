@@ -1,6 +1,6 @@
 """The deterministic model of Dyna-Q and prioritized sweeping (Sutton & Barto, 2nd ed., section 8.2).
 
-It takes what a pair led to last for what it leads to always.
+It assumes that a pair always leads to its last outcome.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import best_value
 from rl_tui.worlds.mdp.space import FloatArray
 
-# In place of the state that a pair leads to
+# Special values instead of a next state
 UNKNOWN: Final = -1
 THE_END: Final = -2
 
 
 @compiled
 def modelled_value(q: FloatArray, tables: Tables, next_state: int) -> float:
-    """Return max Q(S′,·) of a state in the model, 0 where the episode ends or nothing is known."""
+    """Return max Q(S′,·) for a state of the model; 0 for the end or an unknown state."""
     value = 0.0
     if next_state >= 0:
         first, last = pairs_of(tables, next_state)

@@ -1,7 +1,6 @@
-"""A priority queue of pairs: a binary heap that knows the place of each, all in preallocated arrays.
+"""A priority queue of pairs: a binary heap with the position of each pair, in preallocated arrays.
 
-Of equal priorities the pair of the lower number comes first, so that the order never depends on the heap's
-layout.
+With equal priorities the lower pair number comes first. So the order never depends on the layout of the heap.
 """
 
 from __future__ import annotations
@@ -17,9 +16,9 @@ NOT_QUEUED: Final = -1
 
 
 class Queue(NamedTuple):
-    """``heap``, [P], begins with the ``size[0]`` pairs queued, the first of all in front.
+    """The queue. The first ``size[0]`` entries of `heap`, [P], are the queued pairs.
 
-    ``place``, [P], is where each pair stands in it, −1 for none; ``priority``, [P], counts for those queued.
+    `place`, [P], is the index of each pair in the heap, or −1. `priority`, [P], is valid for queued pairs.
     """
 
     heap: IntArray
@@ -29,7 +28,7 @@ class Queue(NamedTuple):
 
 
 def empty_queue(pairs: int) -> Queue:
-    """Return a queue with room for ``pairs`` pairs."""
+    """Return a queue with room for `pairs` pairs."""
     return Queue(
         heap=np.zeros(pairs, dtype=np.int64),
         place=np.full(pairs, NOT_QUEUED, dtype=np.int64),
@@ -40,7 +39,7 @@ def empty_queue(pairs: int) -> Queue:
 
 @compiled
 def enqueue(queue: Queue, pair: int, priority: float) -> None:
-    """Insert ``pair``; one that is queued already moves up, and never down."""
+    """Insert `pair`. If it is queued already, its priority can only rise."""
     at = queue.place[pair]
     if at == NOT_QUEUED:
         at = queue.size[0]
@@ -63,14 +62,14 @@ def enqueue(queue: Queue, pair: int, priority: float) -> None:
 
 @compiled
 def dequeue(queue: Queue) -> int:
-    """Take out the pair of the highest priority, of a queue that is not empty."""
+    """Remove and return the pair with the highest priority. The queue must not be empty."""
     first: int = queue.heap[0]
     queue.place[first] = NOT_QUEUED
     queue.size[0] -= 1
     size = queue.size[0]
     if size == 0:
         return first
-    # The last one sinks from the front to where it belongs
+    # The last pair moves to the front and sinks to its place
     pair = queue.heap[size]
     priority = queue.priority[pair]
     at = 0

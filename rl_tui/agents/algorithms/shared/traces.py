@@ -1,6 +1,6 @@
 """Eligibility traces of state–action pairs (Sutton & Barto, 2nd ed., chapter 12).
 
-Only pairs that have a trace are visited, so that a step costs no more in a large table than in a small one.
+Only pairs with a trace are visited, so a step costs the same in a large table.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from rl_tui.agents.kernels.compiled import inlined
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
-# Below this a trace is dropped: else every step would go on moving all pairs of a long episode, by amounts
-# that no digit shows.
+# Smaller traces are dropped. Otherwise every step would update all pairs of a long episode by invisible
+# amounts
 FADED: Final = 1e-12
 
 
 class TracedMemory(NamedTuple):
-    """What an algorithm with traces remembers.
+    """The memory of an algorithm with traces.
 
-    The estimates ``q``, the counts ``visits`` and the traces ``eligibility`` are [P]. ``active``, [P], begins
-    with the ``active_count[0]`` pairs whose trace is not 0. ``chosen``, [2], is A′ as
-    :mod:`rl_tui.agents.algorithms.shared.next_action` has it.
+    `q`, `visits` and the traces `eligibility` are [P]. The first ``active_count[0]`` entries of `active`,
+    [P], are the pairs with a trace. `chosen`, [2], is A′; see
+    :mod:`rl_tui.agents.algorithms.shared.next_action`.
     """
 
     q: FloatArray
@@ -37,7 +37,7 @@ class TracedMemory(NamedTuple):
 
 
 def no_traces(q: FloatArray, visits: IntArray, space: FiniteSpace) -> TracedMemory:
-    """Return the memory at the start of an episode, around a table of estimates and its visits."""
+    """Return the memory at the start of an episode, for existing estimates and visits."""
     none = np.zeros(1, dtype=np.int64)
     return TracedMemory(
         q, visits, np.zeros(space.pairs), np.zeros(space.pairs, dtype=np.int64), none, nothing_chosen()
@@ -46,7 +46,7 @@ def no_traces(q: FloatArray, visits: IntArray, space: FiniteSpace) -> TracedMemo
 
 @inlined
 def cut_traces(memory: TracedMemory) -> None:
-    """Let no pair have a trace any more."""
+    """Remove all traces."""
     for place in range(memory.active_count[0]):
         memory.eligibility[memory.active[place]] = 0.0
     memory.active_count[0] = 0
@@ -60,17 +60,26 @@ def teach(
     bootstrap: float,
     decay: float,
 ) -> Update:
-    """Give the pair just taken its trace, move all that have one, and let them fade by ``decay``.
+    """Set the trace of the taken pair, update all pairs with a trace, and let the traces decay.
 
-    The trace of the pair grows by 1 where traces accumulate, else it becomes 1. With δ = reward + γ·bootstrap
-    − Q(pair), every pair moves by α·e·δ, e being its trace (equation 12.7); where the step size is the sample
-    average it is that of each pair. ``bootstrap`` is an estimate of the next state, 0 after the end.
-    ``decay`` is γλ, or 0 to cut all traces. The update returned is that of the pair just taken.
+    An accumulating trace grows by 1, a replacing one becomes 1. With δ = reward + γ · bootstrap − Q(pair),
+    each pair moves by α · e · δ (equation 12.7), where e is its trace. A sample average uses the count of
+    each pair.
+
+    Args:
+        memory: Memory, changed in place.
+        params: Hyper-parameters.
+        experience: The step.
+        bootstrap: Estimate of the next state; 0 after the end.
+        decay: γλ, or 0 to cut all traces.
+
+    Returns:
+        The update of the taken pair.
     """
     q, visits, trace = memory.q, memory.visits, memory.eligibility
     active, count = memory.active, memory.active_count
     pair, reward = experience.pair, experience.reward
-    # e(S,A) ← e(S,A) + 1, or where traces are replaced 1
+    # e(S,A) ← e(S,A) + 1, or 1 for replacing traces
     if trace[pair] == 0.0:
         active[count[0]] = pair
         count[0] += 1

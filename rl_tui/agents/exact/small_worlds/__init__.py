@@ -1,1 +1,1 @@
-"""Exact figures of many policies of one small world at once, by kernels that need no Python in between."""
+"""Exact figures of many policies in a small world, by kernels that run without Python."""

@@ -1,4 +1,4 @@
-"""The chain that a policy makes of a small world over an unlimited horizon, and its parts without an end."""
+"""The Markov chain of a policy in a small world, and its parts without an end."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class Chain(NamedTuple):
-    """What may follow each of N live states under a policy, and what it is worth for some γ.
+    """The chain of N live states under a policy, for some γ.
 
-    State n has the ways ``first``[n] .. ``first``[n+1], each to a ``target`` other than n, N for every end,
-    with the probability ``weight`` + ``weight_rest``. Of each state, [N], ``earned`` + ``earned_rest`` is the
-    expected reward, ``stop`` + ``stop_rest`` what γ takes away: 1 − γ, times what the probabilities of its
-    pairs sum to. ``pays`` says whether any of its rewards is not 0.
+    State n has the ways ``first``[n] .. ``first``[n+1]. Each leads to a `target` other than n (N is the end)
+    with the probability `weight` + `weight_rest`. Per state, [N]: `earned` + `earned_rest` is the expected
+    reward, and `stop` + `stop_rest` is 1 − γ times the sum of its probabilities. `pays` is True if any reward
+    is not 0.
     """
 
     first: IntArray
@@ -33,7 +33,7 @@ class Chain(NamedTuple):
 
 
 def new_chain(world: UnlimitedWorld) -> Chain:
-    """Return the memory for the chain of any policy in ``world``."""
+    """Return memory for the chain of any policy in `world`."""
     states, ways = len(world.first_pair) - 1, len(world.target)
     return Chain(
         first=np.zeros(states + 1, dtype=np.int64),
@@ -50,7 +50,7 @@ def new_chain(world: UnlimitedWorld) -> Chain:
 
 @for_kernels
 def follow_policy(world: UnlimitedWorld, policies: FloatArray, row: int, gamma: float, chain: Chain) -> None:
-    """Make ``chain`` that of the policy ``policies``[row], one of [B, P], for ``gamma`` in [0, 1]."""
+    """Fill `chain` for the policy ``policies``[row], one of [B, P], and `gamma` in [0, 1]."""
     states = len(world.first_pair) - 1
     used = 0
     stop, stop_rest = two_sum(1.0, -gamma)
@@ -81,17 +81,17 @@ def follow_policy(world: UnlimitedWorld, policies: FloatArray, row: int, gamma: 
 
 @for_kernels
 def leave_out_endless(chain: Chain, pays: BoolArray, unknown: BoolArray, undefined: BoolArray) -> None:
-    """Mark the states whose value has to be found, ``unknown``, and those that have none, ``undefined``.
+    """Mark the states to solve, `unknown`, and those without a value, `undefined`.
 
-    A part that is never left adds 0 where it pays nothing. Where it goes on paying it has no value, nor has a
-    state from which luck may lead there. ``pays`` is memory; all three are [N+1], with the end as the last.
+    An endless part adds 0 without rewards. With rewards it has no value, and neither has any state that may
+    reach it. `pays` is scratch memory. All three are [N+1], with the end last.
     """
     states = len(chain.earned)
     for state in range(states):
         pays[state] = chain.pays[state]
     pays[states] = False
     _mark_those_before(chain.first, chain.target, pays)
-    # From where an end can be reached, or a part without rewards
+    # states that reach an end, or a part without rewards
     for state in range(states + 1):
         unknown[state] = not pays[state]
     _mark_those_before(chain.first, chain.target, unknown)
@@ -104,12 +104,12 @@ def leave_out_endless(chain: Chain, pays: BoolArray, unknown: BoolArray, undefin
 
 @for_kernels
 def _mark_those_before(first: IntArray, target: IntArray, goals: BoolArray) -> None:
-    """Mark all states from which luck may lead to one of ``goals``, [N+1], too."""
+    """Mark all states that can reach one of `goals`, [N+1]."""
     states = len(first) - 1
     moved = True
     while moved:
         moved = False
-        # There and back, since most ways lead to a neighbour
+        # in both directions, since most ways lead to a neighbour
         for place in range(2 * states):
             state = place if place < states else 2 * states - 1 - place
             if not goals[state]:

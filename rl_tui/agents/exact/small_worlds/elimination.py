@@ -1,9 +1,9 @@
-"""Solve v = b + γ P v: take one state after the other out of the chain, then refine the values.
+"""Solve v = b + γ P v by eliminating states, then refine the values.
 
 Grassmann, Taksar and Heyman (1985), *Regenerative analysis and steady state distributions for Markov chains*:
-how likely a state is left is summed from what leaves it and never found as a difference. So nothing cancels,
-no pivot has to be looked for, and every factor has nearly all its digits, however near to 0 it is.
-What is left of equation 4.4 then corrects the values to their last digit.
+the probability to leave a state is summed, never computed as a difference. So nothing cancels, no pivoting is
+needed, and all factors are precise even near 0. The residual of equation 4.4 then corrects the values to the
+last digit.
 """
 
 from __future__ import annotations
@@ -19,21 +19,20 @@ from rl_tui.agents.kernels.compiled import for_kernels
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_STEPS: Final = 1e10
-"""The expected number of steps, each discounted, up to which a chain is well-conditioned."""
+"""Largest expected number of discounted steps of a well-conditioned chain."""
 MOST_WORK: Final = 200_000
-"""How many products the elimination of a chain may add up: interpreted, they take some tenths of a second."""
+"""Largest number of products in an elimination. Interpreted, they take some tenths of a second."""
 
 SOLVABLE, ENDLESS, UNSUITABLE = range(3)
 
 
 class Factors(NamedTuple):
-    """A chain without its N states, taken out one by one, from the first.
+    """The factors of a chain whose N states are eliminated in order.
 
-    When state n is taken out, it is left with the weight ``leaving``[n], [N]. The parts ``first``[2n] ..
-    ``first``[2n+1] of ``entry`` are the weights of its ways to states that are still there, those up to
-    ``first``[2n+2] the shares of n in what the values of such states are made of; ``state`` says which.
-    ``steps``, [N], is the expected number of steps, each discounted, from each state. ``matrix``, [N N], has
-    the weights while states are taken out, and is 0 before and after.
+    ``leaving``[n] is the weight that leaves state n when it is eliminated, [N]. Entries ``first``[2n] ..
+    ``first``[2n+1] of `entry` are the weights of its ways to later states. Those up to ``first``[2n+2] are
+    the shares of n in later states. `state` names the later state. `steps`, [N], is the expected number of
+    discounted steps. `matrix`, [N N], holds weights during elimination and is 0 otherwise.
     """
 
     matrix: FloatArray
@@ -45,13 +44,13 @@ class Factors(NamedTuple):
 
 
 def new_factors(states: int) -> Factors:
-    """Return the memory for any chain of so many states."""
+    """Return memory for any chain with this number of states."""
     return Factors(
         matrix=np.zeros(states * states),
         leaving=np.zeros(states),
         steps=np.zeros(states),
         first=np.zeros(2 * states + 1, dtype=np.int64),
-        # Pages that are never written to take no memory
+        # pages that are never written take no memory
         state=np.empty(states * states, dtype=np.int32),
         entry=np.empty(states * states),
     )
@@ -59,10 +58,17 @@ def new_factors(states: int) -> Factors:
 
 @for_kernels
 def eliminate(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) -> int:
-    """Take the ``unknown`` states, [N+1], out of the chain; the values of all others are known.
+    """Eliminate the `unknown` states, [N+1], of the chain. All other values are known.
 
-    ``gamma`` is that of the chain. Returns ``SOLVABLE``; ``ENDLESS``, with no factors, where some states are
-    never left (at γ = 1); or ``UNSUITABLE`` where it takes too many steps or too much work.
+    Args:
+        chain: The chain.
+        gamma: Discount of the chain.
+        unknown: States to eliminate, [N+1].
+        factors: Receives the factors.
+
+    Returns:
+        ``SOLVABLE``, ``ENDLESS`` if some states are never left (γ = 1), or ``UNSUITABLE`` if there are too
+        many steps or too much work.
     """
     states = len(chain.earned)
     matrix, leaving, first = factors.matrix, factors.leaving, factors.first
@@ -95,7 +101,7 @@ def eliminate(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) 
                     used += 1
                     leaving[other] += share * out
                     for part in range(first[2 * taken], upper):
-                        # What comes back to the same state does not leave it
+                        # a way back to the same state does not leave it
                         if factors.state[part] != other:
                             matrix[other * states + factors.state[part]] += share * factors.entry[part]
                     work += upper - first[2 * taken]
@@ -105,7 +111,7 @@ def eliminate(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) 
 
 @for_kernels
 def _fill(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) -> None:
-    """Set ``matrix`` to the weights of ways between unknown states, ``leaving`` to those of all others."""
+    """Fill `matrix` with the weights between unknown states, and `leaving` with all others."""
     states = len(chain.earned)
     for state in range(states):
         if unknown[state]:
@@ -121,7 +127,7 @@ def _fill(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) -> N
 
 @for_kernels
 def _is_well_conditioned(unknown: BoolArray, factors: Factors) -> bool:
-    """Find the ``steps`` of the unknown states, and return whether they are few enough."""
+    """Compute the `steps` of the unknown states, and return True if they are few enough."""
     states = len(factors.steps)
     steps, first = factors.steps, factors.first
     for state in range(states):
@@ -143,17 +149,17 @@ def _is_well_conditioned(unknown: BoolArray, factors: Factors) -> bool:
 # Refinement
 
 
-# Two or three are enough as a rule, some ten where a chain is hardly well-conditioned
+# normally two or three are enough, about ten for a badly conditioned chain
 _MOST_ROUNDS: Final = 20
-# Of the largest value: below it a double has no digits
+# relative to the largest value; below it a double has no digits
 _NEGLIGIBLE: Final = 2.0**-64
 
 
 class Unknowns(NamedTuple):
-    """The values of N live states, ``value`` + ``rest``, and what is left of their equations, [N] each.
+    """Values of N live states as `value` + `rest`, and the residual of their equations, [N] each.
 
-    ``unknown`` says whose value is to be found, ``undefined`` who has none, [N+1] each, with the end as the
-    last; all others are worth 0. ``pays``, [N+1], is memory.
+    `unknown` marks values to find, `undefined` states without a value, [N+1] each, with the end last. All
+    others are 0. `pays`, [N+1], is scratch memory.
     """
 
     value: FloatArray
@@ -165,7 +171,7 @@ class Unknowns(NamedTuple):
 
 
 def new_unknowns(states: int) -> Unknowns:
-    """Return the memory for any chain of so many states."""
+    """Return memory for any chain with this number of states."""
     return Unknowns(
         value=np.zeros(states),
         rest=np.zeros(states),
@@ -178,9 +184,9 @@ def new_unknowns(states: int) -> Unknowns:
 
 @for_kernels
 def refine(chain: Chain, gamma: float, factors: Factors, found: Unknowns) -> bool:
-    """Find the values of the unknown states, and correct them until nothing is left that a double shows.
+    """Compute the values of the unknown states, corrected to full double precision.
 
-    Returns False where that does not come to an end, as where numbers overflow.
+    Returns False if the corrections do not converge, for example after overflow.
     """
     states = len(chain.earned)
     for state in range(states):
@@ -189,7 +195,7 @@ def refine(chain: Chain, gamma: float, factors: Factors, found: Unknowns) -> boo
     before = 0.0
     for _ in range(_MOST_ROUNDS):
         correction, largest = _correct(factors, found)
-        # The next would be smaller by the same factor once more
+        # the next correction would shrink by the same factor
         after = correction * min(correction / before, 1.0) if before > 0.0 else correction
         if after <= _NEGLIGIBLE * largest:
             return True
@@ -200,10 +206,9 @@ def refine(chain: Chain, gamma: float, factors: Factors, found: Unknowns) -> boo
 
 @for_kernels
 def _correct(factors: Factors, found: Unknowns) -> tuple[float, float]:
-    """Add to the values what solves the equations for ``residual``, which is lost.
+    """Add the solution for `residual` to the values. The residual is overwritten.
 
-    Returns the largest of what was added and the largest value, both without their sign; the first is NaN
-    where anything is.
+    Returns the largest correction and the largest value, as magnitudes. The correction is NaN if any is.
     """
     states = len(found.value)
     first, residual = factors.first, found.residual
@@ -230,7 +235,7 @@ def _correct(factors: Factors, found: Unknowns) -> tuple[float, float]:
 
 @for_kernels
 def _find_residual(chain: Chain, gamma: float, found: Unknowns) -> None:
-    """Leave E[R + γ v(S′)] − v(s) in ``residual`` of the unknown states, 0 in the others."""
+    """Compute E[R + γ v(S′)] − v(s) of the unknown states, 0 for others."""
     states = len(chain.earned)
     for state in range(states):
         found.residual[state] = 0.0
@@ -242,7 +247,7 @@ def _find_residual(chain: Chain, gamma: float, found: Unknowns) -> None:
                 later, later_rest = 0.0, 0.0
                 if target < states:
                     later, later_rest = found.value[target], found.rest[target]
-                # Differences of values keep the digits that γ v(s′) − v(s) would lose where γ is near 1
+                # differences keep the digits that γ v(s′) − v(s) would lose for γ near 1
                 step, step_rest = plus(later, later_rest, -value, -rest)
                 more, more_rest = times(step, step_rest, chain.weight[way], chain.weight_rest[way])
                 gain, gain_rest = plus(gain, gain_rest, more, more_rest)

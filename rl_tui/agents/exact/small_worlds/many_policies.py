@@ -1,4 +1,4 @@
-"""Exact figures of many policies of one world: small worlds by one call of a kernel, others one by one."""
+"""Exact figures of many policies in a world: small worlds by one kernel call, others one by one."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, smallest_mdp
 
 
 class Values(NamedTuple):
-    """The values of B policies: ``v`` of N live states, [B, N], and ``at_start``, [B].
+    """Values of B policies: `v`, [B, N], for N live states, and `at_start`, [B].
 
-    NaN where there is none; those of a policy that is ``left``, [B], were not found.
+    NaN marks values that do not exist. Policies marked in `left`, [B], were not solved.
     """
 
     v: FloatArray
@@ -43,7 +43,7 @@ class Values(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What the kernel writes to on its way: for one call at a time."""
+    """Scratch memory of the kernel, for one call at a time."""
 
     chain: Chain
     factors: Factors
@@ -51,13 +51,13 @@ class Memory(NamedTuple):
 
 
 def new_values(world: UnlimitedWorld, policies: int) -> Values:
-    """Return the memory for the values of so many policies."""
+    """Return memory for the values of `policies` policies."""
     states = len(world.first_pair) - 1
     return Values(np.zeros((policies, states)), np.zeros(policies), np.zeros(policies, dtype=np.bool_))
 
 
 def new_memory(world: UnlimitedWorld) -> Memory:
-    """Return the memory for any policies in ``world``."""
+    """Return scratch memory for any policies in `world`."""
     states = len(world.first_pair) - 1
     return Memory(new_chain(world), new_factors(states), new_unknowns(states))
 
@@ -72,10 +72,9 @@ def _no_policies() -> tuple[Any, ...]:
 def find_values(
     world: UnlimitedWorld, policies: FloatArray, gamma: float, values: Values, memory: Memory
 ) -> None:
-    """Find the values of ``policies``, [B, P], for ``gamma`` in [0, 1].
+    """Compute the values of `policies`, [B, P], for `gamma` in [0, 1], exact up to final rounding.
 
-    Left are those that take too many steps until an end to be solved in doubles, or too much work. What is
-    found is exact to the last digit but for its rounding.
+    Policies that need too many steps or too much work for doubles are marked in ``values.left``.
     """
     chain, factors, found = memory.chain, memory.factors, memory.unknowns
     for row in range(len(policies)):
@@ -95,7 +94,7 @@ def find_values(
 
 @for_kernels
 def _average_at_start(world: UnlimitedWorld, v: FloatArray, row: int, rest: FloatArray) -> float:
-    """Return the mean of ``v``[row] + ``rest``, [N], over the start distribution."""
+    """Return the mean of ``v``[row] + `rest`, [N], over the start distribution."""
     average, average_rest = 0.0, 0.0
     for place in range(len(world.start)):
         state, chance = world.start[place], world.start_probability[place]
@@ -104,15 +103,15 @@ def _average_at_start(world: UnlimitedWorld, v: FloatArray, row: int, rest: Floa
     return average
 
 
-# Within the time limit: the sums of backward_induction.policy_values in the same order, for the same bits
+# Within the time limit: same order of summation as backward_induction.policy_values, for the same bits
 
 
 class Taken(NamedTuple):
-    """The pairs that a policy may take, n of them, with their outcomes, and the values of two sweeps.
+    """The n pairs that a policy may take, with outcomes, and the values of two sweeps.
 
-    Live state s takes ``first_pair``[s] .. ``first_pair``[s+1], each with a ``probability`` and an expected
-    ``reward``; the outcomes of pair p are ``first_outcome``[p] .. ``first_outcome``[p+1], each with its
-    ``landing`` and ``chance``. ``values`` are [2 N].
+    Live state s takes ``first_pair``[s] .. ``first_pair``[s+1], each with a `probability` and an expected
+    `reward`. Pair p has the outcomes ``first_outcome``[p] .. ``first_outcome``[p+1], each with `landing` and
+    `chance`. `values` is [2 N].
     """
 
     first_pair: IntArray
@@ -125,7 +124,7 @@ class Taken(NamedTuple):
 
 
 def new_taken(world: LimitedWorld) -> Taken:
-    """Return the memory for the pairs of any policy in ``world``."""
+    """Return memory for the pairs of any policy in `world`."""
     states, pairs, outcomes = len(world.first_pair) - 1, len(world.reward), len(world.landing)
     return Taken(
         first_pair=np.zeros(states + 1, dtype=np.int64),
@@ -148,7 +147,7 @@ def _within_limit_no_policies() -> tuple[Any, ...]:
 def find_returns(
     world: LimitedWorld, policies: FloatArray, steps: int, earned: FloatArray, taken: Taken
 ) -> None:
-    """Find what each of ``policies``, [B, P], earns in so many steps from the start: ``earned``, [B]."""
+    """Compute the return of each of `policies`, [B, P], within `steps` steps into `earned`, [B]."""
     for row in range(len(policies)):
         _take(world, policies, row, taken)
         earned[row] = _sum_of_rewards(world, steps, taken)
@@ -156,7 +155,7 @@ def find_returns(
 
 @for_kernels
 def _take(world: LimitedWorld, policies: FloatArray, row: int, taken: Taken) -> None:
-    """Note the pairs that the policy ``policies``[row], one of [B, P], may take."""
+    """Store the pairs that the policy ``policies``[row], one of [B, P], may take."""
     states = len(world.first_pair) - 1
     pairs, outcomes = 0, 0
     for state in range(states):
@@ -177,7 +176,7 @@ def _take(world: LimitedWorld, policies: FloatArray, row: int, taken: Taken) -> 
 
 @for_kernels
 def _sum_of_rewards(world: LimitedWorld, steps: int, taken: Taken) -> float:
-    """Return the expected sum of rewards of so many steps from the start."""
+    """Return the expected sum of rewards of `steps` steps from the start."""
     states = len(world.first_pair) - 1
     values = taken.values
     for place in range(2 * states):
@@ -195,7 +194,7 @@ def _sum_of_rewards(world: LimitedWorld, steps: int, taken: Taken) -> float:
                 value += taken.probability[pair] * total
             values[now + state] = value
             moved = moved or value != values[later + state]
-        # What has come to rest, to the last bit, rests for ever
+        # values equal to the last bit never change again
         if not moved:
             break
     average = 0.0
@@ -205,14 +204,14 @@ def _sum_of_rewards(world: LimitedWorld, steps: int, taken: Taken) -> float:
 
 
 ChainOf = Callable[[int], PolicyChain]
-"""Returns the chain of the policy of a row, for what the kernels leave."""
+"""Returns the chain of the policy in a row, for policies that the kernels skip."""
 
 
 class ValuesOfPolicies(NamedTuple):
-    """The values of B policies over an unlimited horizon: ``v``, [B, S], and their average ``at_start``, [B].
+    """Values of B policies over an unlimited horizon: `v`, [B, S], and their mean `at_start`, [B].
 
-    NaN where there is no value. Where rounding would spoil it, all of a policy is, and it is not ``exact``,
-    [B].
+    NaN marks values that do not exist. If rounding would spoil a policy, all its values are NaN and `exact`,
+    [B], is False.
     """
 
     v: FloatArray
@@ -221,10 +220,15 @@ class ValuesOfPolicies(NamedTuple):
 
 
 def values_of(mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: ChainOf) -> ValuesOfPolicies:
-    """Return the values of ``policies``, [B, P], for ``gamma`` in [0, 1].
+    """Compute the values of many policies. Results do not depend on the other policies or on compilation.
 
-    Each comes out bit for bit as if it were the only one, compiled or not. At γ = 1 an endless part that pays
-    nothing adds 0, and one that pays leaves no value.
+    At γ = 1 an endless part adds 0 without rewards, and has no value with rewards.
+
+    Args:
+        mdp: The world.
+        policies: Probabilities, [B, P].
+        gamma: Discount, 0 to 1.
+        chain_of: Makes the chain of a policy that the kernels skip.
     """
     found = ValuesOfPolicies(
         np.zeros((len(policies), mdp.states)),
@@ -251,15 +255,21 @@ def values_of(mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: Cha
 
 
 def returns_of(mdp: TabularMDP, policies: FloatArray, chain_of: ChainOf) -> FloatArray:
-    """Return the expected undiscounted return, [B], of each of ``policies``, [B, P], from the start.
+    """Compute the expected undiscounted return of many policies within the time limit.
 
-    It is that within the time limit, of an unlimited horizon without one: then NaN where a policy may come to
-    a part of the world that it never leaves and that goes on paying, or where rounding would spoil it.
+    Args:
+        mdp: The world.
+        policies: Probabilities, [B, P].
+        chain_of: Makes the chain of a policy that the kernels skip.
+
+    Returns:
+        Returns, [B]. Without a time limit NaN means that a policy may collect rewards forever, or that
+        rounding would spoil the number.
     """
     if not mdp.time_limit:
         return values_of(mdp, policies, 1.0, chain_of).at_start
     small = small_world(mdp)
-    # Interpreted, sweeps by whole arrays are quicker, and have the same bits
+    # without machine code whole arrays are faster, with the same bits
     if small is None or SHARED not in COMPILED_LOOPS:
         within = [policy_values(mdp, policy, mdp.time_limit) for policy in policies]
         return np.array([mdp.average_at_start(values) for values in within])
@@ -269,12 +279,11 @@ def returns_of(mdp: TabularMDP, policies: FloatArray, chain_of: ChainOf) -> Floa
 
 
 def _writable(policies: FloatArray) -> FloatArray:
-    """Return ``policies`` as an array of the type that machine code is for."""
     return np.require(policies, np.float64, ["C", "W"])
 
 
 def distinct_policies(policies: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the rows of ``policies``, [B, P], each once, [D, P], and the place of each there, [B]."""
+    """Return the distinct rows of `policies`, [D, P], and the row of each policy there, [B]."""
     rows = np.ascontiguousarray(policies)
     if len(rows) < 2:
         return rows, np.zeros(len(rows), dtype=np.int64)

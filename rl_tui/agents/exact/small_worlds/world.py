@@ -1,4 +1,4 @@
-"""A small world as the kernels read it: live states are numbered anew, numbers may be of two doubles."""
+"""A small world for the kernels: live states are renumbered, and numbers may be double-doubles."""
 
 from __future__ import annotations
 
@@ -13,20 +13,19 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST_STATES: Final = 512
-"""The live states that a small world has at most."""
-# What a return comes to stays far from overflow, where 0 times a value would be no 0 any more
+"""Largest number of live states in a small world."""
+# returns stay far from overflow, where 0 times a value would not be 0
 _LARGEST_RETURN: Final = 1e250
 _WORLDS_KEPT: Final = 4
 
 
 class UnlimitedWorld(NamedTuple):
-    """What the kernels read of a world of N live states and P pairs over an unlimited horizon.
+    """A world of N live states and P pairs over an unlimited horizon.
 
-    Live state n owns the pairs ``first_pair``[n] .. ``first_pair``[n+1], and pair p the ways
-    ``first_way``[p] .. ``first_way``[p+1], one for each ``target`` other than its own state; N as a target
-    stands for every end. The probability of a way is ``weight`` + ``weight_rest``, the expected reward of a
-    pair ``reward`` + ``reward_rest``, and ``pays`` says whether any reward of it is not 0. An episode begins
-    in the live state ``start`` with the probability ``start_probability``, [K] each.
+    Live state n owns the pairs ``first_pair``[n] .. ``first_pair``[n+1], and pair p the ways ``first_way``[p]
+    .. ``first_way``[p+1]. Each way has a `target` other than its own state (N is the end). Its probability is
+    `weight` + `weight_rest`. The expected reward of a pair is `reward` + `reward_rest`, and `pays` is True if
+    any reward is not 0. An episode starts in live state `start` with `start_probability`, [K] each.
     """
 
     first_pair: IntArray
@@ -42,11 +41,11 @@ class UnlimitedWorld(NamedTuple):
 
 
 class LimitedWorld(NamedTuple):
-    """What they read of it within a time limit.
+    """The same world within a time limit.
 
-    Pair p has the outcomes ``first_outcome``[p] .. ``first_outcome``[p+1] that do not end the episode, each
-    with its ``landing`` and ``chance``, and the expected ``reward``: the numbers of
-    :func:`~rl_tui.agents.exact.backward_induction.model_of`. The others are those of :class:`UnlimitedWorld`.
+    Pair p has the continuing outcomes ``first_outcome``[p] .. ``first_outcome``[p+1], each with `landing` and
+    `chance`, and the expected `reward`, as in :func:`~rl_tui.agents.exact.backward_induction.model_of`. The
+    rest is as in :class:`UnlimitedWorld`.
     """
 
     first_pair: IntArray
@@ -59,14 +58,14 @@ class LimitedWorld(NamedTuple):
 
 
 class SmallWorld(NamedTuple):
-    """A small world as the kernels read it."""
+    """A small world in both forms."""
 
     unlimited: UnlimitedWorld
     limited: LimitedWorld
 
 
 def small_world(mdp: TabularMDP) -> SmallWorld | None:
-    """Return ``mdp`` as the kernels read it, None where it is too large for them."""
+    """Return `mdp` in the form for kernels, or None if it is too large."""
     largest = float(np.abs(mdp.reward).max()) * max(mdp.time_limit, 1)
     is_small = np.count_nonzero(np.diff(mdp.first_pair)) <= MOST_STATES and largest < _LARGEST_RETURN
     return as_small_world(mdp) if is_small else None
@@ -74,7 +73,7 @@ def small_world(mdp: TabularMDP) -> SmallWorld | None:
 
 @lru_cache(maxsize=_WORLDS_KEPT)
 def as_small_world(mdp: TabularMDP) -> SmallWorld:
-    """Return ``mdp`` as the kernels read it; that of the last few is kept."""
+    """Return `mdp` in the form for kernels. The latest few are cached."""
     model = exact_model(mdp)
     number = np.full(mdp.states + 1, len(model.live))
     number[model.live] = np.arange(len(model.live))
@@ -102,9 +101,9 @@ def as_small_world(mdp: TabularMDP) -> SmallWorld:
 
 
 def _ways(model: ExactModel, number: IntArray) -> tuple[IntArray, IntArray, ExtendedArray]:
-    """Return where the ways of each pair begin, [P+1], and the target and probability of each way.
+    """Return the first way of each pair, [P+1], and target and probability of each way.
 
-    ``number``, [S+1], is what the states and the end are called.
+    `number`, [S+1], gives the new numbers of states and end.
     """
     source, target = number[model.pair_state[model.outcome_pair]], number[model.landing]
     width = int(number[-1]) + 1
@@ -120,7 +119,7 @@ def _ways(model: ExactModel, number: IntArray) -> tuple[IntArray, IntArray, Exte
 
 
 def _offsets(owner: IntArray, owners: int) -> IntArray:
-    """Return where the parts of each owner begin, [owners + 1]; ``owner``, [n], rises."""
+    """Return where the parts of each owner begin, [owners + 1]. `owner`, [n], rises."""
     return np.searchsorted(owner, np.arange(owners + 1))
 
 

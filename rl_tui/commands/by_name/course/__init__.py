@@ -1,1 +1,1 @@
-"""Commands of lessons: taking one, and judging what came of it."""
+"""Commands for lessons: take one, and grade results."""

@@ -1,4 +1,4 @@
-"""``rl-tui grade``: what submissions learn under many seeds, and what was done in sessions of a lesson."""
+"""``rl-tui grade``: grade submissions under many seeds, or sessions of a lesson."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rl_tui.commands.options.run import Real, Whole, allow_module_option, json_o
 MOST: int = 10**15
 MOST_SEEDS: int = 10_000
 WARNING = (
-    "This is no sandbox: {what} can read, write and send what you can. Grade only what you would run "
+    "Not a sandbox: {what} can read, write and send anything you can. Grade only what you would run "
     "yourself, or grade where there is nothing to lose."
 )
 
@@ -24,24 +24,24 @@ WARNING = (
 @click.argument("target", metavar="FILE.py[:NAME]|SESSION.json|FOLDER")
 @click.argument("lesson", metavar="[LESSON]", required=False)
 @click.option("--scenario", metavar="ID|FILE.toml", help="the world that submissions learn in")
-@click.option("--seeds", type=Whole(1, MOST_SEEDS), default=20, show_default=True, help="how many seeds")
+@click.option("--seeds", type=Whole(1, MOST_SEEDS), default=20, show_default=True, help="number of seeds")
 @click.option(
     "--episodes",
     type=Whole(1, MOST),
-    help="how many episodes an agent learns for  [default: the scenario's]; a script decides itself",
+    help="episodes to train an agent  [default: the scenario's]; a script decides itself",
 )
 @click.option(
     "--threshold",
     type=Real(high=1.0),
     default=0.95,
     show_default=True,
-    help="the mean share of the best return that passes",
+    help="mean share of the best return needed to pass",
 )
 @click.option("--seconds", type=Whole(1, MOST), default=60, show_default=True, help="time limit of a seed")
 @click.option(
-    "--memory", type=Whole(256, MOST), default=2048, show_default=True, help="MB that a seed may have"
+    "--memory", type=Whole(256, MOST), default=2048, show_default=True, help="memory limit of a seed in MB"
 )
-@click.option("--programs", is_flag=True, help="watch the programs that sessions hold for a lesson's task")
+@click.option("--programs", is_flag=True, help="run the programs in sessions, to judge their tasks")
 @seed_option
 @allow_module_option
 @json_option
@@ -58,19 +58,17 @@ def command(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Grade an agent or a script, or every one in a folder; or sessions by a LESSON.
+    """Grade an agent or a script, or all in a folder; or sessions of a LESSON.
 
-    Of a submission, what counts is the exact return of the greedy policy of its table, ties shared evenly.
-    Its share of the best is 1 - (best - return) / stake: 1 for the best policy, and the same less for each
-    point of return that is lost. The stake is what an episode of the best policy earns and pays, added up
-    without signs. So where there are only rewards, the share is return / best.
+    A submission is graded by the exact return of the greedy policy of its table, with ties shared evenly. Its
+    share of the best is 1 - (best - return) / stake: 1 for the best policy, less for lower returns. The stake
+    is the sum of all rewards in an episode of the best policy, without signs. With positive rewards only, the
+    share is return / best. A submission passes if its mean share over the seeds reaches the threshold and no
+    seed failed.
 
-    It has passed where the mean share over the seeds is the threshold or more, and no seed failed.
-
-    With a LESSON, an ID or a FILE.toml, it is a session of that lesson that is graded, or every one in a
-    folder: all that was done is done again from step 0, and the lesson's tasks are judged by what comes of
-    it, whatever the session says. A program that a session holds is only run with --programs, and not judged
-    without it. A session proves the run, not who made it.
+    With a LESSON (an ID or a FILE.toml), a session of that lesson is graded, or every session in a folder.
+    All its actions are repeated from step 0, and the tasks are judged by the results. A program in a session
+    runs only with --programs; without it, its task is not judged. A session proves the run, not who made it.
 
     The exit status is 0 if all have passed, else 1.
     """
@@ -101,7 +99,7 @@ def command(
     share_of_optimal = grading.yardstick.share(grading.yardstick.of_optimal)
     if share_of_optimal is not None and share_of_optimal < threshold:
         complain(
-            f"the optimal policy for γ = {recipe.hyperparameters.gamma:g} has itself only "
+            f"the optimal policy for γ = {recipe.hyperparameters.gamma:g} has only "
             f"{share_of_optimal:.4f} of the best return in {recipe.scenario.id}: a --threshold above that is "
             "too much to ask"
         )
@@ -131,14 +129,17 @@ def command(
 
 
 def _what_is_missing(target: str) -> str:
-    """Return what to say where neither a lesson nor a scenario is given."""
     if target.endswith(".json"):
         return f"{target} is a session: give the lesson after it, such as rl-tui grade SESSION.json q-by-hand"
     return "Missing option '--scenario'; or give a lesson after a session or a folder of sessions"
 
 
 def _check_lesson_usage(target: str) -> None:
-    """Refuse what does not go with a lesson. Raises click.UsageError."""
+    """Refuse options that do not apply to lessons.
+
+    Raises:
+        click.UsageError: An option for submissions was given, or `target` is a script.
+    """
     context = click.get_current_context()
     given = [
         f"--{name}"

@@ -1,4 +1,4 @@
-"""``rl-tui learn``: a lesson beside the playground, or the list of lessons."""
+"""``rl-tui learn``: open a lesson, or list the lessons."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     "--variant",
     type=Whole(1),
     metavar="N",
-    help="which of the lesson's variants, where it has some: the same with other numbers",
+    help="variant of the lesson, with other numbers, if there is one",
 )
-@click.option("--again", is_flag=True, help="begin anew; what was done until now stays among the sessions")
-@click.option("--list", "is_list", is_flag=True, help="print the lessons there are, in their order")
+@click.option("--again", is_flag=True, help="start again; your earlier session is kept")
+@click.option("--list", "is_list", is_flag=True, help="print all lessons in order")
 @json_option
 @kiosk_option
 @allow_module_option
@@ -39,8 +39,8 @@ def command(
 ) -> None:
     """Learn step by step: lessons that ask first, and watch what you do.
 
-    Without a name it is the list of lessons. A lesson goes on where you left it; one that you have finished
-    opens at its first page, as a reference. A FILE.toml is a lesson that somebody wrote.
+    Without a name you get the list of lessons. A lesson continues where you left it. A finished one opens at
+    its first page, as a reference. FILE.toml is a lesson in your own file.
     """
     context = click.get_current_context()
     if is_list:
@@ -66,9 +66,12 @@ def command(
 
 
 def _start_of(name: str, variant: int | None, *, again: bool) -> LessonStart | StoredSession:
-    """Return what the lesson of this ``name`` begins or goes on with.
+    """Return the start of a lesson, or the session in which to continue it.
 
-    What is wrong with it is said before the screen is taken: raises UserError.
+    All checks happen here, before the screen opens.
+
+    Raises:
+        UserError: The lesson does not exist or has errors.
     """
     from rl_tui.common.kiosk import in_kiosk
     from rl_tui.lessons.catalogue import find_lesson
@@ -78,7 +81,7 @@ def _start_of(name: str, variant: int | None, *, again: bool) -> LessonStart | S
 
     chosen = "" if variant is None else str(variant)
     lesson = find_lesson(name, chosen)
-    lesson = replace(lesson, source=lesson.source.absolute())  # sessions of it are known by that
+    lesson = replace(lesson, source=lesson.source.absolute())  # sessions name it so
     check_setups(lesson)
     progress = None if again or in_kiosk() else StoredProgress(session_folder()).of(lesson, chosen)
     if progress is not None and not _says_the_same(lesson, progress.session):
@@ -87,9 +90,10 @@ def _start_of(name: str, variant: int | None, *, again: bool) -> LessonStart | S
 
 
 def _says_the_same(lesson: Lesson, session: StoredSession) -> bool:
-    """Return whether ``lesson`` may go on in ``session``: not a file that says something else by now.
+    """Return True if `lesson` may continue in `session`.
 
-    Who writes a lesson wants to see what it says. A shipped one goes on as it was.
+    A lesson file that was edited since starts again, so that its author sees the new text. A shipped lesson
+    always continues.
     """
     from rl_tui.lessons.lesson import lesson_folder, read_lesson
 

@@ -1,1 +1,1 @@
-"""Commands for those who draw worlds."""
+"""Commands for people who draw worlds."""

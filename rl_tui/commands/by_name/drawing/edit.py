@@ -1,4 +1,4 @@
-"""``rl-tui edit``: draw a world."""
+"""``rl-tui edit``: draw a world on screen."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rl_tui.common.findings import shown
 def command(scenario: str | None, overrides: dict[str, object], seed: int, **display: Any) -> None:
     """Draw a world while an agent learns in it; w saves it as a scenario file.
 
-    Without a name it is a blank map. Maps, graphs and bandits can be drawn, and lakes and the cliff.
+    Without a name you start with a blank map. You can draw maps, graphs, bandits, lakes and the cliff.
     """
     from rl_tui.commands.line.screen import require_terminal, run_app
     from rl_tui.common.errors import UserError

@@ -1,4 +1,4 @@
-"""``rl-tui new``: begin a scenario file."""
+"""``rl-tui new``: write a new scenario file."""
 
 from __future__ import annotations
 
@@ -18,16 +18,15 @@ from rl_tui.common.findings import shown
     metavar="grid|mdp|bandit|lake|maze|ID",
     default="grid",
     show_default=True,
-    help="what it begins as: a small blank world, a lake or a maze drawn at random, which can always be "
-    "solved, or a shipped scenario",
+    help="start with a small blank world, a random lake or maze that can be solved, or a shipped scenario",
 )
-@click.option("--seed", type=Whole(0), default=0, show_default=True, help="which lake or maze is drawn")
+@click.option("--seed", type=Whole(0), default=0, show_default=True, help="seed of the random lake or maze")
 @click.option("--rows", type=Whole(1), help="of a lake or a maze")
 @click.option("--columns", type=Whole(1), help="of a lake or a maze")
 def command(name: str, template: str, seed: int, rows: int | None, columns: int | None) -> None:
-    """Write NAME.toml, a new scenario, into the current folder.
+    """Write a new scenario, NAME.toml, into the current folder.
 
-    Nothing that is there already is written over. Then draw in it, and look at what came of it.
+    Existing files are never overwritten. Then draw in it, and check it.
     """
     from rl_tui.common.errors import UserError
     from rl_tui.common.files import new_path, write_new

@@ -1,1 +1,1 @@
-"""Commands for many settings at once, and for pictures of what came of them."""
+"""Commands that train many settings, and draw the results."""

@@ -1,4 +1,4 @@
-"""``rl-tui figure``: a figure of the book, recomputed and held against the printed one."""
+"""``rl-tui figure``: recompute a figure of the book and compare it with the printed one."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ MOST_RUNS: Final = 100_000
 @click.option(
     "--runs",
     type=Whole(1, MOST_RUNS),
-    help="over how many runs the means are  [default: the book's, where that takes no minute]",
+    help="number of runs in each mean  [default: the book's, if that takes under a minute]",
 )
 @out_option
-@target_option("--csv", "the curves, a row a point: panel, curve, x, mean, standard error")
+@target_option("--csv", "the curves, one row per point: panel, curve, x, mean, standard error")
 @seed_option
 @json_option
 def command(
@@ -43,8 +43,8 @@ def command(
     """Recompute a figure of the book.
 
     Sutton & Barto, 2nd edition: 2.2 is the ten-armed testbed, cliff the rewards of example 6.6, 6.3 three
-    methods on the cliff by their step size, 8.2 planning in the Dyna maze. Every number is learned here, and
-    stands beside the book's. An example:
+    methods on the cliff by step size, 8.2 planning in the Dyna maze. Every number is learned here and
+    compared with the book's. An example:
 
     rl-tui figure 8.2 --out maze.svg
     """

@@ -1,4 +1,4 @@
-"""``rl-tui plot``: pictures of results in files."""
+"""``rl-tui plot``: pictures of result files."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from rl_tui.commands.options.run import out_option
 @click.command("plot")
 @click.argument("results", metavar="RESULTS...", nargs=-1, required=True)
 @out_option
-@click.option("--measure", metavar="NAME", help="what is drawn, by its name in the results")
-@click.option("--x", metavar="NAME", help="of a sweep, the setting that stands below")
-@click.option("--y", metavar="NAME", help="of a sweep, the setting that stands at the left of an atlas")
+@click.option("--measure", metavar="NAME", help="metric to draw, by its name in the results")
+@click.option("--x", metavar="NAME", help="setting on the horizontal axis, for a sweep")
+@click.option("--y", metavar="NAME", help="setting on the vertical axis of a settings map")
 def command(
     results: tuple[str, ...], out: Path | None, measure: str | None, x: str | None, y: str | None
 ) -> None:
     """Draw results as a picture.
 
     RESULTS is the JSON of train --runs or of sweep, the store of a sweep, or the CSV of train --curve. Curves
-    have a band, the 95 % interval of the mean; several files of curves come into one chart. One number that a
-    sweep varies is drawn as a curve, with a line for each value of the others, two numbers as an atlas.
-    Without --out it is drawn in the terminal. An example:
+    have a band, the 95 % interval of the mean. Several files of curves share one chart. If a sweep varies one
+    number, you get a curve with a line for each value of the other settings; with two numbers, a settings
+    map. Without --out the picture appears in the terminal. An example:
 
     rl-tui train cliff --runs 50 --json > cliff.json && rl-tui plot cliff.json --out cliff.svg
     """

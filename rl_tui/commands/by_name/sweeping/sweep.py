@@ -1,4 +1,4 @@
-"""``rl-tui sweep``: the same training with many settings, each under many seeds."""
+"""``rl-tui sweep``: train many settings, each under many seeds."""
 
 from __future__ import annotations
 
@@ -47,16 +47,16 @@ _ADDRESS: Final = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9a-fA-F:.]+\]):\d{1
 
 
 class VariationValue(OptionValue):
-    """What varies, NAME=FROM:TO[:log]:COUNT or NAME=A,B,C."""
+    """A setting and its values: NAME=FROM:TO[:log]:COUNT or NAME=A,B,C."""
 
     name = "NAME=FROM:TO[:log]:COUNT|NAME=A,B,C"
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
-        """Return what the help shows in place of a value."""
+        """Return the placeholder for the help text."""
         return self.name
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Variation:
-        """Return the variation; fails naming what is expected."""
+        """Return the variation, or fail with the expected form."""
         from rl_tui.studies.sweeps.cells.variation import Variation, read_variation
 
         if isinstance(value, Variation):
@@ -68,12 +68,12 @@ class VariationValue(OptionValue):
 
 
 class ShardValue(OptionValue):
-    """One of several parts, I/N."""
+    """One part of a sweep, I/N."""
 
     name = "I/N"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Shard:
-        """Return the shard; fails naming what is expected."""
+        """Return the shard, or fail with the expected form."""
         from rl_tui.studies.sweeps.plan import Shard
 
         if isinstance(value, Shard):
@@ -86,12 +86,12 @@ class ShardValue(OptionValue):
 
 
 class MeasureValue(OptionValue):
-    """The id of a measure."""
+    """The id of a metric."""
 
     name = "MEASURE"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Measure:
-        """Return the measure; fails naming those there are."""
+        """Return the metric, or fail with the list of all metrics."""
         from rl_tui.runs.measures import Measure
         from rl_tui.studies.sweeps.cell import MEASURES
 
@@ -108,9 +108,9 @@ class SchedulerValue(OptionValue):
     name = "ADDRESS"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Return the address; fails naming what is expected."""
+        """Return the address, or fail with an example."""
         if not _ADDRESS.fullmatch(str(value)):
-            self.fail(f"{value} is no address of a Dask scheduler, such as tcp://node1:8786", param, ctx)
+            self.fail(f"{value} is not the address of a Dask scheduler, such as tcp://node1:8786", param, ctx)
         return str(value)
 
 
@@ -121,10 +121,10 @@ class SchedulerValue(OptionValue):
 @click.argument("out", metavar="OUT.sqlite", type=_STORE)
 @click.argument("stores", metavar="IN.sqlite...", type=_STORE, nargs=-1, required=True)
 def merge_command(out: Path, stores: tuple[Path, ...]) -> None:
-    """Put the runs of several stores into one.
+    """Merge the runs of several stores into one.
 
-    A run that stands in two of them is kept once. Where its figures differ though both come from the same
-    kind of machine, that is an error; from different kinds the first is kept. An example:
+    A run that is in two stores is kept once. Different results of the same run are an error, if both stores
+    come from the same kind of machine. From different kinds, the first is kept. An example:
 
     rl-tui sweep merge all.sqlite part1.sqlite part2.sqlite part3.sqlite
     """
@@ -134,18 +134,16 @@ def merge_command(out: Path, stores: tuple[Path, ...]) -> None:
         merged = merge(out, stores, bar)
     click.echo(f"{out}: {counted(merged.new, 'new run')}, {merged.same:,} that were there already")
     if merged.kept:
-        complain(
-            f"{counted(merged.kept, 'run')} came to other figures on another kind of machine: the first stay"
-        )
+        complain(f"{counted(merged.kept, 'run')} differ from another machine's; the first results are kept")
 
 
 class SweepCommand(SectionedCommand):
-    """The command, which has one of its own: ``sweep merge``."""
+    """The ``sweep`` command, which has one subcommand: ``sweep merge``."""
 
     def make_context(
         self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
     ) -> click.Context:
-        """Return the context of ``sweep``, or that of ``sweep merge``."""
+        """Return the context of ``sweep`` or of ``sweep merge``."""
         if args[:1] == [merge_command.name]:
             return merge_command.make_context(f"{info_name} {args[0]}", args[1:], parent=parent, **extra)
         return super().make_context(info_name, args, parent=parent, **extra)
@@ -159,35 +157,38 @@ class SweepCommand(SectionedCommand):
     type=VariationValue(),
     multiple=True,
     required=True,
-    help="what varies: a hyper-parameter, algorithm, policy, scenario, or a parameter of the world such as "
-    "world.noise; so many values at equal distances, with log at equal ratios, or those listed; may be given "
-    "several times, for all combinations",
+    help="vary a setting, algorithm, policy, scenario or world.KEY: COUNT values from FROM to TO (log: "
+    "geometric), or a list; repeat it for all combinations",
 )
 @click.option(
     "--runs",
     type=Whole(1, MOST_SWEEP_RUNS),
     default=10,
     show_default=True,
-    help="train each combination so often, with the seed and those that follow it",
+    help="number of runs per combination, with consecutive seeds",
 )
-@click.option("--random", type=Whole(1, MOST_SWEEP_CELLS), help="draw so many combinations in place of all")
 @click.option(
-    "--episodes", type=Whole(1, MOST_SWEEP_EPISODES), help="train so many episodes  [default: the scenario's]"
+    "--random", type=Whole(1, MOST_SWEEP_CELLS), help="number of random combinations, instead of all"
 )
-@click.option("--store", type=_STORE, help="keep the runs in FILE.sqlite, and train only those not there yet")
-@click.option("--jobs", type=Whole(1, 4096), help="train so many at once  [default: one a core]")
+@click.option(
+    "--episodes",
+    type=Whole(1, MOST_SWEEP_EPISODES),
+    help="number of episodes to train  [default: the scenario's]",
+)
+@click.option("--store", type=_STORE, help="store the runs in FILE.sqlite, and train only missing ones")
+@click.option("--jobs", type=Whole(1, 4096), help="number of runs trained at once  [default: one per core]")
 @click.option(
     "--dask",
     type=SchedulerValue(),
     help="train on the workers of the Dask scheduler at tcp://HOST:PORT; never in a network that you do not "
-    "trust: Dask unpickles, and so runs, whatever it is sent",
+    "trust: Dask unpickles, and so executes, everything it receives",
 )
-@click.option("--shard", type=ShardValue(), help="do part I of N only, as other machines do the others")
 @click.option(
-    "--measure", type=MeasureValue(), help="compare by this figure of a run, such as area or arrival"
+    "--shard", type=ShardValue(), help="train only part I of N, while other machines train the rest"
 )
-@click.option("--no-again", is_flag=True, help="do not train the best once more with fresh seeds")
-@target_option("--csv", "one row a run: settings, seed and figures")
+@click.option("--measure", type=MeasureValue(), help="compare by this metric, such as area or arrival")
+@click.option("--no-again", is_flag=True, help="do not train the best again with fresh seeds")
+@target_option("--csv", "one row per run: settings, seed and metrics")
 @allow_module_option
 @run_options
 @seed_option
@@ -209,14 +210,14 @@ def command(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Train with every combination of settings, each under the same seeds, and say which is best.
+    """Train every combination of settings under the same seeds, and find the best.
 
-    With a store, a sweep that was interrupted goes on where it stopped, and one that is extended trains only
-    what is new. An example:
+    With a store, an interrupted sweep continues where it stopped, and an extended one trains only what is
+    new. An example:
 
     rl-tui sweep cliff --vary alpha=0.05:1:20 --vary algorithm=q-learning,sarsa --store cliff.sqlite
 
-    To put stores of several machines together: rl-tui sweep merge --help
+    To merge stores of several machines: rl-tui sweep merge --help
     """
     check_targets({"--csv": csv, "--store": store}, as_json)
     for each in variations:
@@ -258,7 +259,11 @@ def command(
 
 
 def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -> None:
-    """Refuse what does not go with a part of a sweep. Raises click.UsageError."""
+    """Refuse options that do not fit a part of a sweep.
+
+    Raises:
+        click.UsageError: There is no store, or output was requested.
+    """
     if shard is None:
         return
     if store is None:
@@ -268,13 +273,19 @@ def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -
         )
     if has_output:
         raise click.UsageError(
-            "--shard trains a part: print what came of all parts after sweep merge, without it",
+            "--shard trains one part and prints no results: merge all parts first, then leave it out",
             click.get_current_context(),
         )
 
 
 def _workers(jobs: int | None, dask: str | None, tell: Callable[[str], None]) -> Workers:
-    """Return who trains: threads here, or the workers of a cluster, of which ``tell`` says what is wrong."""
+    """Return threads of this machine, or the workers of a Dask cluster.
+
+    Args:
+        jobs: Number of threads; None: one per core.
+        dask: Address of the scheduler, or None.
+        tell: Called with problems of the cluster.
+    """
     if dask is not None:
         from rl_tui.studies.sweeps.cluster.dask_workers import DaskWorkers
 
@@ -291,7 +302,6 @@ def _complain_below_bar(message: str) -> None:
 def _train(
     plan: SweepPlan, store: Store, shard: Shard, workers: MakeWorkers, *, is_kept: bool
 ) -> SweepProgress:
-    """Train what is not stored, and say how far it has come."""
     from rl_tui.studies.sweeps.sweep import SweepProgress, run_sweep
 
     latest = SweepProgress(plan.size_of(shard) * plan.runs)
@@ -316,7 +326,6 @@ def _train(
 
 
 def _how_far(now: SweepProgress) -> str:
-    """Return ``1.2k of 3.0k runs, 41M steps/s, 12 s left``."""
     parts = [f"{short_count(now.done)} of {short_count(now.planned)} runs"]
     if now.seconds >= WORTH_A_FORECAST and now.trained and now.done < now.planned:
         parts.append(f"{short_count(int(now.steps / now.seconds))} steps/s")
@@ -335,7 +344,7 @@ def _report(
     again: bool,
     as_json: bool,
 ) -> None:
-    """Train the best cell once more, and print what came of the whole."""
+    """Train the best cells again on fresh seeds, and print the results."""
     from rl_tui.common.files import file_or_stream
     from rl_tui.studies.sweeps.document import best_documents, json_pieces, write_csv
     from rl_tui.studies.sweeps.ranking import standings_of
