@@ -13,10 +13,10 @@ from rl_tui.screen.keys.action import Action, Group
 ORDINALS: Final = ("first", "second", "third", "fourth")
 DRAW_PATH: Final = ("w", "d")
 
-DECIDES: Final = "your program sets this: edit {file} and save, and it starts again"
+DECIDES: Final = "your program sets this. Edit {file} and save: it restarts"
 """Why no setting of a watched program can be changed; ``{file}`` is its file."""
 _NO_ENTRY: Final = ("", "")
-_STAYS: Final = "esc leaves the lesson; its progress is kept"
+_STAYS: Final = "esc leaves the lesson. Its progress is kept"
 _ITS_SEED: Final = "the seed is set at the start: rl-tui watch {file} --seed N"
 
 LESSON_ACTIONS: Final[tuple[Action, ...]] = (
@@ -24,7 +24,7 @@ LESSON_ACTIONS: Final[tuple[Action, ...]] = (
         "lesson.go_on",
         "enter",
         "go on",
-        "Do what the page asks: read on, answer, or say that a task cannot be done.",
+        "Do what the page asks: read on, or answer.",
         Group.LESSON,
         old="A,R",
         aliases="lesson page learn text read answer predict prediction question impossible claim",
@@ -35,7 +35,7 @@ LESSON_ACTIONS: Final[tuple[Action, ...]] = (
         "lesson.next_page",
         "pagedown",
         "next page",
-        "Scroll down, then go to the next page; press twice to skip one that is not done.",
+        "Scroll down, then go to the next page.",
         Group.LESSON,
         symbol="pgdn",
         old="full_stop",
@@ -90,7 +90,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "run.episode",
         "e",
         "episode",
-        "Run to the end of the episode (of a planner: the sweep), then pause.",
+        "Run to the end of the episode or sweep.",
         rank=2,
         takes_steps=True,
     ),
@@ -98,7 +98,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "time.step_back",
         "b",
         "back",
-        "Go one step back; a change there begins a branch.",
+        "Go back one step.",
         rank=3,
         is_first=True,
         entry=("b B", "back"),
@@ -109,14 +109,14 @@ _RUN: Final[tuple[Action, ...]] = (
         "time.episode_back",
         "B",
         "episode back",
-        "Go back to the start of the episode, then to the one before.",
+        "Go back to the start of the episode.",
         entry=_NO_ENTRY,
     ),
     *(
         Action(id_, key, label, help_, command=does, symbol=sign, unfocused=True, takes_steps=key == "right")
         for id_, key, label, help_, does, sign in (
-            ("time.on", "right", "step on", "Take a step, or go one on in the past.", "run.step", "→"),
-            ("time.back", "left", "step back", "Go one step back.", "time.step_back", "←"),
+            ("time.on", "right", "step on", "Take a step, or go on one in the past.", "run.step", "→"),
+            ("time.back", "left", "step back", "Go back one step.", "time.step_back", "←"),
             ("time.to_start", "home", "start", "Go to step 0.", "", ""),
             ("time.to_end", "end", "end", "Go to the end of the run so far.", "", ""),
         )
@@ -125,20 +125,18 @@ _RUN: Final[tuple[Action, ...]] = (
         "run.faster",
         "plus,equals_sign",
         "faster",
-        "Go to the next higher speed: 1, 3, 10, 30 … steps a second, up to full speed.",
+        "Go faster: 1, 3, 10, 30 … steps a second.",
         symbol="+",
         rank=8,
         hint=("+ −", "speed"),
         entry=("+ −", "speed"),
     ),
-    Action(
-        "run.slower", "minus,underscore", "slower", "Go to the next lower speed.", symbol="−", entry=_NO_ENTRY
-    ),
+    Action("run.slower", "minus,underscore", "slower", "Go slower.", symbol="−", entry=_NO_ENTRY),
     Action(
         "until.choose",
         "u",
         "until…",
-        "Run until a reward, a change of the policy, a value …",
+        "Run until a reward, a new policy, a value …",
         rank=13,
         needs_world=True,
         takes_steps=True,
@@ -147,7 +145,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "view.enter_world",
         "up,down,k,j",
         "cursor",
-        "Put the cursor into the world: arrows then move it, esc leaves it.",
+        "Put the cursor into the world.",
         symbol="↑ ↓",
         unfocused=True,
     ),
@@ -156,7 +154,7 @@ _RUN: Final[tuple[Action, ...]] = (
             f"agent.focus_slider_{number}",
             str(number),
             f"{ordinal} slider",
-            f"Go to the {ordinal} slider: arrows move it, a number and enter set it, esc leaves it.",
+            f"Go to the {ordinal} slider.",
             command=f"agent.focus_slider({number})",
             entry=_NO_ENTRY if number > 1 else ("1 2 3 4", "sliders"),
             not_for_program=DECIDES,
@@ -167,7 +165,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "view.next_layer",
         "v",
         "view",
-        "Show another view of world and table: value, exact value, error, visits, landscape.",
+        "Show another view of world and table.",
         rank=4,
         aliases="layer",
     ),
@@ -175,7 +173,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "view.zoom",
         "f",
         "full screen",
-        "Show the panel in focus (else the world) alone, or all again.",
+        "Show the panel in focus alone, or all again.",
         rank=14,
         aliases="zoom projector big",
         keeps_page=True,
@@ -184,11 +182,11 @@ _RUN: Final[tuple[Action, ...]] = (
         "manual.toggle",
         "y",
         "you act",
-        "Take the agent's steps yourself; press again to stop.",
+        "Take the agent's steps yourself.",
         rank=15,
         needs_world=True,
         takes_steps=True,
-        not_for_program="your program takes its own steps; esc leads to scenarios in which you can act",
+        not_for_program="your program takes its own steps. esc: scenarios to act in",
     ),
 )
 
@@ -214,7 +212,7 @@ _AGENT: Final[tuple[Action, ...]] = (
         "agent.next_ties",
         "a t",
         "ties",
-        "Break ties between equal best actions at random, or take the first.",
+        "Break ties at random, or take the first action.",
         not_for_program=DECIDES,
     ),
     Action(
@@ -235,7 +233,7 @@ _AGENT: Final[tuple[Action, ...]] = (
             old=does[0].upper(),
             aliases=f"policy iteration sweep {noun}",
             takes_steps=True,
-            not_for_program="your program has no sweeps of a planner; s takes a step, e runs an episode",
+            not_for_program="only planners have sweeps. s: step, e: episode",
         )
         for does, noun in (("evaluate", "evaluation"), ("improve", "improvement"))
     ),
@@ -243,7 +241,7 @@ _AGENT: Final[tuple[Action, ...]] = (
         "program.choose_table",
         "a b",
         "table…",
-        "Choose which table of your program is Q; the program starts again.",
+        "Choose which table of your program is Q.",
         old="T",
         of_program=True,
     ),
@@ -254,10 +252,10 @@ _WORLD: Final[tuple[Action, ...]] = (
         "editing.toggle",
         "w d",
         "edit world",
-        "Edit the world while the agent learns; esc ends it.",
+        "Edit the world while the agent learns.",
         old="C",
         aliases="draw brush paint map wall goal hole reward noise slip wind maze create",
-        not_for_program="the world is your program's; worlds of scenarios can be edited",
+        not_for_program="your program has its own world. Scenarios can be edited",
     ),
     Action(
         "drawing.toggle",
@@ -295,11 +293,11 @@ _SIGHT: Final[tuple[Action, ...]] = (
             f"{word}_scenario",
             f"w {bracket}",
             label,
-            f"Go to the {word} scenario; this run is kept.",
+            f"Go to the {word} scenario.",
             command=f"scenario.{does}",
             old=name,
             old_only_tells=True,
-            not_for_program="your program is not on the start screen; esc goes there",
+            not_for_program="your program is not on the start screen. esc: go there",
             not_in_lesson=_STAYS,
         )
         for word, bracket, label, does, name in (
@@ -318,7 +316,7 @@ _TOOLS: Final[tuple[Action, ...]] = (
         old="S",
         aliases="atlas sweep hyper-parameters sensitivity heatmap",
         not_for_program=DECIDES,
-        not_in_lesson="a lesson asks questions of its own; settings are mapped outside of it",
+        not_in_lesson="a lesson has its own questions. esc: leave the lesson",
     ),
     Action(
         "why.explain",
@@ -327,7 +325,7 @@ _TOOLS: Final[tuple[Action, ...]] = (
         "Explain why nothing is learned yet.",
         old="Y",
         aliases="first update reward wait stuck remedy",
-        not_for_program="this is about built-in agents; c a puts one beside your program",
+        not_for_program="this is for built-in agents. c a: one beside yours",
         shows=("why",),
         keeps_page=True,
     ),
@@ -375,30 +373,30 @@ _COMPARE: Final[tuple[Action, ...]] = (
         "a branch",
         "Put another branch of this run beside this one.",
         takes_steps=True,
-        not_for_program="what your program did is one branch; c a puts a built-in agent beside it",
+        not_for_program="your program has one branch. c a: an agent beside it",
     ),
-    Action("lanes.show_runs", "c c", "runs…", "Choose the run to control, and the one beside it; end one."),
+    Action("lanes.show_runs", "c c", "runs…", "Choose the run to control, and the other one."),
     Action(
         "lanes.next_lane",
         "c l",
         "next run",
         "Switch to the next run.",
         old="l",
-        not_for_program="keys control your program here; c o shows it alone, or both runs",
+        not_for_program="keys control your program here. c o: one run, or two",
     ),
-    Action("lanes.one_lane", "c o", "one run", "Show one run alone, or two side by side.", old="z"),
-    Action("lanes.end", "c e", "end run", "End the run that you control; the others go on."),
+    Action("lanes.one_lane", "c o", "one run", "Show one run, or two side by side.", old="z"),
+    Action("lanes.end", "c e", "end run", "End the run that you control."),
 )
 
 _MORE: Final[tuple[Action, ...]] = (
-    Action("time.go_to", "m g", "go to…", "Go to a step or an episode; or drag the timeline.", old="g"),
+    Action("time.go_to", "m g", "go to…", "Go to a step or an episode.", old="g"),
     Action(
         "time.show_branches",
         "m b",
         "branches…",
-        "Show the branches of the run and the changes in each.",
+        "Show the branches and their changes.",
         aliases="journal",
-        not_for_program="what your program did is one branch; b, B and m g go back in it",
+        not_for_program="your program has one branch. b and B: go back in it",
     ),
     Action(
         "run.watch",
@@ -409,7 +407,7 @@ _MORE: Final[tuple[Action, ...]] = (
         old_only_tells=True,
         aliases="learn",
         takes_steps=True,
-        not_for_program="+ and − set the speed of your program; u runs it until something happens",
+        not_for_program="this is for built-in agents. + and −: speed",
     ),
     Action(
         "session.save",
@@ -418,28 +416,28 @@ _MORE: Final[tuple[Action, ...]] = (
         "Save the session under a name.",
         keeps_page=True,
         for_the_owner=True,
-        not_for_program="there is nothing to save: {file} and its seed make the same run again",
+        not_for_program="nothing to save: {file} and its seed repeat the run",
     ),
     Action(
         "export.choose",
         "m x",
         "export…",
-        "Write the run as a command, a Python script, tables or a picture.",
+        "Write a command, a script, tables or a picture.",
         old="x",
         shows=("answer",),
         keeps_page=True,
         for_the_owner=True,
-        not_for_program="this writes runs of built-in agents; your program is in {file} already",
+        not_for_program="this is for built-in agents. Your program is in {file}",
     ),
     Action(
         "panels.turn",
         "m p",
         "panels",
-        "Show all panels from now on, or only those that mean something so far.",
+        "Show all panels, or only those that matter now.",
         rank=4,
         is_first=True,
     ),
-    Action("view.turn_legends", "m l", "legends", "Hide or show what symbols on panels mean.", old="L"),
+    Action("view.turn_legends", "m l", "legends", "Hide or show the legends of panels.", old="L"),
     Action(
         "theme",
         "m c",

@@ -33,7 +33,7 @@ from rl_tui.worlds.world import World
 
 
 _NEW: Final = "+ an action"
-_NOTHING: Final = "nothing can be done here: enter adds an action"
+_NOTHING: Final = "There are no actions here. enter: add one."
 
 
 def _no_outcome(box: GraphTools, desk: Desk) -> str:
@@ -317,7 +317,7 @@ class GraphTools(Toolbox):
         column, row = place[state]
         new = [column + columns, row + rows]
         if min(new) < 0:
-            desk.tell("there is nothing further in that direction: move the others away from it")
+            desk.tell("No room in that direction. Move the other states first.")
             return
         desk.draw((*missing, Edit("place", (state,), as_json(new))))
 
