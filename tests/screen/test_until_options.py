@@ -46,7 +46,7 @@ def test_the_pair_under_the_cursor_is_not_listed_twice() -> None:
 
 def test_without_a_cell_it_says_how_to_choose_one() -> None:
     refused = found(lake(step=0))["value cursor"].refused
-    assert refused == "no cell is chosen: tab goes to the table, the arrows to a cell"
+    assert refused == "no cell is chosen. tab: the table, arrows: a cell"
 
 
 def test_what_each_wait_tells_the_run() -> None:

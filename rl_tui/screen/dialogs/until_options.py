@@ -123,7 +123,7 @@ def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[Unti
             found.append(UntilOption(f"value {id}", Event.VALUE, name, hint, pair=pair))
     if found:
         return found
-    refused = "no cell is chosen: tab goes to the table, the arrows to a cell"
+    refused = "no cell is chosen. tab: the table, arrows: a cell"
     return [UntilOption("value cursor", Event.VALUE, "an estimate reaches a value …", "", refused)]
 
 

@@ -152,7 +152,7 @@ class RunActions(Subject):
         """Pause a run that goes on while no key is pressed."""
         if self.is_under_way:
             self.link.send(Pause())
-            self.screen.tell("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
+            self.screen.tell("Paused: no key was pressed for some minutes.", timeout=_UNTIL_SEEN)
 
     def step(self) -> None:
         """Take one step."""
@@ -179,7 +179,7 @@ class RunActions(Subject):
             return ""
         if self.snapshot is not None and self.snapshot.world.mdp is None:
             return "only policy iteration has such sweeps, and it needs a transition table"
-        return "only policy iteration has such sweeps; a a chooses it"
+        return "only policy iteration has such sweeps. a a: choose it"
 
     def faster(self) -> None:
         """Go to the next higher speed."""
@@ -202,7 +202,7 @@ class RunActions(Subject):
             self.screen.tell("Restarted with your settings. r p: settings of the page.")
         elif self.snapshot is not None and self.snapshot.timeline.current.end:
             kept = "gone (this is a kiosk)" if self.screen.in_kiosk else "kept on the start screen"
-            self.screen.tell(f"Started again; the run until now is {kept}.")
+            self.screen.tell(f"Started again. The run until now is {kept}.")
         self.link.send(Restart(self.link.wanted.recipe))
 
 
