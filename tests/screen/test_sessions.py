@@ -406,4 +406,4 @@ def test_the_details_tell_lanes_branches_and_changes(tmp_path: Path) -> None:
     assert "step 20 of 30 - branch 2 of 2" in drawn(session_facts(session, session.saved, look), 100)
     assert "changes   1" in text
     assert "settings  alpha 0.5 - gamma 0.9 - epsilon 0.1" in text
-    assert "the newest 50 are kept" in text
+    assert "The newest 50 are kept" in text

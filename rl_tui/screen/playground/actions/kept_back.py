@@ -12,7 +12,7 @@ from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.panels.lesson.words import keeping_page
 
-PREDICT_FIRST: Final = "Predict first. enter: answer."
+PREDICT_FIRST: Final = "predict first. enter: answer"
 
 
 class KeptBack(Subject):
