@@ -105,7 +105,7 @@ REFUSED = {
     "w d": "scenarios can be edited",
     "w c": "rl-tui check --deep",
     "m w": "+ and −",
-    "t y": "c a: one",
+    "t y": "c a: compare",
     "m b": "b and B",
     "c l": "c o: one run",
     "w left_square_bracket": "esc: go there",
@@ -268,7 +268,7 @@ async def test_it_starts_again_and_it_ends(script: Path) -> None:
         for key in ("space", "s", "e"):
             await press(pilot, key)
             (said,) = notes(pilot.app)
-            assert "r r starts it again" in said
+            assert "r r: start it again" in said
         assert "s step" in (await _keys_after(pilot, "b"))  # forward again through what was recorded
         assert (await press(pilot, "s")).playback.phase is Phase.SPENT
         await press(pilot, "escape")

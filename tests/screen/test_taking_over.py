@@ -118,7 +118,7 @@ async def test_arms_are_pulled_by_their_names_until_the_budget_is_spent(make_app
         assert pulled.agent.visits.tolist() == [1, 0, 0, 0, 0, 0, 0, 2, 0, 0]
         await order(pilot, Train(1000))
         assert not playground(pilot).manual.is_on
-        assert notes(pilot.app)[-1] == "The budget is spent; r r starts again."
+        assert notes(pilot.app)[-1] == "The budget is spent. r r: start again."
 
 
 async def test_cards_by_hand(make_app: MakeApp) -> None:

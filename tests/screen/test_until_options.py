@@ -91,10 +91,10 @@ def test_numbers_are_read_and_those_in_the_past_are_not() -> None:
     assert read(listed["step"], now, " 1,000 ") == 1000
     assert read(listed["episode"], now, "11") == 11
     for wait, text, expected in (
-        ("step", "120", "type a whole number, 121 or more; m g goes back"),
-        ("step", "soon", "type a whole number, 121 or more; m g goes back"),
-        ("episode", "10", "type a whole number, 11 or more; m g goes back"),
-        ("episode", "", "type a whole number, 11 or more; m g goes back"),
+        ("step", "120", "type a whole number, 121 or more. m g: go back"),
+        ("step", "soon", "type a whole number, 121 or more. m g: go back"),
+        ("episode", "10", "type a whole number, 11 or more. m g: go back"),
+        ("episode", "", "type a whole number, 11 or more. m g: go back"),
     ):
         with pytest.raises(ValueError, match=expected):
             read(listed[wait], now, text)

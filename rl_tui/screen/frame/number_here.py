@@ -139,7 +139,7 @@ class _Teller:
             mine, its, gap = self._written(q, float(other.q[pair]), q - float(other.q[pair]))
             return NumberHere(
                 f"Q({name}) − Q of {other.name} = {gap}",
-                f"The estimate here, {mine}, less the one of {other.name}, {its}: both learned.",
+                f"The estimate here, {mine}, less the estimate of {other.name}, {its}. Both are learned.",
                 "q",
             )
         if layer is Layer.POLICY and (known := policy_q(self._snapshot)) is not None:
@@ -200,7 +200,7 @@ class _Teller:
             names.action_name(self._world, int(self._world.space.pair_action[pair]), glyphs)
             for pair in greedy
         )
-        whose = f"that of {actions}" if len(greedy) == 1 else f"{actions} have it alike"
+        whose = f"that of {actions}" if len(greedy) == 1 else f"{actions} are tied"
         return NumberHere(
             f"V({name}) = {value}",
             f"The largest of the agent's estimates Q in state {name}: {whose}. It says how much discounted "

@@ -123,7 +123,7 @@ _MENUS: Final = tuple(
         ("a", "agent", "Open the agent menu: algorithm, policy, ties, settings.", 5),
         ("w", "world", "Open the world menu: edit, model, exact values, cells.", 6),
         ("t", "tools", "Open the tools menu: policies, many seeds, flip points.", 7),
-        ("c", "compare", "Open the compare menu: another run beside this one.", 10),
+        ("c", "compare", "Open the compare menu: another algorithm, setting or seed.", 10),
         ("m", "more", "Open the more menu: moments, branches, save, export.", 11),
         ("r", "again", "Open the again menu: the same, or another seed.", 12),
     )
@@ -204,7 +204,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "ask_to_quit",
         "ctrl+c",
         "quit, asking",
-        "Ask whether to quit; enter or a second ctrl+c does.",
+        "Ask whether to quit.",
         Group.PROGRAM,
         Place.EVERY,
         command="app.ask_to_quit",

@@ -99,8 +99,8 @@ class ScenarioActions(Subject):
                 self._warn(str(fault))
 
         name = one_line(scenario.source.name, _LONGEST_NAME)
-        new = Candidate(_NEW, "as the file is now", ("a new run in the new world; the old run is kept",))
-        old = Candidate(_OLD, "as it was", ("the old world once more; it is not asked again",))
+        new = Candidate(_NEW, "as the file is now", ("A new run in the new world. The old run is kept.",))
+        old = Candidate(_OLD, "as it was", ("The old world once more, without asking again.",))
         self.ask(Choice(f"Start again: {name} has changed", (new, old), "", self.glyphs), answer)
 
     def _warn(self, text: str) -> None:

@@ -352,7 +352,7 @@ class PolicyDrawing(KeyMode):
         if not self._drawn:
             self.screen.refuse(_NOTHING_DRAWN)
             return
-        question = f"You have drawn an action in {counted(self._drawn, 'state')}; this cannot be undone."
+        question = f"You have drawn an action in {counted(self._drawn, 'state')}. This cannot be undone."
         self.ask(Confirm("Draw afresh?", question, "clear all", self.glyphs), self._clear)
 
     def _clear(self, _: bool) -> None:

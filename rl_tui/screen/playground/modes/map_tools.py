@@ -65,7 +65,7 @@ def _value(name: str, _: object, desk: Desk) -> str:
     return {True: "on", False: "off", "leaving": "on", "entering": "off"}.get(value, str(value))
 
 
-_WALL_PAYS: Final = "Walls have no reward: they cannot be entered."
+_WALL_PAYS: Final = "walls have no reward: they cannot be entered"
 _NOT_WHOLE: Final = "finish the map first: lines are added and taken where it is whole"
 _NOTHING_COPIED: Final = "nothing is copied yet: w m marks a corner, w c copies up to the cursor"
 _PICK, _ARROW_KEY, _JUMP = "comma", "A", "J"
