@@ -85,7 +85,7 @@ SLIPPERY, LARGE = "frozenlake-slippery", "frozenlake-8x8-slippery"
 
 CLAIMS: Final = (
     Claim(SLIPPERY, "arrives in 70.9 ± 0.7 episodes of 100", BECAME, 10_000, scale=PERCENT),
-    Claim(SLIPPERY, "comes to 73.9 ± 0.03", BECAME, 10_000, values=FALLING, scale=PERCENT),
+    Claim(SLIPPERY, "reaches 73.9 ± 0.03", BECAME, 10_000, values=FALLING, scale=PERCENT),
     Claim(SLIPPERY, "from the start it is 57.5 ± 1.9", BECAME, 10_000, values={"alpha": 0.02}, scale=PERCENT),
     Claim(SLIPPERY, "down to 0 24.7 ± 1.8", BECAME, 10_000, values={"alpha_decay": 0.001}, scale=PERCENT),
     Claim(SLIPPERY, "`sample-average`, 1/N, 40.1 ± 2.0", BECAME, 10_000, values=AVERAGE, scale=PERCENT),
@@ -101,7 +101,7 @@ CLAIMS: Final = (
         scale=PERCENT,
     ),
     Claim("cliff", "Q-learning gets −50.7 ± 0.5", LAST, 500),
-    Claim("cliff", "SARSA −27.5 ± 0.5", LAST, 500, values=SARSA),
+    Claim("cliff", "SARSA gets −27.5 ± 0.5", LAST, 500, values=SARSA),
     Claim("cliff", "calm: −20.7 ± 0.1", LAST, 500, values={"algorithm": "expected-sarsa", "alpha": 1.0}),
     Claim("cliff", "cost 17.1 ± 0.1 each", LAST, 500, values={**SARSA, "epsilon_decay": 0.01}, scale=-1.0),
     Claim("book", "is worth 0.69 ± 0.01", AT_START, 5_000, runs=30, values=LEARNER),
@@ -210,7 +210,7 @@ def test_a_small_step_size_after_a_large_one_calms_the_lake(
 
 
 def test_the_sample_average_keeps_what_the_first_targets_were() -> None:
-    is_said(SLIPPERY, "after 10,000 episodes it still holds the start to be worth 0.04, which is worth 0.54")
+    is_said(SLIPPERY, "After 10,000 episodes its estimate of the start is 0.04. The exact value is 0.54.")
     found = []
     for seed in range(20):
         run = Run(recipe(SLIPPERY, seed=seed, **AVERAGE), evaluate=False)
@@ -235,7 +235,7 @@ def test_optimism_is_better_in_the_end_only() -> None:
 
 @MANY_SEEDS
 def test_where_arms_drift_a_constant_step_size_finds_the_best_one_more_often() -> None:
-    is_said("bandit-drifting", "of the last 500 pulls 45 % ± 1 go to the best arm, against 77 % ± 1")
+    is_said("bandit-drifting", "Of the last 500 pulls 45 % ± 1 go to the best arm, against 77 % ± 1")
     assert best_arms("bandit-drifting", 10_000, 500, **AVERAGE) == pytest.approx(0.45, abs=0.16)
     assert best_arms("bandit-drifting", 10_000, 500) == pytest.approx(0.77, abs=0.1)
 

@@ -335,7 +335,7 @@ async def test_where_cells_are_too_small_it_says_so_and_the_zoom_helps(make_app:
         await press(pilot, "d")
         before = world.head
         await press(pilot, "w", "a")
-        assert notes(pilot.app) == ["cells too small for Q of every action; f, the world alone, has room"]
+        assert notes(pilot.app) == ["Cells are too small for Q of every action. f: full screen."]
         assert world.head == before
         world.focus()
         await press(pilot, "f")

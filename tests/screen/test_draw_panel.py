@@ -252,7 +252,7 @@ async def test_of_a_graph_one_outcome_is_changed_by_the_mouse_and_a_state_goes_w
         assert (graph_drawn(pilot).entry("Class", "check phone") or {})["reward"] == 1.0
         await hands.wheel(slider(pilot.app, "chance"), (1, 0), -1)
         await settle(pilot)
-        assert "nothing but Phone comes of check phone" in notes(pilot.app)[-1]
+        assert "check phone always leads to Phone" in notes(pilot.app)[-1]
         await hands.tool("del remove")
         await settle(pilot)
         assert graph_drawn(pilot).entry("Class", "check phone") is None

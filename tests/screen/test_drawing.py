@@ -135,7 +135,7 @@ async def test_digits_draw_and_the_cursor_stays_and_all_is_cleared_after_asking(
         assert "nothing to choose" in notes(pilot.app)[-1]
         assert view(pilot).foot == "nothing to choose here · esc: end"
         await press(pilot, "up", "7")
-        assert notes(pilot.app)[-1] == "7 is no action here: draw with 1…4"
+        assert notes(pilot.app)[-1] == "7 is not an action here: draw with 1…4"
         await press(pilot, "C")
         assert isinstance(pilot.app.screen, Confirm)
         await press(pilot, "escape")

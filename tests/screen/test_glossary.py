@@ -70,7 +70,7 @@ def test_where_the_sample_average_counts_updates_is_said_of_those_and_no_others(
         ("i Q₀ 0  n seed 0", "Q₀", "optimism"),
         ("i Q₀ 0  n seed 0", "n", None),
         ("state s = 6", "s =", "state"),
-        ("best for this γ 1.00", "γ", "gamma-best"),
+        ("optimal return 1.00", "return", "gamma-best"),
         ("γ ━━━━●─── 0.990", "γ", "gamma"),
         ("step 2,000", "step", "step"),
         ("  <.01  0.3", "<", "tiny-number"),
@@ -88,7 +88,7 @@ def test_the_longest_name_at_a_place_counts(line: str, word: str, term: str | No
 
 
 def test_words_are_found_as_ascii_spells_them() -> None:
-    assert term_at("gamma-best 1.00", 0, ASCII) == "gamma-best"
+    assert term_at("epsilon-greedy 1.00", 0, ASCII) == "epsilon"
     assert term_at("delta 0", 2, ASCII) == "td-error"
 
 

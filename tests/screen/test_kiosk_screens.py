@@ -72,7 +72,7 @@ async def test_the_lists_say_that_it_is_one(place: Place | None) -> None:
 async def test_the_catalogue_keeps_no_sessions() -> None:
     async with on_screen(kiosk()) as pilot:
         await tap(pilot, "delete")
-        assert notes(pilot.app) == ["no sessions are kept here: this is a kiosk"]
+        assert notes(pilot.app) == ["Not here: a kiosk keeps no sessions."]
 
 
 def test_nobody_there_is_told_once() -> None:
@@ -117,4 +117,4 @@ async def test_a_run_that_was_forgotten_is_paused(monkeypatch: pytest.MonkeyPatc
         async with asyncio.timeout(60):
             while playground.snapshot.playback.phase is not Phase.PAUSED:
                 await pilot.pause(0.01)
-        assert notes(pilot.app) == ["paused: nobody has pressed a key for some minutes"]
+        assert notes(pilot.app) == ["Paused: no key was pressed for some minutes."]

@@ -274,7 +274,7 @@ async def test_the_last_page_names_the_next_lesson_and_opens_it(
             await worker.wait()
         assert "next lesson: A second walk" in screen_text(pilot.app)
         await press(pilot, "enter")
-        said = "This is the last page. Press enter again for the next lesson: A second walk."
+        said = "Last page. Press enter again for the next lesson: A second walk."
         assert notes(pilot.app)[-1] == said
         assert lesson_on_screen(pilot).lesson.id == "walk"
         await settled(pilot, "enter")
@@ -362,7 +362,7 @@ async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
         assert pilot.app.screen.query_one(LessonList).highlighted == 1
         await settled(pilot, "escape")
         assert isinstance(pilot.app.screen, LessonsScreen)
-        assert notes(pilot.app)[-1] == "These are the lessons; esc again goes to the start screen"
+        assert notes(pilot.app)[-1] == "Press esc again for the start screen."
         await settled(pilot, "escape")
         assert isinstance(pilot.app.screen, CatalogueScreen)
 
@@ -395,7 +395,7 @@ async def test_a_file_with_faults_stands_at_the_end_with_them_and_none_at_all_is
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot, "enter", "r")
         assert isinstance(pilot.app.screen, LessonsScreen)
-        assert "No lessons are here" in details(pilot)
+        assert "No lessons found" in details(pilot)
 
 
 async def test_another_setup_takes_the_place_of_the_run_and_the_same_session_goes_on(

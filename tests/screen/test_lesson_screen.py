@@ -262,10 +262,10 @@ async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kep
     steps = "s", "e", "ae", "ai", "mw", "u", "y", "ca", "cs", "cn", "cb"
     async with lesson(size) as pilot:
         for keys in tells:
-            assert await refusal(pilot, *keys) == "kept back until page 2 is done", keys
+            assert await refusal(pilot, *keys) == "hidden until page 2 is done", keys
         await press(pilot, "pagedown")
         for keys in tells:
-            assert "kept back until your prediction is in" in await refusal(pilot, *keys), keys
+            assert "hidden until you predict" in await refusal(pilot, *keys), keys
             assert playground(pilot).board.opened is None, keys
         for keys in (("space",), *steps):
             assert await refusal(pilot, *keys) == PREDICT_FIRST, keys
@@ -385,7 +385,7 @@ async def test_the_help_keeps_the_notes_of_the_scenario_back(size: tuple[int, in
             await press(pilot, "end", "end")
             markdown = "".join(each.source for each in told.query(Markdown))
             assert ("6.34" in markdown) is tells, page
-            assert ("kept back until" in markdown) is not tells, page
+            assert ("hidden until" in markdown) is not tells, page
             await press(pilot, "escape")
 
 
@@ -473,7 +473,7 @@ async def test_who_draws_a_policy_can_end_it_on_a_page_that_keeps_policies_back(
         playground(pilot).drawing.toggle()
         await press(pilot, "w", "p")
         assert not playground(pilot).drawing.is_on
-        assert "kept back until page 2 is done" in await refusal(pilot, "w", "p")
+        assert "hidden until page 2 is done" in await refusal(pilot, "w", "p")
 
 
 @both_sizes
@@ -503,7 +503,7 @@ async def test_keys_palette_and_help_offer_a_lesson_only_where_there_is_one() ->
         assert {"lesson.go_on", "lesson.hint"} <= {each.id for each in screen.actions}
         assert found_by("hint", entries_on(screen))[0].name == "Hint"
         assert line.render_line(0).text.startswith(" enter next page")
-        assert await refusal(pilot, "w", "]") == "esc leaves the lesson; its progress is kept"
+        assert await refusal(pilot, "w", "]") == "esc leaves the lesson. Its progress is kept"
 
 
 @both_sizes

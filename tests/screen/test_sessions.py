@@ -116,8 +116,8 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
         await pilot.press("enter")
         await tap(pilot, "delete")
         assert notes(pilot.app)[-2:] == [
-            "this file cannot be resumed",
-            "a faulty file is left alone; remove it yourself",
+            "This file cannot be resumed.",
+            "Not here: the file has errors. Remove it yourself.",
         ]
         await tap(pilot, "shift+tab")
         assert about(pilot) == find("frozenlake").title
@@ -293,7 +293,7 @@ async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Pa
     write(tmp_path, "b.json", order=2)
     async with on_screen(app_with_sessions()) as pilot:
         await tap(pilot, "delete")
-        assert notes(pilot.app) == ["only sessions can be deleted"]
+        assert notes(pilot.app) == ["Only sessions can be deleted."]
         await pilot.press("tab", "tab", "delete")
         assert isinstance(pilot.app.screen, Confirm)
         await pilot.press("escape")
@@ -399,11 +399,11 @@ def test_the_details_tell_lanes_branches_and_changes(tmp_path: Path) -> None:
     both = Record((two, RunRecord(one.recipe, (*one.branches, branch), 1)), shown=1)
     session = read_session(write(tmp_path, "a.json", both))
     text = drawn(session_facts(session, session.saved, look), 100)
-    assert "step 20 of 30 - lane 2 of 2 - branch another of 2" in text
+    assert "step 20 of 30 - run 2 of 2 - branch another of 2" in text
     assert "A student's evening (student)" in text
     named = Record((RunRecord(one.recipe, (*one.branches, replace(branch, name="branch 2")), 1),))
     session = read_session(write(tmp_path, "b.json", named))
     assert "step 20 of 30 - branch 2 of 2" in drawn(session_facts(session, session.saved, look), 100)
     assert "changes   1" in text
     assert "settings  alpha 0.5 - gamma 0.9 - epsilon 0.1" in text
-    assert "the newest 50 are kept" in text
+    assert "The newest 50 are kept" in text

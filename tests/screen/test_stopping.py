@@ -181,7 +181,7 @@ async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_a
         await order(pilot, Train(1000))
         await press(pilot, "u")
         assert isinstance(pilot.app.screen, Playground)
-        assert notes(pilot.app)[-1] == "The budget is spent; r r starts again."
+        assert notes(pilot.app)[-1] == "The budget is spent. r r: start again."
 
 
 async def test_a_stepped_world_stops_at_states_and_values_and_what_it_cannot_wait_for_says_why(

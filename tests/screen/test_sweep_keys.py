@@ -47,7 +47,7 @@ async def test_agents_without_such_sweeps_say_whose_they_are(make_app: MakeApp) 
         await press(pilot, "a")
         for letter in ("e", "i"):
             shown = await press(pilot, letter)
-            assert "only policy iteration has such sweeps; a a chooses it." in screen_text(pilot.app)
+            assert "only policy iteration has such sweeps. a a: choose it." in screen_text(pilot.app)
             assert (shown.counters.step, shown.agent.algorithm) == (0, "q-learning")
         await press(pilot, "escape")
         await switch(pilot, "value-iteration")

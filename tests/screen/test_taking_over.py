@@ -93,7 +93,7 @@ async def test_space_and_e_hand_back_s_does_not_and_a_planner_takes_no_actions(
     async with on_screen(make_app("student"), notifications=True) as pilot:
         asked = record(pilot, monkeypatch)
         await press(pilot, "y", "3")
-        assert notes(pilot.app)[-1] == "3 is no action here: act with 1 or 2"
+        assert notes(pilot.app)[-1] == "3 is not an action here: act with 1 or 2"
         await press(pilot, "2", "s")
         assert asked == [Take(1), Step()]
         assert playground(pilot).manual.is_on
@@ -109,7 +109,7 @@ async def test_space_and_e_hand_back_s_does_not_and_a_planner_takes_no_actions(
         await press(pilot, "y")
         assert not playground(pilot).manual.is_on
         (said,) = notes(pilot.app)
-        assert said == "Value iteration takes no actions: it plans with the model; a a chooses an agent."
+        assert said == "Value iteration takes no actions: it plans. a a: choose an agent."
 
 
 async def test_arms_are_pulled_by_their_names_until_the_budget_is_spent(make_app: MakeApp) -> None:
@@ -118,7 +118,7 @@ async def test_arms_are_pulled_by_their_names_until_the_budget_is_spent(make_app
         assert pulled.agent.visits.tolist() == [1, 0, 0, 0, 0, 0, 0, 2, 0, 0]
         await order(pilot, Train(1000))
         assert not playground(pilot).manual.is_on
-        assert notes(pilot.app)[-1] == "The budget is spent; r r starts again."
+        assert notes(pilot.app)[-1] == "The budget is spent. r r: start again."
 
 
 async def test_cards_by_hand(make_app: MakeApp) -> None:

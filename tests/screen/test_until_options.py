@@ -46,7 +46,7 @@ def test_the_pair_under_the_cursor_is_not_listed_twice() -> None:
 
 def test_without_a_cell_it_says_how_to_choose_one() -> None:
     refused = found(lake(step=0))["value cursor"].refused
-    assert refused == "no cell is chosen: tab goes to the table, the arrows to a cell"
+    assert refused == "no cell is chosen. tab: the table, arrows: a cell"
 
 
 def test_what_each_wait_tells_the_run() -> None:
@@ -91,10 +91,10 @@ def test_numbers_are_read_and_those_in_the_past_are_not() -> None:
     assert read(listed["step"], now, " 1,000 ") == 1000
     assert read(listed["episode"], now, "11") == 11
     for wait, text, expected in (
-        ("step", "120", "type a whole number, 121 or more; m g goes back"),
-        ("step", "soon", "type a whole number, 121 or more; m g goes back"),
-        ("episode", "10", "type a whole number, 11 or more; m g goes back"),
-        ("episode", "", "type a whole number, 11 or more; m g goes back"),
+        ("step", "120", "type a whole number, 121 or more. m g: go back"),
+        ("step", "soon", "type a whole number, 121 or more. m g: go back"),
+        ("episode", "10", "type a whole number, 11 or more. m g: go back"),
+        ("episode", "", "type a whole number, 11 or more. m g: go back"),
     ):
         with pytest.raises(ValueError, match=expected):
             read(listed[wait], now, text)

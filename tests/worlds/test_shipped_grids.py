@@ -50,7 +50,7 @@ def test_is_sound_in_itself_and_with_its_environment(name: str) -> None:
     scenario = read_scenario(shipped_folder() / f"{name}.toml")
     assert scenario.title
     assert scenario.summary
-    for heading in ("**What it teaches", "**Try this**", "**Where it comes from.**"):
+    for heading in ("**What it teaches", "**Try this**", "**Source.**"):
         assert heading in scenario.notes
 
 

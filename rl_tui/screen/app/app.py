@@ -223,7 +223,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self.messages.clear()
 
     def _tell_of_lost_keys(self) -> None:
-        self.notify("too many keys at once: those that are over do not count", severity="warning")
+        self.notify("Too many keys at once. The rest were ignored.", severity="warning")
 
     async def typed(self) -> None:
         """Wait until all that was typed is done, and what it opens is there."""
@@ -409,7 +409,7 @@ class RlTuiApp(LinkedApp[UserError]):
     async def action_suspend_process(self) -> None:  # type: ignore[override]
         """Go back to the shell, if there is one that can bring the program back."""
         if not await self.go_to_shell():
-            self.notify("there is no shell here to go back to; q quits", markup=False)
+            self.notify("Not here: there is no shell. q: quit.", markup=False)
 
     def on_terminal_driver_lost(self) -> None:
         """End as on the signal that the terminal is closed, which is what has happened."""

@@ -413,7 +413,7 @@ class CatalogueScreen(SavedSessions):
         elif isinstance(entry, StoredSession):
             self.resume(entry)
         elif isinstance(entry, SessionError):
-            self.notify("this file cannot be resumed", severity="warning")
+            self.notify("This file cannot be resumed.", severity="warning")
         elif isinstance(entry, ScenarioError):
             self.notify("This file has errors. Fix them first.", severity="warning")
         elif isinstance(entry, Scenario):
@@ -447,13 +447,13 @@ class CatalogueScreen(SavedSessions):
         """Delete the session under the cursor, once that is confirmed."""
         entry = self._current
         if self.in_kiosk:
-            self.tell("no sessions are kept here: this is a kiosk")
+            self.tell("Not here: a kiosk keeps no sessions.")
         elif isinstance(entry, StoredSession):
             self.ask_to_delete(entry)
         elif isinstance(entry, SessionError):
-            self.notify("a faulty file is left alone; remove it yourself")
+            self.notify("Not here: the file has errors. Remove it yourself.")
         else:
-            self.notify("only sessions can be deleted")
+            self.notify("Only sessions can be deleted.")
 
     def help_screen(self) -> Dialog[str]:
         """Return the pages about panels and the like, with the notes of the scenario under the cursor."""

@@ -101,7 +101,7 @@ class Details(VerticalScroll):
             what = "This file cannot be played until it is fixed."
             self._tell("Errors", faults_text(what, entry.faults, self._look))
         elif isinstance(entry, SessionError):
-            what = "This file cannot be resumed. It is left as it is."
+            what = "This file cannot be resumed. It is not changed."
             self._tell("Errors", faults_text(what, [entry], self._look))
         elif isinstance(entry, StoredSession):
             self._tell(f"Session: {entry.title}", session_facts(entry, now, self._look))

@@ -136,7 +136,7 @@ def _lines(entry: LessonEntry) -> dict[str, str]:
     state = state_of(entry, progress)
     return {
         "takes": takes,
-        "stands at": state if entry.is_at_end else f"{state}: {lesson.page(progress.page).title}",
+        "position": state if entry.is_at_end else f"{state}: {lesson.page(progress.page).title}",
         "tasks": f"{progress.tasks_passed} of {tasks} passed" if tasks else "none",
         "predictions": f"{progress.predictions_right} of {made} right" if made else "none so far",
     }
@@ -196,7 +196,7 @@ class LessonList(RowList):
 
 _DRAWING: Final = "drawing"
 _REST: Final = 0.15  # seconds for which the cursor stays on a row before its world is built
-_NONE: Final = "No lessons are here: they stand beside the scenarios that come with rl-tui. Install it again."
+_NONE: Final = "No lessons found. They come with rl-tui: install it again."
 
 
 def _world_of_page(lesson: Lesson, page: str) -> Snapshot:
@@ -377,7 +377,7 @@ class LessonsScreen(ActionScreen):
         """Go back to the start screen; after a lesson only at the second press."""
         if self._comes_from_lesson:
             self._comes_from_lesson = False
-            self.tell("These are the lessons; esc again goes to the start screen")
+            self.tell("Press esc again for the start screen.")
             return
         self.post_message(self.ListClosed())
 

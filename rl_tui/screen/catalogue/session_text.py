@@ -91,7 +91,7 @@ def _features(session: StoredSession) -> _Features:
 def _text(name: str, value: float | str) -> str:
     if name == _SCENARIO:
         return str(value)
-    return counted(int(value), "lane") if name == _LANES else feature_text(name, value)
+    return counted(int(value), "run") if name == _LANES else feature_text(name, value)
 
 
 # Row and details of a session
@@ -146,14 +146,14 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
     if branch.here < branch.end:
         stands = f"{stands} of {branch.end:,}"
     if len(document.lanes) > 1:
-        stands = f"{stands} · lane {document.shown + 1} of {len(document.lanes)}"
+        stands = f"{stands} · run {document.shown + 1} of {len(document.lanes)}"
     if len(lane.branches) > 1:
         stands = f"{stands} · branch {branch.name.removeprefix('branch ')} of {len(lane.branches)}"
     lines = {
         "scenario": world,
         "algorithm": f"{algorithm_name(session.algorithm)} · seed {lane.seed}",
         "settings": " · ".join(settings_of(session)) or "none",
-        "stands at": stands,
+        "position": stands,
         "changes": f"{session.changes:,}" if session.changes else "none so far",
         "saved": f"{long_age(now - session.saved)} · {session.saved.astimezone():%Y-%m-%d %H:%M}",
         "file": one_line(str(session.path), _LONGEST_PATH),
@@ -166,8 +166,8 @@ def _how_long(session: StoredSession) -> str:
     if session.document.kept:
         return "Saved under a name: it stays until you delete it."
     if session.document.lesson is not None:
-        return "A lesson, kept by itself: it stays until you delete it."
-    return "Saved automatically; the newest 50 are kept. m s names it and keeps it."
+        return "A lesson, saved automatically. It stays until you delete it."
+    return "Saved automatically. The newest 50 are kept. m s names it and keeps it."
 
 
 def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Look) -> RenderableType:

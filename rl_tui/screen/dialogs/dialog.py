@@ -103,7 +103,7 @@ class QuitQuestion(Confirm):
     """What ctrl+c asks; the app ends at a second one."""
 
     def __init__(self, glyphs: Glyphs) -> None:
-        super().__init__("Quit?", "enter quits, and so does ctrl+c once more; esc goes on", "quit", glyphs)
+        super().__init__("Quit?", "enter or ctrl+c: quit. esc: go on", "quit", glyphs)
 
 
 # The model of the scenario

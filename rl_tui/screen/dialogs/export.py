@@ -31,15 +31,15 @@ KINDS: Final = {
     SCRIPT: ("Python script", "A plain program with Gymnasium and NumPy only, to read and change.", ".py"),
     Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits.", "-q.csv"),
     Q_ARRAY: (
-        *("Q-table as .npy", "The same for NumPy: states × actions, NaN where one is not possible."),
+        *("Q-table as .npy", "The same for NumPy: states × actions, NaN where an action is not available."),
         "-q.npy",
     ),
     RETURNS: (
-        *("Returns as CSV", "Return, undiscounted, and length of every episode; the run is done again."),
+        *("Returns as CSV", "Undiscounted return and length of every episode. The run is repeated."),
         "-returns.csv",
     ),
     POLICY: (
-        *("Drawn policy as JSON", "The policy you drew, for rl-tui evaluate; the command is shown then."),
+        *("Drawn policy as JSON", "The policy you drew, for rl-tui evaluate. The command is shown."),
         "-policy.json",
     ),
     PICTURE: ("Screen as SVG", "A picture of the screen, without this window.", ".svg"),
@@ -59,9 +59,9 @@ def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
     lane, timeline, row = lane_shown(snapshot), snapshot.timeline, snapshot.agent.row
     branch = timeline.current.name if len(timeline.branches) > 1 else ""
     only = " and ".join(filter(None, (lane and f"run {lane}", branch)))
-    run = f"Only {only}; the others are left out." if only else ""
+    run = f"Only {only}. The others are left out." if only else ""
     left_out = {
-        RETURNS: f"{counted(snapshot.counters.episodes, 'episode')}; one that is under way is left out.",
+        RETURNS: f"{counted(snapshot.counters.episodes, 'episode')}, without the one under way.",
         Q_ARRAY: "Visits are left out.",
         SCRIPT: _SECRET if isinstance(snapshot.world.drawing, Arms) else "",
     }

@@ -119,11 +119,11 @@ def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[Unti
         if pair is not None and (id == "cursor" or pair != cursor):
             name = f"{estimate_name(snapshot.world, pair, glyphs)} reaches a value …"
             now = f" It is {_value(snapshot, pair, glyphs)} now." if snapshot.agent.holds(pair) else ""
-            hint = f"The estimate {where}; asks for the value.{now}"
+            hint = f"The estimate {where}. Asks for the value.{now}"
             found.append(UntilOption(f"value {id}", Event.VALUE, name, hint, pair=pair))
     if found:
         return found
-    refused = "no cell is chosen: tab goes to the table, the arrows to a cell"
+    refused = "no cell is chosen. tab: the table, arrows: a cell"
     return [UntilOption("value cursor", Event.VALUE, "an estimate reaches a value …", "", refused)]
 
 
@@ -140,7 +140,7 @@ def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
         example = snapshot.counters.episodes + 100
     bandit = snapshot.results.bandit
     most = bandit.budget if kind is Kind.BANDIT and bandit is not None else _LARGEST
-    expected = f"type a whole number, {least:,} or more; m g goes back"
+    expected = f"type a whole number, {least:,} or more. m g: go back"
     if most < _LARGEST:
         expected = f"type a whole number from {least:,} to {most:,}"
 
@@ -150,7 +150,7 @@ def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
             raise ValueError(expected)
         return int(digits)
 
-    hint = f"now {now}; the run goes as fast as it can and pauses there"
+    hint = f"now {now}. The run goes at full speed and pauses there"
     return Prompt(f"Run until {noun}", hint, str(min(example, most)), read)
 
 
@@ -168,7 +168,7 @@ def _ask_value(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
             raise ValueError("that is what it is now: type another number")
         return number
 
-    hint = f"it is {now} now; the run pauses when it gets there, or past it"
+    hint = f"it is {now} now. The run pauses when it reaches or passes your value"
     title = f"Run until {estimate_name(snapshot.world, pair, glyphs)} reaches"
     return Prompt(to_ascii(title, glyphs), to_ascii(hint, glyphs), "", read)
 

@@ -90,54 +90,50 @@ def _wrapped(row: Explanation, width: int) -> Iterator[Explanation]:
 
 
 _ASKING: Final = (
-    "Point with the mouse at a word, or give a panel or slider the focus with tab: ? then explains it, with "
-    "its equation and its page in the textbook of Sutton and Barto. / finds any word. Return always means "
-    "the plain sum of the rewards of an episode; where γ weighs them it is called discounted return, or "
-    "value."
+    "Point with the mouse at a word, or give a panel or slider the focus with tab, and press ?. You get "
+    "its meaning, its equation and its place in Sutton and Barto. / finds any word. Return always means "
+    "the plain sum of the rewards of an episode. With γ it is called discounted return, or value."
 )
-_HIDING: Final = "m l hides what panels say of their symbols, and shows it again."
+_HIDING: Final = "m l hides or shows the legends of panels."
 _TOPICS: Final = (
     (
-        "Runs",
-        "c a opens a run beside this one: the same scenario and seed, one thing different; up to four. All "
-        "advance together, and their curves share one chart. They take equal steps, not equal episodes. Of "
-        "two, worlds and tables stand side by side where there is room. Every other panel shows the run that "
-        "you control, which ▸ marks: c l goes to the next, and a change counts there only. The view Q−Q₂ of "
-        "the table is the difference from the first of the others.",
+        "Two runs",
+        "c a opens a run beside this one: another algorithm with the same scenario and seed. Up to four "
+        "advance together, with equal steps but not equal episodes, and share one chart. World and table "
+        "of two runs are side by side if they fit. ▸ marks the run that you control: c l goes to the "
+        "next.",
     ),
     (
         "Rewards",
-        "A cell of a map that always pays something other than the usual step does says how much in its "
-        "corner; where there is no room, + means more and − less.",
+        "A cell with an unusual reward shows it in its corner: the number, or + for more and − for less.",
     ),
     (
         "Planners",
-        "Value iteration and policy iteration take no steps in the world: they read its table. A step backs "
-        "up one state, and a sweep over all states stands in place of the episode, so s, e and space work "
-        "as ever. Nothing is played, so the curve has only the exact return of the greedy policy. When no "
-        "value moves any more the planner is done; another γ gives it something to do again.",
+        "Value iteration and policy iteration take no steps: they read the transition table. s backs up "
+        "one state, e runs a sweep, and space works as ever. The curve has only the exact return of the "
+        "greedy policy. A planner is done when no value moves any more. Another γ gives it new work.",
     ),
     (
-        "Stepped",
-        "An environment without a table is stepped for real. Nobody knows its exact answer, so Q*, the "
-        "error, the optimum and planners are missing; everything else is the same.",
+        "Simulated",
+        "An environment without a transition table can only be simulated. Its exact values are unknown, "
+        "so Q*, the error, the optimal return and planners are missing. Everything else is the same.",
     ),
     (
         "Breakpoints",
-        "t b sets one at the cursor, on a state in the world or on a pair in the table; an arm of a "
-        "bandit is a pair. ! marks it, and the run pauses each time the state is reached or the pair taken. "
-        "u lists them all, and what else a run may be run until.",
+        "t b sets a breakpoint at the cursor: on a state of the world, a pair of the table, or an arm. ! "
+        "marks it, and the run pauses there each time. u lists all breakpoints, and other things to run "
+        "until.",
     ),
     (
         "You",
-        "y makes you the agent: the arrows take the action of their direction, digits the first, second … "
-        "of the actions that the border of the world lists. The agent learns from what you do as from its "
-        "own steps; s lets it take one in between. y or esc hands back.",
+        "y makes you the agent. An arrow takes the action of its direction, a digit the first, second … "
+        "action on the border of the world. The agent learns from your steps as from its own. s lets it "
+        "take one. y or esc ends this.",
     ),
     (
         "Focus",
-        "tab and shift+tab go from panel to panel; arrows move the cursor of world and table, which scroll "
-        "with it, and f shows the panel in focus alone.",
+        "tab and shift+tab go from panel to panel. Arrows move the cursor of world and table, which "
+        "scroll with it. f shows only the panel in focus.",
     ),
 )
 

@@ -53,8 +53,8 @@ def number_here(panel: Widget | None, look: Look, at: Offset | None = None) -> N
     if number is None or not group.lanes:
         return number
     lane = group.shown + 1
-    whose = f"Lane {lane} of {len(group.lanes)}: {group.lanes[group.shown].name}."
-    return number._replace(name=f"{number.name} in lane {lane}", meaning=f"{whose} {number.meaning}")
+    whose = f"Run {lane} of {len(group.lanes)}: {group.lanes[group.shown].name}."
+    return number._replace(name=f"{number.name} in run {lane}", meaning=f"{whose} {number.meaning}")
 
 
 def _of_table(table: QTable, look: Look, at: Offset | None) -> NumberHere | None:
@@ -139,7 +139,7 @@ class _Teller:
             mine, its, gap = self._written(q, float(other.q[pair]), q - float(other.q[pair]))
             return NumberHere(
                 f"Q({name}) − Q of {other.name} = {gap}",
-                f"The estimate here, {mine}, less the one of {other.name}, {its}: both learned.",
+                f"The estimate here, {mine}, less the estimate of {other.name}, {its}. Both are learned.",
                 "q",
             )
         if layer is Layer.POLICY and (known := policy_q(self._snapshot)) is not None:
@@ -200,7 +200,7 @@ class _Teller:
             names.action_name(self._world, int(self._world.space.pair_action[pair]), glyphs)
             for pair in greedy
         )
-        whose = f"that of {actions}" if len(greedy) == 1 else f"{actions} have it alike"
+        whose = f"that of {actions}" if len(greedy) == 1 else f"{actions} are tied"
         return NumberHere(
             f"V({name}) = {value}",
             f"The largest of the agent's estimates Q in state {name}: {whose}. It says how much discounted "
@@ -256,7 +256,7 @@ class _Teller:
     def _from_visits(self, *pairs: int) -> str:
         visits = sum(int(self._snapshot.agent.visits[pair]) for pair in pairs)
         if not visits:
-            return "not tried yet: it is as it was at the start"
+            return "not tried yet: still the initial estimate"
         if self._plans:
             return f"after {counted(visits, 'backup')}"
         return f"learned from {counted(visits, 'pull' if self._is_bandit else 'visit')}"

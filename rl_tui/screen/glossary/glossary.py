@@ -188,18 +188,18 @@ def _rank(term: GlossaryTerm, wanted: str) -> int | None:
 
 
 _KINDS: Final = {
-    FigureKind.EXACT: "exact: worked out from the table of the world, not played",
-    FigureKind.SAMPLED: "sampled: what this one run met, its luck included",
-    FigureKind.LEARNED: "learned: the agent's estimate, as far as it has got",
+    FigureKind.EXACT: "exact: computed from the transition table, not played",
+    FigureKind.SAMPLED: "sampled: from this one run, luck included",
+    FigureKind.LEARNED: "learned: the agent's estimate so far",
     FigureKind.COUNTED: "counted",
 }
-_OF_SEEDS: Final = "sampled: over many seeds, each with luck of its own"
+_OF_SEEDS: Final = "sampled: over many seeds"
 _LIMITS: Final = {
     FigureLimit.EPISODE: "within the time limit of an episode, if it has one",
-    FigureLimit.NONE: "as if there were no time limit",
+    FigureLimit.NONE: "ignoring any time limit",
     FigureLimit.STEP: "of one step",
-    FigureLimit.RUN: "over all of the run so far",
-    FigureLimit.MOMENT: "of the last moments",
+    FigureLimit.RUN: "over the whole run so far",
+    FigureLimit.MOMENT: "over the last moments",
 }
 
 
@@ -245,7 +245,7 @@ def _limit(limit: FigureLimit, now: FigureSetting | None) -> str:
     if not now.time_limit:
         return "this world has no time limit"
     steps = f"this world's time limit of {counted(now.time_limit, 'step')}"
-    return f"within {steps}" if limit is FigureLimit.EPISODE else f"as if {steps} were not there"
+    return f"within {steps}" if limit is FigureLimit.EPISODE else f"ignoring {steps}"
 
 
 def _mean(facts: FigureFacts, now: FigureSetting | None) -> str:

@@ -40,13 +40,13 @@ def why_over(snapshot: Snapshot) -> str:
     message = snapshot.playback.message
     match snapshot.playback.phase:
         case Phase.SPENT if snapshot.program is None:
-            return "the budget is spent; r r starts again"
+            return "the budget is spent. r r: start again"
         case Phase.SPENT:
-            return "your program has ended; r r starts it again"
+            return "your program has ended. r r: start it again"
         case Phase.DONE:
-            return f"{message}; another γ goes on, r r starts again"
+            return f"{message}. Another γ goes on, r r: start again"
         case Phase.STOPPED:
-            return f"{message}; r r starts again"
+            return f"{message}. r r: start again"
     return ""
 
 

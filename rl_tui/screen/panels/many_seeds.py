@@ -109,7 +109,7 @@ def _noise(snapshot: Snapshot, glyphs: Glyphs) -> str:
     noise = np.unique([] if snapshot.world.mdp is None else snapshot.world.mdp.reward_std)
     is_known = len(noise) == 1 and float(noise[0]) > 0.0  # or else it would tell which arm is pulled
     off = f" by about {figure_text(float(noise[0]) / math.sqrt(pulls), 2, glyphs)}" if is_known else ""
-    return f"a mean of {pulls} noisy rewards is off{off} by luck alone"
+    return f"a mean of {pulls} noisy rewards is off{off} just by luck"
 
 
 def _meaning(study: SeedStudy, snapshot: Snapshot, look: Look, *, has_marks: bool) -> str:

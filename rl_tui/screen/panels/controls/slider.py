@@ -60,7 +60,7 @@ class Slider(Draggable, can_focus=True):
         binding("end", "end(True)", "slider.most", "The greatest value"),
         binding("left_curly_bracket", "jump(False)", "slider.previous_mark", "Beyond the mark before"),
         binding("right_curly_bracket", "jump(True)", "slider.next_mark", "Beyond the next mark"),
-        binding("enter", "type", "slider.type", "Type a value; enter again sets it"),
+        binding("enter", "type", "slider.type", "Type a value, then press enter"),
         binding("escape", "release", "slider.release", "Leave the slider"),
     ]
 
@@ -100,8 +100,8 @@ class Slider(Draggable, can_focus=True):
         self.scale = scale_of(parameter)
         typed = "a number or 1/N" if SAMPLE_AVERAGE in parameter.words else "a number"
         help_text = (
-            f"{parameter.help}. The arrows change it; enter, or a click on its value, types {typed}. "
-            "What begins with 1 to 4 needs enter first."
+            f"{parameter.help}. The arrows change it. enter, or a click on its value, types {typed}. "
+            "A value that begins with 1 to 4 needs enter first."
         )
         self._help = self.tooltip = to_ascii(help_text, look.glyphs)
         self._state = SliderState(value, label_columns=label_columns)

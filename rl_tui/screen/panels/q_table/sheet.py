@@ -139,7 +139,7 @@ TITLES: Final = {
     Layer.OPTIMAL: "Q*, exact",
     Layer.ERROR: "Q − Q*",
     Layer.POLICY: "Q of a policy",
-    Layer.LANES: "Q − other lane",
+    Layer.LANES: "Q − other run",
     Layer.VISITS: "Visits",
 }
 _CAPTIONS: Final = {
@@ -174,7 +174,7 @@ def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> 
         return tuple(f"{lane} · {each}" for each in forms) if lane else forms
     title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
     number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
-    forms = f"Q of {own} − Q of {other.name}", title, f"Q − Q of lane {number}"
+    forms = f"Q of {own} − Q of {other.name}", title, f"Q − Q of run {number}"
     return tuple(f"{lane} · {each}" for each in forms)
 
 

@@ -120,7 +120,7 @@ class ExportActions(Subject):
 
     def _say_written(self, path: Path, fault: str | None) -> None:
         if fault is None:
-            self.screen.notify("broken off: nothing was written")
+            self.screen.notify("Stopped: nothing was written.")
         elif fault:
             self._say_fault(fault)
         else:

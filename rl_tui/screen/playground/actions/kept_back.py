@@ -12,7 +12,7 @@ from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.panels.lesson.words import keeping_page
 
-PREDICT_FIRST: Final = "first your prediction: enter"
+PREDICT_FIRST: Final = "predict first. enter: answer"
 
 
 class KeptBack(Subject):
@@ -70,7 +70,7 @@ class KeptBack(Subject):
 
 def _kept_until(record: LessonRecord, page: Page) -> str:
     if page.id != record.page:
-        return f"kept back until page {record.lesson.number_of(page.id) + 1} is done"
+        return f"hidden until page {record.lesson.number_of(page.id) + 1} is done"
     if page.prediction is not None:
-        return "kept back until your prediction is in: enter"
-    return "kept back until this page is done; pgdn pgdn skips it"
+        return "hidden until you predict. enter: answer"
+    return "hidden until this page is done. pgdn pgdn: skip it"

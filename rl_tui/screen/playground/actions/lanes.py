@@ -18,7 +18,7 @@ from rl_tui.screen.dialogs.form import Form
 from rl_tui.screen.dialogs.lane_changes import ALGORITHM, branches_beside, lane_changes
 from rl_tui.screen.kit.snapshot_facts import current_study, hides_greedy, keeps_back
 
-ONE_RUN: Final = "there is only one run; c a adds another"
+ONE_RUN: Final = "only one run is open. c a: add another"
 
 
 class LaneActions(Subject):
@@ -48,18 +48,18 @@ class LaneActions(Subject):
         if not lanes and not deed.startswith("another"):
             return ONE_RUN
         if deed == "end" and snapshot is not None and snapshot.program is not None:
-            return "your program is in control; in the list of c c, del ends the run beside it"
+            return "your program is in control. c c, then del: end the other"
         if deed == "one_lane" and not self.board.is_paired and not self.board.is_one_lane:
             return "there is no room for two runs side by side here"
         if not deed.startswith("another"):
             return ""
         if len(lanes) == MOST_LANES:
-            return "four runs are open already; c e ends one"
+            return "four runs are open already. c e: end one"
         if deed == "another_seed":
             drawn = self.link.wanted.recipe.scenario.section.drawn_from_seed
             return SEED_DRAWS_WORLD if drawn else ""
         if deed == "another_branch" and (snapshot is None or not branches_beside(snapshot)):
-            return "this run has one branch; go back, change something, and it has two"
+            return "this run has one branch. b, then a change: begin another"
         return ""
 
     def value(self, deed: str) -> str:
@@ -109,7 +109,7 @@ class LaneActions(Subject):
         """Show the run that is controlled alone, or two side by side."""
         self.board.turn_lanes()
         if self.board.is_one_lane:
-            self.screen.tell("One run alone. c l: the next run, c o: two side by side.")
+            self.screen.tell("One run is shown. c l: next run, c o: two runs.")
         elif refused := self.why_not("one_lane"):
             self.screen.refuse(refused)
 

@@ -42,11 +42,11 @@ from rl_tui.screen.terminal.driver_choice import in_browser
 # Tasks that ask for a program
 
 
-NOT_HERE: Final = "your own code runs neither in a kiosk nor where the program is served: pgdn skips it"
+NOT_HERE: Final = "Not here: your code cannot run on this machine. pgdn: skip."
 _CHECK, _NAME, _CLAIM = "check", "name", "claim"
 _LONG: Final = 15.0  # seconds that a message stays that tells what to do
 CANNOT_BE_DONE: Final = Candidate(
-    _CLAIM, "It cannot be done", ("Say so only if you are sure: no setting and no luck passes this task.",)
+    _CLAIM, "It cannot be done", ("Are you sure? Then no setting and no luck passes this task.",)
 )
 
 
@@ -81,7 +81,7 @@ class OwnProgram(Subject):
         self.ask(Choice("Your program", candidates, "", self.glyphs), lambda chosen: does[chosen]())
 
     def _ask_name(self, page: Page, program: ProgramToWrite) -> None:
-        hint = "A new file gets the beginning of the program; one that is there is taken as it is."
+        hint = "A new file gets the beginning of the program. An existing file is not changed."
         prompt = Prompt("Your program", to_ascii(hint, self.glyphs), program.file, _read_name, "take")
         self.ask(prompt, lambda name: self._begin(page, program, Path(str(name))))
 
@@ -95,7 +95,7 @@ class OwnProgram(Subject):
             self.screen.notify(str(fault), severity="error", markup=False)
             return
         self.files[page.id] = path
-        what = f"{path.name} is written" if written else f"{path.name} is there already, and stays as it is"
+        what = f"{path.name} is written" if written else f"{path.name} exists already and is not changed"
         how = "Edit it in another terminal, or press ctrl+z and come back with fg. Then enter checks it."
         self.screen.notify(to_ascii(f"{what}. {how}", self.glyphs), timeout=_LONG, markup=False)
 
@@ -148,7 +148,7 @@ def read_answer(text: str) -> float:
 
 NOT_DONE: Final = "This page is not done. Press pgdn again to skip it."
 FIRST_PAGE: Final = "This is the first page."
-SEEN_BEFORE: Final = "You are in the past. end: to the end of the run, r p: restart."
+SEEN_BEFORE: Final = "You are in the past. end: latest step, r p: restart."
 CAN_BE_DONE: Final = "Not right: this can be done."
 _LONGEST_REPLY: Final = 15.0
 
@@ -383,7 +383,7 @@ class LessonActions(Subject):
         if self.snapshot is None or not self.snapshot.timeline.current.end:
             self._set_up()
             return
-        question = "The run begins again with the settings of the page; answers and passed tasks stay."
+        question = "Restart with the settings of the page. Answers and passed tasks stay."
         self.ask(Confirm("Set the run up again?", question, "set up", self.glyphs), lambda _: self._set_up())
 
     def _set_up(self) -> None:

@@ -13,7 +13,7 @@ from rl_tui.lessons.lesson import Lesson
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.panels.lesson.words import is_last_page
 
-LAST_PAGE = "this is the last page; esc leaves the lesson"
+LAST_PAGE = "This is the last page. esc: leave the lesson."
 
 
 @dataclass
@@ -47,9 +47,7 @@ class NextLesson(Subject):
             self.screen.post_message(LessonWanted(self._following))
         else:
             self._has_said_so = True
-            self.screen.tell(
-                f"This is the last page. Press enter again for the next lesson: {self._following.title}."
-            )
+            self.screen.tell(f"Last page. Press enter again for the next lesson: {self._following.title}.")
 
     async def _find(self, lesson: Lesson) -> None:
         self._following = await asyncio.to_thread(following_lesson, lesson)

@@ -129,4 +129,4 @@ class PolicyActions(Subject):
         self._is_kept = True
         self.board.close()
         name = policy_name(self._current)
-        self.screen.tell(f"Kept: {name}. v: Qπ in the table; t p, then esc: end it.")
+        self.screen.tell(f"Kept: {name}. v: Qπ in the table, t p and esc: end.")

@@ -19,7 +19,7 @@ from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.program.words import form_text, table_texts
 
 FIRST_KEYS: Final = "space runs your program, s takes one of its steps"
-NO_PROGRAM: Final = "this is a built-in agent; rl-tui watch SCRIPT.py watches your program"
+NO_PROGRAM: Final = "this is a built-in agent. Yours: rl-tui watch SCRIPT.py"
 _LONGEST_NAME: Final = 40
 _LONGEST_NEWS: Final = 300
 _UNTIL_READ: Final = 15.0

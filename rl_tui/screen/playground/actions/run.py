@@ -99,8 +99,8 @@ class ScenarioActions(Subject):
                 self._warn(str(fault))
 
         name = one_line(scenario.source.name, _LONGEST_NAME)
-        new = Candidate(_NEW, "as the file is now", ("a new run in the new world; the old run is kept",))
-        old = Candidate(_OLD, "as it was", ("the old world once more; it is not asked again",))
+        new = Candidate(_NEW, "as the file is now", ("A new run in the new world. The old run is kept.",))
+        old = Candidate(_OLD, "as it was", ("The old world once more, without asking again.",))
         self.ask(Choice(f"Start again: {name} has changed", (new, old), "", self.glyphs), answer)
 
     def _warn(self, text: str) -> None:
@@ -152,7 +152,7 @@ class RunActions(Subject):
         """Pause a run that goes on while no key is pressed."""
         if self.is_under_way:
             self.link.send(Pause())
-            self.screen.tell("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
+            self.screen.tell("Paused: no key was pressed for some minutes.", timeout=_UNTIL_SEEN)
 
     def step(self) -> None:
         """Take one step."""
@@ -179,7 +179,7 @@ class RunActions(Subject):
             return ""
         if self.snapshot is not None and self.snapshot.world.mdp is None:
             return "only policy iteration has such sweeps, and it needs a transition table"
-        return "only policy iteration has such sweeps; a a chooses it"
+        return "only policy iteration has such sweeps. a a: choose it"
 
     def faster(self) -> None:
         """Go to the next higher speed."""
@@ -202,7 +202,7 @@ class RunActions(Subject):
             self.screen.tell("Restarted with your settings. r p: settings of the page.")
         elif self.snapshot is not None and self.snapshot.timeline.current.end:
             kept = "gone (this is a kiosk)" if self.screen.in_kiosk else "kept on the start screen"
-            self.screen.tell(f"Started again; the run until now is {kept}.")
+            self.screen.tell(f"Started again. The run until now is {kept}.")
         self.link.send(Restart(self.link.wanted.recipe))
 
 

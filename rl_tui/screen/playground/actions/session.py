@@ -61,7 +61,7 @@ class SessionActions(Subject):
             if self.autosave is not None:
                 self.autosave.become_copy()
             self.screen.notify(
-                f"{OTHER_BITS}; what you do here is saved in a copy", severity="warning", timeout=15
+                f"{OTHER_BITS}. What you do here is saved in a copy.", severity="warning", timeout=15
             )
 
     @property
@@ -88,13 +88,13 @@ class SessionActions(Subject):
             except UserError as fault:
                 raise ValueError(str(fault)) from fault
             if path != autosave.path and path.exists():
-                raise ValueError("another session has this name; type another one")
+                raise ValueError("another session has this name: type another")
             return text.strip()
 
         def save(name: float | str) -> None:
             self.screen.run_worker(self._save(autosave, str(name)), name="save the session")
 
-        hint = "This session is now saved under that name; the start screen lists it."
+        hint = "This session is now saved under that name."
         self.ask(Prompt("Save the session as", hint, autosave.title, read, "save"), save)
 
     async def _save(self, autosave: Autosave, name: str) -> None:

@@ -15,8 +15,8 @@ from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.worlds.drawing import Arms
 
-ON_ARMS: Final = "a bandit has breakpoints on arms; tab and arrows choose one"
-NO_BREAKPOINTS: Final = "there are no breakpoints; t b sets one at the cursor"
+ON_ARMS: Final = "a bandit has breakpoints on arms. tab, arrows: choose one"
+NO_BREAKPOINTS: Final = "there are no breakpoints. t b: set one at the cursor"
 
 
 class UntilActions(Subject):

@@ -35,7 +35,7 @@ class ViewActions(Subject):
         if deed == "hide_answer" and snapshot.world.mdp is None:
             return "this world has no exact values to hide"
         if deed == "hide_answer" and snapshot.playback.phase is Phase.SPENT:
-            return "the budget is spent, so nothing is hidden; r r starts again"
+            return "the budget is spent, so nothing is hidden. r r: start again"
         if deed == "turn_actions" and not isinstance(drawing, Grid):
             return f"{'each bar' if isinstance(drawing, Arms) else 'the table'} shows Q of every action here"
         if deed == "numbers" and not isinstance(drawing, Grid):
@@ -119,8 +119,8 @@ class ViewActions(Subject):
         if view.lacks_room:
             width, height = self.board.size
             alone = self.board.zoomed != view.id and view.has_room_in(width - _AROUND, height - _AROUND)
-            room = "f, the world alone, has room" if alone else "a larger terminal has room"
-            self.screen.tell(f"cells too small for Q of every action; {room}")
+            room = "f: full screen." if alone else "A larger terminal has room."
+            self.screen.tell(f"Cells are too small for Q of every action. {room}")
 
     def enter_world(self) -> None:
         """Put the cursor into the world."""

@@ -49,7 +49,7 @@ BRUSHES: Final = (
         "number_sign",
         "#",
         "wall",
-        "Paint a wall: nobody enters it.",
+        "Paint a wall.",
         Sign(CellKind.WALL, lambda glyphs: glyphs.wall * 3),
     ),
     Brush("S", START, "start", "Let episodes start here.", Sign(CellKind.START, lambda _: START)),
@@ -157,7 +157,7 @@ def jump(draft: GridDraft, source: Cell, target: Cell) -> tuple[Edit, ...]:
     legend = draft.legend
     from_, there = (draft.lines[row][column] for row, column in (source, target))
     if from_ not in legend or there not in legend or legend[from_].is_wall or legend[there].is_wall:
-        raise ValueError("a jump leads from a cell that is no wall to another one")
+        raise ValueError("a jump leads from one cell to another, not from a wall")
     taken = {*legend, *"".join(draft.lines)}
     free = [each for each in _FREE if each not in taken]
     if len(free) < 2:

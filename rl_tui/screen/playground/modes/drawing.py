@@ -150,7 +150,7 @@ POLICY_ACTIONS: Final = tuple(
         ((*_DRAWS, *DIGITS), "shift+arrows 1…0", "draw", "Draw this action under the cursor.", "say_how"),
         (_NONE, "del", "undraw", "Draw no action here.", "draw_nothing"),
         ((_CLEAR,), _CLEAR, "draw afresh", "Clear the drawn policy, after asking.", "ask_to_clear"),
-        ((LEAVE,), "esc", "end drawing", "Stop drawing; the policy is kept.", "toggle"),
+        ((LEAVE,), "esc", "end drawing", "Stop drawing, and keep the policy.", "toggle"),
     )
 )
 """What can be done while a policy is drawn, a row each."""
@@ -334,7 +334,7 @@ class PolicyDrawing(KeyMode):
             self.link.send(DrawAction(state, None))
 
     def _tell_no_action(self, world: World, state: int, key: str) -> None:
-        text = f"{key} is no action here: draw with {digits_in_words(world, state)}"
+        text = f"{key} is not an action here: draw with {digits_in_words(world, state)}"
         self.screen.tell(text, severity="warning")
 
     def say_how(self) -> None:
@@ -352,7 +352,7 @@ class PolicyDrawing(KeyMode):
         if not self._drawn:
             self.screen.refuse(_NOTHING_DRAWN)
             return
-        question = f"You have drawn an action in {counted(self._drawn, 'state')}; this cannot be undone."
+        question = f"You have drawn an action in {counted(self._drawn, 'state')}. This cannot be undone."
         self.ask(Confirm("Draw afresh?", question, "clear all", self.glyphs), self._clear)
 
     def _clear(self, _: bool) -> None:

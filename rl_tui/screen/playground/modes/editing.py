@@ -113,7 +113,7 @@ ALWAYS: Final = (
     Tool(
         "z",
         "undo",
-        "Undo the last stroke; b also recalls what was learned.",
+        "Undo the last stroke.",
         lambda editing, _: editing.undo(),
         why_not=lambda editing, desk: "" if editing.can_undo(desk) else _NOTHING_TO_UNDO,
         rank=4,
@@ -128,7 +128,7 @@ ALWAYS: Final = (
     Tool(
         LEAVE,
         "end drawing",
-        "End drawing; the world stays as it is.",
+        "End drawing, and keep the world.",
         lambda editing, _: editing.end(),
         "esc",
         rank=7,
@@ -364,7 +364,7 @@ class WorldEditing(KeyMode):
             return
         if isinstance(snapshot.world.drawing, Arms) and is_secret(snapshot):
             self.link.send(HideAnswer(is_hidden=False))
-            self.screen.tell("What the arms truly pay is shown now. w h hides it again.")
+            self.screen.tell("The true means are shown now. w h: hide them again.")
         self.toolbox = TOOLBOXES[type(snapshot.world.drawing)]()
         self.board.bring_into_view(WORLD)
         self.link.send(OpenEditor(is_open=True))

@@ -33,7 +33,7 @@ from rl_tui.worlds.world import World
 
 
 _NEW: Final = "+ an action"
-_NOTHING: Final = "nothing can be done here: enter adds an action"
+_NOTHING: Final = "there are no actions here. enter: add one"
 
 
 def _no_outcome(box: GraphTools, desk: Desk) -> str:
@@ -227,9 +227,7 @@ class GraphTools(Toolbox):
 
     def _ask_outcomes(self, desk: Desk, state: str, action: str) -> None:
         draft = _graph_of(desk)
-        hint = (
-            f"States and chances: {FORM}. A new name makes a new state; an empty line takes the action away."
-        )
+        hint = f"States and chances: {FORM}. A new name makes a new state. An empty line removes the action."
         was = written(draft, state, action)
         prompt = Prompt(f"{action} in {state}", hint, was, partial(read_outcomes, draft, state, action))
 
@@ -291,7 +289,7 @@ class GraphTools(Toolbox):
             self._added = str(name)
             desk.draw((transition_edit(state, f"to {name}", {"reward": 0.0, "to": str(name)}),))
 
-        hint = f"Its name. An action leads there from {state}; enter says what it is."
+        hint = f"Its name. An action leads there from {state}."
         desk.ask(Prompt("A new state", hint, "", read, "add"), answered)
 
     def remove_state(self, desk: Desk) -> None:
@@ -317,7 +315,7 @@ class GraphTools(Toolbox):
         column, row = place[state]
         new = [column + columns, row + rows]
         if min(new) < 0:
-            desk.tell("there is nothing further in that direction: move the others away from it")
+            desk.tell("No room in that direction. Move the other states first.")
             return
         desk.draw((*missing, Edit("place", (state,), as_json(new))))
 
@@ -353,7 +351,7 @@ def _as_likely(outcome: ActionOutcome, chance: float) -> Mapping[str, Any]:
     It never becomes certain or impossible: the others would forget how they shared the rest.
     """
     if outcome.is_alone:
-        raise ValueError(f"nothing but {outcome.to} comes of {outcome.action}: enter adds outcomes")
+        raise ValueError(f"{outcome.action} always leads to {outcome.to}. enter: add outcomes")
     if not 0.0 < chance < 1.0:
         raise ValueError(f"{outcome.to} would be certain or impossible: enter takes outcomes away")
     return with_chance(outcome.entry, outcome.to, chance)

@@ -137,7 +137,7 @@ class ManualControl(KeyMode):
         if action is not None:
             self.link.send(Take(action))
             return
-        text = f"{key} is no action here: act with {_keys(snapshot)}"
+        text = f"{key} is not an action here: act with {_keys(snapshot)}"
         self.screen.tell(text, severity="warning")
 
     def _show(self, *, is_on: bool) -> None:
@@ -161,7 +161,7 @@ def _refused(snapshot: Snapshot) -> str:
     """Return why a person cannot act in place of the agent, empty if that is possible."""
     name = snapshot.agent.row.name
     if snapshot.agent.row.planner:
-        return f"{name} takes no actions: it plans with the model; a a chooses an agent"
+        return f"{name} takes no actions: it plans. a a: choose an agent"
     return why_over(snapshot)
 
 

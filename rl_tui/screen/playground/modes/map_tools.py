@@ -65,7 +65,7 @@ def _value(name: str, _: object, desk: Desk) -> str:
     return {True: "on", False: "off", "leaving": "on", "entering": "off"}.get(value, str(value))
 
 
-_WALL_PAYS: Final = "a wall pays nothing: nobody enters it"
+_WALL_PAYS: Final = "walls have no reward: they cannot be entered"
 _NOT_WHOLE: Final = "finish the map first: lines are added and taken where it is whole"
 _NOTHING_COPIED: Final = "nothing is copied yet: w m marks a corner, w c copies up to the cursor"
 _PICK, _ARROW_KEY, _JUMP = "comma", "A", "J"
@@ -88,7 +88,7 @@ MAP_TOOLS: Final = (
     Tool(
         _JUMP,
         "jump",
-        "Begin a jump here; enter or a click ends it.",
+        "Begin a jump here.",
         lambda box, desk: box.begin_jump(desk),
         sign=Sign(CellKind.FLOOR, lambda glyphs: glyphs.right),
     ),
@@ -108,7 +108,7 @@ MAP_TOOLS: Final = (
     Tool(
         "enter",
         "paint",
-        "Paint here; shift and an arrow paint on the way.",
+        "Paint here, or along the way with shift.",
         lambda box, desk: box.enter(desk),
         rank=5,
         is_told=True,
@@ -370,7 +370,7 @@ class MapTools(Toolbox):
 
     def _fill_rectangle(self, desk: Desk) -> None:
         if self._brush is ARROW:
-            desk.tell("the arrow paints nothing: take a brush")
+            desk.tell("The arrow paints nothing: take a brush.")
             return
         draft, cells = _map_of(desk), self._cells(desk)
         rows, columns = self._rectangle(desk)
@@ -383,7 +383,7 @@ class MapTools(Toolbox):
     def begin_jump(self, desk: Desk) -> None:
         """Let a jump begin under the cursor."""
         self._jump_from = desk.view.cursor_place
-        desk.tell("move to where the jump leads, then enter; or click there")
+        desk.tell("Go to the end of the jump, then press enter.")
 
     def cancel(self) -> bool:
         """Forget a jump or a rectangle that was begun; return whether there was one."""

@@ -15,7 +15,7 @@ NOISE: Final = Parameter(
     "noise", "noise", "noise: share of moves that slip, half of it to each side", Range(0, 1), slide=Slide()
 )
 LIVING: Final = Parameter(
-    "step_reward", "living", "living reward: what every step pays besides", _ANY, slide=Slide(-1, 1)
+    "step_reward", "living", "living reward: added to the reward of every step", _ANY, slide=Slide(-1, 1)
 )
 LIMIT: Final = Parameter(
     "time_limit",
@@ -44,7 +44,7 @@ WIND_ROWS: Final = Parameter(
 CHANCE: Final = Parameter(
     "chance",
     "chance",
-    "chance: how likely the chosen outcome is; the others share the rest as they did",
+    "chance: probability of the chosen outcome. The others share the rest",
     Range(0, 1),
     slide=Slide(),
 )

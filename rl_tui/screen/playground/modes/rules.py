@@ -34,7 +34,7 @@ RULES: Final[dict[str, dict[str, str]]] = {
         "slippery": "as on Gymnasium's ice: each of three moves as likely (true or false)",
         "step_reward": "living reward: added to every step",
         "bump_reward": "added to steps that a wall or the edge stops",
-        "time_limit": "steps after which an episode is cut off; 0: none",
+        "time_limit": "steps until the time limit, 0 for none",
         "rewards": "entering or leaving: when a cell pays",
         "moves": "four, clockwise, king or king+stay",
         "wind": "a number for each column: cells that it blows up",
@@ -42,7 +42,7 @@ RULES: Final[dict[str, dict[str, str]]] = {
         "gusts": "wind one stronger or weaker now and then (true or false)",
     },
     "mdp": {
-        "time_limit": "steps after which an episode is cut off; 0: none",
+        "time_limit": "steps until the time limit, 0 for none",
         "start": "a state, or a table of states and chances",
     },
     "bandit": {

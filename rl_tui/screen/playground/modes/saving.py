@@ -68,7 +68,7 @@ class ScenarioSaving(Subject):
             else:
                 self._ask_name(snapshot, file, text, offered_name(snapshot.recipe.scenario))
 
-        elsewhere = Candidate(_ELSEWHERE, "under another name", ("that file stays as it is",))
+        elsewhere = Candidate(_ELSEWHERE, "under another name", ("that file is not changed",))
         over = Candidate(_OVER, "over it", ("what was changed there is lost",))
         name = one_line(path.name, _LONGEST_NAME)
         self.ask(Choice(f"Save: {name} has changed meanwhile", (elsewhere, over), "", self.glyphs), answer)
