@@ -292,7 +292,7 @@ def _why(view: TaskView) -> str:
     for condition in view.conditions:
         if not condition.holds:
             return f"{shown(condition.text)} does not hold ({condition.found or 'nothing'})"
-    return "it is no claim" if view.conditions else "nothing holds"
+    return "it is not a claim" if view.conditions else "nothing holds"
 
 
 def _is_by_hand(attempt: Attempt) -> bool:

@@ -130,7 +130,7 @@ def test_another_value_is_not_so(value: str, by: str) -> None:
         ("1", "run('regret', steps=1)", "no bandit"),
         ("1", "mean('episodes', seeds=20, steps=9)", "50 to 10,000"),
         ("1", "share('episodes', steps=9)", "one of at_least"),
-        ("1", "share('policy_in', steps=9, state='Class', at_least=1)", "held against"),
+        ("1", "share('policy_in', steps=9, state='Class', at_least=1)", "compared with"),
         ("1", "mean('policy_in', steps=9, state='Class')", "a number under every seed"),
         ("1", "mean('first_reward_episode', steps=1)", "a number under every seed"),
         ("1", "ahead('steps', 1, {}, steps=9)", "a table of settings"),

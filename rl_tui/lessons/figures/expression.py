@@ -150,7 +150,7 @@ class _Evaluation:
         except OverflowError:
             result = math.inf
         if not isinstance(result, float) or not math.isfinite(result):
-            raise FigureError("a result that is no finite number", "numbers whose result can be written")
+            raise FigureError("a result that is not a finite number", "numbers whose result can be written")
         error = _error_of(op, left, right)
         return result if error is None else SeedMean(result, error)
 

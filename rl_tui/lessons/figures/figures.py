@@ -155,7 +155,7 @@ FUNCTIONS: Final[Mapping[str, FigureFunction]] = {
         _plain("log", _log, "The natural logarithm."),
         _plain("log10", _log10, "The logarithm to base 10."),
         _plain("exp", _exp, "The number e to that power."),
-        _plain("round", _round, "The number rounded to so many decimals."),
+        _plain("round", _round, "The number rounded to `digits` decimals."),
     )
 }
 
@@ -328,5 +328,5 @@ def _why_error_wrong(written: WrittenNumber, error: float | None, recomputed: st
     if written.error is None:
         return None
     if error is None:
-        return "a number without ±: this one is no mean over seeds"
+        return "a number without ±: this one is not a mean over seeds"
     return None if written.error.agrees_with(error) else recomputed

@@ -166,7 +166,7 @@ def _holding(subject: FigureSubject, measure: object, seeds: int, arguments: dic
         )
     except TypeError as fault:  # a word compared with a number
         raise FigureError(
-            f"{name_of(measure)} held against {shown(list(bounds.values()))}", "its kind"
+            f"{name_of(measure)} compared with {shown(list(bounds.values()))}", "its kind"
         ) from fault
 
 

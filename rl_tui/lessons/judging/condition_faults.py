@@ -91,7 +91,7 @@ def _measure_findings(measured: Measured) -> Iterator[Finding]:
         return
     yield from _argument_findings(measured, measure)
     if measured.at == "start" and measure.kind is not MeasureKind.SETTING:
-        expected = f"no at: {measure.name} is no setting"
+        expected = f"no at: {measure.name} is not a setting"
         yield Finding(("at",), shown(measured.at), expected)
 
 

@@ -100,7 +100,9 @@ class LiveProgram:
                 passed = Passed(judged.page, judged.setup, program=found.code)
             return TaskView(views, passed, remarks=found.remarks)
         holds = True if has_passed else None
-        fault = found.fault or (process.why_failed("what watches it ended by itself") if process else "")
+        fault = found.fault or (
+            process.why_failed("the process that watched it ended too early") if process else ""
+        )
         remarks = (fault,) if fault else ()
         waits = ""
         if process is not None and not fault:

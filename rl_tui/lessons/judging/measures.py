@@ -267,7 +267,7 @@ def _exact() -> Iterable[TaskMeasure]:
 
     yield row("expected_return", "what the greedy policy earns, undiscounted", lambda m, c: m.expected_return)
     yield row("greedy_ends", "the chance that its episode ends", lambda m, c: m.greedy_ends)
-    yield row("value_at_start", "what it is worth at the start", lambda m, c: m.value_at_start)
+    yield row("value_at_start", "its value at the start", lambda m, c: m.value_at_start)
     yield row("max_error", "max |Q − Q*|", _max_error)
     yield row("optimal_value", "V* of a state", _optimal_value, "state")
     yield row(
@@ -286,7 +286,7 @@ def _recorded(moment: JudgedMoment, condition: Measured) -> float:
     """Return the value that `train --json` prints under this name."""
     name, run = condition.measure, measured_run(moment.run)
     if name in BANDIT_FIGURES and run.bandit is None:
-        raise MissingError("this world is no bandit")
+        raise MissingError("this world is not a bandit")
     value = RUN_MEASURES[name].of(run)
     if value is None:
         raise NoMomentError(_NOT_YET.get(name, "no episode is finished yet"))

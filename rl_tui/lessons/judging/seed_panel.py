@@ -107,7 +107,7 @@ def replayed(recipe: Recipe, journal: tuple[JournalEntry, ...], step: int) -> Ru
 def check_world_stays(journal: Iterable[JournalEntry]) -> None:
     """Raise UserError if `journal` changes the world: a task is about its lesson's world."""
     if any(isinstance(entry.change, WorldChange) for entry in journal):
-        raise UserError("a lesson's world stays as it is, and here it was changed")
+        raise UserError("the world of a lesson must not change, and here it was changed")
 
 
 def _new_run(recipe: Recipe) -> Run:

@@ -77,7 +77,7 @@ def _in_a_line(error: ProgramError) -> str:
 
 def _of_finding(finding: CodeFinding) -> str:
     place = "" if finding.line is None else f"line {finding.line}: "
-    return f"{place}{finding.text.rstrip('.')}. Mend it: {finding.correction.rstrip('.')}."
+    return f"{place}{finding.text.rstrip('.')}. Fix: {finding.correction.rstrip('.')}."
 
 
 def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
@@ -157,5 +157,5 @@ def watched_code(
             text = str(fault).replace(f"{folder}{os.sep}", "")
             return SeenProgram(error=one_line(text, _LONGEST_ERROR))
         except Exception as fault:  # a program may send anything
-            text = f"what came of it cannot be read ({type(fault).__name__}: {fault})"
+            text = f"its result cannot be read ({type(fault).__name__}: {fault})"
             return SeenProgram(error=one_line(text, _LONGEST_ERROR))

@@ -66,7 +66,7 @@ def _of_condition(condition: Measured, world: World) -> Iterator[Finding]:
     for where, action in _actions_named(condition):
         yield from _of_action(where, action, state, world)
     if measure.name in _OF_BANDITS and world.budget is None:
-        yield Finding(("measure",), shown(measure.name), "a measure of this world: it is no bandit")
+        yield Finding(("measure",), shown(measure.name), "a measure of this world, which is not a bandit")
     if measure.kind is MeasureKind.EXACT and world.mdp is None:
         yield Finding(("measure",), shown(measure.name), "a measure without a table: this world has none")
     elif measure.kind is MeasureKind.EXACT and world.mdp is not None:

@@ -73,7 +73,7 @@ class StopCondition:
             case Event.OPTIMAL:
                 answer = exact_answer()
                 if answer.refused:
-                    raise UserError(f"no policy can be told to be optimal: {answer.refused}")
+                    raise UserError(f"the optimal policy is unknown: {answer.refused}")
                 if answer.solution is None:
                     raise UserError("the exact answer is still being worked out: try again in a moment")
                 self._optimum = answer.solution

@@ -42,7 +42,7 @@ class RunsBeside:
     def add(self, recipe: Recipe, changes: Sequence[Setting]) -> None:
         """Add a run of `recipe` with `changes`. Raises UserError if it cannot work."""
         if len(self.runs) == MOST:
-            raise UserError(f"there are {MOST} runs beside your program already; end one first")
+            raise UserError(f"your program already has {MOST} other runs; end one first")
         if self.world.mdp is None and self.world.new_environment is None:
             raise UserError("only your program can make this environment: ours cannot learn in it")
         recipe = changed_recipe(recipe, *changes)

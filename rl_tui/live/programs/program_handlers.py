@@ -34,7 +34,7 @@ def refusal_of(command: commands.Command, file: str) -> str:
         case commands.ChooseBranch() | commands.AddBranch():
             return "a program has one past, and no branches"
         case commands.ChooseLane():
-            return "your program is the run in view; c o shows the other run beside it"
+            return "your program is the run in view; c o compares it with the other run"
         case commands.StudySeeds():
             return "rl-tui grade runs your program with many seeds"
     return "this cannot be done to a program that is watched"

@@ -258,7 +258,7 @@ _OURS: Final[Mapping[Rule, str]] = {
 _NAME: Final = "your program"
 _LOOKED_FOR: Final = (
     "an array of states × actions",
-    "lists of so many rows",
+    "lists with one row per state",
     "a dictionary of rows, by state",
     "a dictionary of numbers, by (state, action)",
     "in the functions that call step, their globals, and attributes of objects there",

@@ -79,7 +79,7 @@ class ProgramStop:
 
     def _check_optimal(self, answer: Answer) -> None:
         if self._progress.world.world.mdp is None or answer.refused:
-            raise UserError(f"no policy can be told to be optimal: {answer.refused}")
+            raise UserError(f"the optimal policy is unknown: {answer.refused}")
         if answer.solution is None:
             raise UserError("the exact answer is still being worked out: try again in a moment")
         if self._is_optimal():

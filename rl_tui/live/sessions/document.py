@@ -116,7 +116,7 @@ class StoredLane(Part):
             raise ValueError(f"there is no branch {self.branch}")
         for number, branch in enumerate(self.branches):
             if branch.parent is not None and branch.parent >= number:
-                raise ValueError(f"branch {number} has a parent that does not stand before it")
+                raise ValueError(f"branch {number}: its parent comes after it")
         return self
 
     @property

@@ -256,7 +256,7 @@ def _branches(lane: StoredLane, lane_place: str) -> Iterator[Branch]:
         if in_all > MOST_IN_ALL:
             raise UserError(f"{lane_place}: its branches have more than {MOST_IN_ALL:,} changes")
         if max(stored.here, stored.fork) > stored.end:
-            raise UserError(f"{place} stands or forks beyond its end, step {stored.end}")
+            raise UserError(f"{place}: its position or its fork is after its end, step {stored.end}")
         shared = parent[: stored.shared]
         latest = shared[-1].step if shared else 0
         journal = (*shared, *_journal(stored.journal, place, stored.end, latest))
@@ -320,7 +320,7 @@ def _change(entry: Entry, place: str) -> Change:
                 return change_of(name, value)
             except ValueError as fault:
                 raise UserError(f"{place}.{name}: {fault}") from fault
-    raise UserError(f"{place} is no change; expected set and to, algorithm, take, sweep, or world")
+    raise UserError(f"{place}: not a change; expected set and to, algorithm, take, sweep, or world")
 
 
 def _check_algorithm(algorithm: str, place: str) -> None:

@@ -201,7 +201,7 @@ class LessonGrading:
             remarks.append(f"It is graded as variant {lesson.variant}.")
         tasks = [judged_task(lesson, page.id) for page in lesson.tasks]
         panels, steps = _FewPanels(self._panels), _MOST_STEPS_IN_ALL
-        views = {task.page: _not_done(task, "nothing of it is in the session") for task in tasks}
+        views = {task.page: _not_done(task, "not in the session") for task in tasks}
         for task in tasks:
             evidence = _evidence(taken, task.page)
             if evidence is not None:

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 SUFFIX: Final = ".json"
 MOST_PAIRS_DIGESTED: Final = 100_000
 OTHER_BITS: Final = (
-    "Q does not come out as it was saved: the program, NumPy or Numba is another version now, and so the run "
-    "is another one"
+    "Q does not come out as it was saved: the version of the program, NumPy or Numba changed, and the run "
+    "with it"
 )
 _CHECKSUM: Final = "checksum"
 _LONGEST_FAULT: Final = 300
@@ -183,13 +183,13 @@ def _document(path: Path, content: bytes) -> Document:
     try:
         document = Document.model_validate(fields)
         if not 1970 <= datetime.fromisoformat(document.saved).year < 9000:
-            raise ValueError(f"{document.saved} is no time at which anything was saved")
+            raise ValueError(f"{document.saved}: expected a time from 1970 to 8999")
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = place(first["loc"]) or "the document"
-        raise SessionError(path, f"is no sound session: {where}: {_reason(first)}") from error
+        raise SessionError(path, f"is not a valid session: {where}: {_reason(first)}") from error
     except ValueError as error:
-        raise SessionError(path, f"is no sound session: saved: {error}") from error
+        raise SessionError(path, f"is not a valid session: saved: {error}") from error
     return document
 
 
@@ -210,7 +210,7 @@ def _fields(path: Path, content: bytes, mark: str) -> dict[str, Any]:
             raise SessionError(
                 path, "is cut off or damaged, and cannot be resumed; go back to a copy of it"
             ) from error
-        raise SessionError(path, "is not JSON, so it is no session of rl-tui") from error
+        raise SessionError(path, "is not JSON, so it is not a session of rl-tui") from error
     if not isinstance(fields, dict):
         raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")
     return fields

@@ -142,7 +142,9 @@ class SessionWriter:
             try:
                 self._file.write(self._encoded(record, digest))
             except ChangedElsewhereError:
-                self._tell(f"{self._file.path.name} was changed by somebody else; this goes on in a copy")
+                self._tell(
+                    f"{self._file.path.name} was changed by another program; your work is saved in a copy"
+                )
                 self.become_copy()
             else:
                 return
@@ -222,5 +224,5 @@ def reason(error: Exception) -> str:
         place = f"{error.filename}: " if error.filename else ""
         return f"{place}{error.strerror or error}"
     if isinstance(error, ChangedElsewhereError):
-        return "it was changed by somebody else"
+        return "it was changed by another program"
     return str(error) if isinstance(error, UserError) else f"{type(error).__name__}: {error}"

@@ -74,7 +74,7 @@ def note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
     ids = ", ".join(dict.fromkeys(f"{each.id} ({each.states} × {each.actions})" for each in others))
     name = one_line(log.table.name, _LONGEST)
     return (
-        f"Of the steps in {one_line(ids, _LONGEST)} nothing is told: {name} has no row for them; "
+        f"Steps in {one_line(ids, _LONGEST)} are not analysed: {name} has no row for them; "
         "--table NAME follows another table.",
     )
 
@@ -85,7 +85,7 @@ def _notes(
     if not evidence.changes.step.size:
         rewards = int(np.count_nonzero(evidence.reward))
         came = f", though {rewards:,} rewards came" if rewards else ", and no reward came"
-        yield f"No number of the table has moved yet{came}: nothing can be told of the update."
+        yield f"No number of the table has changed yet{came}: the update is unknown."
         return
     discount = declared_discount(numbers)
     if update.gamma == 0.0 and discount is not None and discount[1] > 0.0:
@@ -95,16 +95,16 @@ def _notes(
     if update.rule is Rule.UNKNOWN:
         yield from _few_of_the_next_state(evidence)
     if update.rule in (Rule.UNKNOWN, Rule.MONTE_CARLO):
-        yield "What is done at the end of an episode cannot be told without a known update."
+        yield "The update is unknown, so the ends of episodes are not checked."
         return
     if update.gamma is None:
-        yield "No step yet tells γ: the values of the next states were 0, or always the same."
+        yield "γ is not known yet: the values of the next states were 0, or always the same."
     elif update.target in _UNUSUAL:
         yield f"The target takes {update.target} for the value of the next state."
     if update.reward == "own":
-        yield "The reward is the program's own: what is done at the end of an episode cannot be told."
+        yield "The program uses its own reward, so the ends of episodes are not checked."
     if update.place is MovedCell.ONE_LATE:
-        yield "Each update comes one step late: it is that of the step before."
+        yield "Each update comes one step late."
     if dtype.startswith("float16"):
         yield "The table holds float16: estimates have three digits."
 

@@ -63,7 +63,7 @@ class MovedCell(StrEnum):
 
     TAKEN = "(s, a)"
     MOVED = "(s′, a)"
-    ONE_LATE = "that of the step before"
+    ONE_LATE = "the pair of the step before"
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,7 +73,7 @@ def place_of_agent(agent: AgentName) -> AgentPlace:
         name = shown(agent.path.name)
         raise UserError(
             f"{name} makes an environment and learns in it as soon as it is imported: put its loop below "
-            'if __name__ == "__main__":, or watch it as it is with rl-tui watch'
+            'if __name__ == "__main__":, or watch it unchanged with rl-tui watch'
         )
     return place
 

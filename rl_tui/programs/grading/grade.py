@@ -249,7 +249,7 @@ class Grading:
         except (UserError, OSError) as fault:
             return GradedRun(seed, error=one_line(str(fault), _LONGEST_ERROR))
         except Exception as fault:  # a submission may send anything, and others follow
-            said = f"what came of it cannot be read ({type(fault).__name__}: {fault})"
+            said = f"its result cannot be read ({type(fault).__name__}: {fault})"
             return GradedRun(seed, error=one_line(said, _LONGEST_ERROR))
         value = expected_return(self.mdp, greedy_policy(self.mdp, q, "random"))
         return GradedRun(seed, value, self.yardstick.share(value), findings=findings)

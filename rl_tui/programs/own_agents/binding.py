@@ -196,7 +196,7 @@ def signature_of(called: Callable[..., Any], name: str) -> inspect.Signature:
     try:
         return inspect.signature(called)
     except (TypeError, ValueError) as fault:
-        raise UserError(f"{name}: its parameters cannot be told ({one_line(str(fault), 80)})") from fault
+        raise UserError(f"{name}: its parameters cannot be read ({one_line(str(fault), 80)})") from fault
 
 
 def bound_roles(
@@ -304,8 +304,8 @@ def _cannot_bind(name: str, unknown: Iterable[str], known: Iterable[str]) -> str
     names = ", ".join(one_line(each, _LONGEST) for each in unknown)
     understood = ", ".join(NAMES[role][0] for role in NAMES if role in frozenset(known))
     return (
-        f"{name}: nothing is known that its parameter {names} could be given; give it a default, or call it "
-        f"one of {understood} or alike. The shapes: {shapes_in_words()}"
+        f"{name}: unknown parameter {names}; give it a default, or rename it to one of "
+        f"{understood}. The shapes: {shapes_in_words()}"
     )
 
 

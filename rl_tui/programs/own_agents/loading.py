@@ -94,7 +94,9 @@ def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
         return places[0]
     if places:
         names = ", ".join(each.name for each in places[:_MOST_NAMED])
-        raise UserError(f"{file} has several agents ({names}): say which, as in {path.name}:{places[0].name}")
+        raise UserError(
+            f"{file} has several agents ({names}); choose one, as in {path.name}:{places[0].name}"
+        )
     raise UserError(f"{file}: no class or function in it has the shape of an agent: {shapes_in_words()}")
 
 

@@ -344,7 +344,7 @@ class ProgramLog:
         """Return the reason why our own code in the process failed, from its last output."""
         written = [line.text for line in self.output if line.stream == "err" and line.text.strip()]
         why = f": {written[-1].strip()}" if written else ""
-        return f"rl-tui could not start its own part of the process, which is no fault of the script{why}"
+        return f"rl-tui could not start its own part of the process; the script is not at fault{why}"
 
 
 def _death_in_words(status: int) -> str:
@@ -355,7 +355,7 @@ def _death_in_words(status: int) -> str:
         name = signal.Signals(-status).name
     except ValueError:
         name = str(-status)
-    reason = "; where nobody sent it, memory may have run out" if name == "SIGKILL" else ""
+    reason = "; the system sends it when memory runs out" if name == "SIGKILL" else ""
     return f"the program was ended by the signal {name}{reason}"
 
 

@@ -9,7 +9,7 @@ from rl_tui.agents.exact.first_update import Cause, FirstUpdate, Wait
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.words import counted
 
-NOTHING_IN_THE_WAY: Final = "nothing stands in the way: the first episode already moves an estimate"
+NOTHING_IN_THE_WAY: Final = "no obstacle: the first episode already changes an estimate"
 _WHOLE_FROM: Final = 1_000
 _SHORT_FROM: Final = 10**12
 Writer = Callable[[float], str]

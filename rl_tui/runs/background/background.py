@@ -19,7 +19,7 @@ from rl_tui.worlds.gym import modules
 Asked = TypeVar("Asked")
 Known = TypeVar("Known")
 
-ENDED_BY_ITSELF: Final = "its process ended by itself"
+ENDED_BY_ITSELF: Final = "its process ended without an answer"
 _LOOKS: Final = 1.0  # seconds between two checks of progress
 
 

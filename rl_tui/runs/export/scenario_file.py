@@ -147,7 +147,7 @@ def _write_over(path: Path, text: str) -> None:
     """Replace the content of `path`, preserving its permissions, its BOM and a symbolic link."""
     path = path.resolve()
     if not path.is_file() or path.parent == shipped_folder().resolve():
-        raise UserError(f"{path} is no file of yours any more: save it under another name")
+        raise UserError(f"{path}: not one of your own files; save it under another name")
     content = text.encode()
     with open_plain(path, "a scenario file") as stream:
         mark = codecs.BOM_UTF8 if stream.read(len(codecs.BOM_UTF8)) == codecs.BOM_UTF8 else b""

@@ -224,7 +224,7 @@ def _known_rewards(params: ParameterText, space: FiniteSpace) -> tuple[list[str]
     # Without noise the first reward gives the mean; the least variance avoids a division by 0
     variances = [max(float(each), _LEAST_VARIANCE) for each in rule.variance]
     variance = repr(variances[0]) if len(set(variances)) == 1 else f"np.array({variances})"
-    return [], f"VARIANCE = {variance}  # σ², the noise of the rewards, is told to this rule"
+    return [], f"VARIANCE = {variance}  # σ², the noise of the rewards, is known to this rule"
 
 
 def _argmax(own: dict[str, str], parts: list[str]) -> list[str]:

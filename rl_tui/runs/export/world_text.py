@@ -48,11 +48,9 @@ def world_text(recipe: Recipe, world: World) -> WorldText:
     if isinstance(section, GridSection):
         return _grid_text(section, streams(recipe.seed).world)
     if world.prospects:
-        raise UserError(
-            f"no script for {recipe.scenario.id}: some of its states look alike, scripts have all"
-        )
+        raise UserError(f"no script for {recipe.scenario.id}: the agent cannot tell some of its states apart")
     if world.mdp is None:
-        raise UserError(f"no script for {recipe.scenario.id}: nobody knows what its actions lead to")
+        raise UserError(f"no script for {recipe.scenario.id}: its transitions are unknown")
     if isinstance(section, BanditSection):
         return _bandit_text(section, world.mdp)
     return _table_text(world.mdp)

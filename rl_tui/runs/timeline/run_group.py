@@ -268,7 +268,7 @@ class RunGroup:
             raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(timeline.branches)}")
         branch = timeline.branches[number]
         if number == timeline.branch:
-            raise UserError(f"{branch.name} is what is shown: choose another to stand beside it")
+            raise UserError(f"{branch.name} is the run shown; choose another one to compare with it")
         alone = replace(branch, parent=None, fork=0, here=0)
         added = self._new_run(RunRecord(self.current.recipe, (alone,)))
         self._let_catch_up(added)

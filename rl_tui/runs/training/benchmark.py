@@ -143,7 +143,7 @@ def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
     first, random = PlainLoop(recipe, random_ties=False), PlainLoop(recipe, random_ties=True)
     run, together = Run(recipe, evaluate=False), Together(recipe)
     if not BACKGROUND.get(run.learner.loop):
-        raise UserError(f"machine code cannot be had: {BACKGROUND.failed[run.learner.loop]}")
+        raise UserError(f"no machine code: {BACKGROUND.failed[run.learner.loop]}")
     run.advance(KERNEL_STEPS // 10)
     together.take_steps(KERNEL_STEPS)
     turns: list[tuple[Callable[[int], None], int]] = [

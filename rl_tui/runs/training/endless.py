@@ -68,7 +68,7 @@ def _long_once_learned(mdp: TabularMDP, hyperparameters: Hyperparameters, episod
             )
     if learned_length(mdp, gamma, 0.0, 0.0) == np.inf:
         return (
-            f"the policy that is best for γ {gamma:g} may never come to an end, and there is no time limit: "
+            f"the optimal policy for γ {gamma:g} may never end an episode, and there is no time limit: "
             f"{_NOT_WORTH_IT}"
         )
     return ""

@@ -109,7 +109,9 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
         raise UserError("many seeds are not worked out in a kiosk")
     lanes = studied_runs(group)
     if not any(lane.is_by_luck for lane in lanes):
-        raise UserError("a planner knows the world: every seed comes to the same, so there is nothing to see")
+        raise UserError(
+            "a planner knows the world, so every seed has the same result; choose an algorithm that learns"
+        )
     if len({lane.recipe.seed for lane in lanes}) > 1:
         raise UserError("the runs have different seeds; c e ends the one you control")
     run = group.current.run

@@ -91,9 +91,7 @@ def read_results(path: Path, measure: str | None = None) -> CurveTable | SweepTa
     try:
         document = json.loads(text, parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
-        raise UserError(
-            f"{path}: is no JSON ({one_line(str(error), _LONGEST)}); expected {_WANTED}"
-        ) from error
+        raise UserError(f"{path}: not JSON ({one_line(str(error), _LONGEST)}); expected {_WANTED}") from error
     return results_of(document, str(path))
 
 
@@ -115,7 +113,7 @@ def _fault(source: str, found: str, expected: str = _WANTED) -> UserError:
 
 
 def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no number")
+    raise ValueError(f"{name} is not a number")
 
 
 def _curve_of_csv(path: Path, text: str) -> CurveTable:
@@ -171,7 +169,7 @@ def _sweep(document: Mapping[str, Any], source: str) -> SweepTable:
     if not cells:
         raise _fault(source, "a sweep without a cell that was trained", "one with runs in it")
     if not all(isinstance(cell, dict) for cell in cells):
-        raise _fault(source, "cells that are no JSON objects")
+        raise _fault(source, "cells that are not JSON objects")
     spreads = {name for name in measures if any(isinstance(cell.get(name), dict) for cell in cells)}
     if not spreads:
         raise _fault(source, "cells without a measure")

@@ -142,7 +142,7 @@ _LONGEST_WORD: Final = 40  # characters of a word on an axis or in the name of a
 _APART: Final = 0.3  # of the distance between words, from the first to the last point of a word
 _INTERVAL: Final = "the interval of the mean that the sweep gives."
 _RESTRICTED: Final = "Runs that had not arrived when training ended count with the episodes that they had."
-_PARTIAL: Final = "Some means are those of the runs alone that have a value: see count in the results."
+_PARTIAL: Final = "Some means leave out runs without a value: see count in the results."
 Settings = tuple[Value, ...]
 
 
@@ -400,5 +400,5 @@ def picture_of(
         return curve_picture(curves, measure)
     sweeps = [table for table in tables if isinstance(table, SweepTable)]
     if len(tables) > 1:
-        raise UserError("a sweep is drawn alone: give one file, or several of curves")
+        raise UserError("a sweep cannot share a chart; give one file, or several files of curves")
     return sweep_picture(sweeps[0], measure, x, y)

@@ -115,7 +115,7 @@ def share_interval(successes: int, count: int) -> tuple[float, float]:
         ValueError: `count` is not positive, or `successes` is not in [0, `count`].
     """
     if not 0 <= successes <= count or not count:
-        raise ValueError(f"{successes} of {count} is no share")
+        raise ValueError(f"{successes} of {count} is not a share")
     share, z = successes / count, _normal_quantile(0.5 + CONFIDENCE / 2)
     middle = (share + z * z / (2 * count)) / (1 + z * z / count)
     half = z / (1 + z * z / count) * (share * (1 - share) / count + z * z / (4 * count * count)) ** 0.5

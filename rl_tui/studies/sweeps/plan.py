@@ -278,7 +278,7 @@ def read_plan(text: str) -> SweepPlan:
             _whole(said, "random_seed", 0, LARGEST_SEED) or 0,
         )
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as fault:
-        raise UserError(f"this is no plan of a sweep ({one_line(str(fault), _LONGEST_FAULT)})") from fault
+        raise UserError(f"not a sweep plan ({one_line(str(fault), _LONGEST_FAULT)})") from fault
     if plan.count * plan.runs > MOST_SWEEP_ROWS:
         raise UserError(
             f"this plan asks for {plan.count:,} cells of {counted(plan.runs, 'run')}; "
@@ -290,7 +290,7 @@ def read_plan(text: str) -> SweepPlan:
 def _settings(said: object) -> dict[str, object]:
     """Return the common settings. The recipe checks their values."""
     if not isinstance(said, dict) or not all(isinstance(each, str | int | float) for each in said.values()):
-        raise ValueError("settings are no words and numbers")
+        raise ValueError("settings must be words or numbers")
     return said
 
 

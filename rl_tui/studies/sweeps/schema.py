@@ -71,7 +71,7 @@ def check_schema(database: sqlite3.Connection, name: str) -> None:
     trigger may change what is written. So only the schema is read before all of it is verified.
     """
     if database.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
-        raise UserError(f"{name}: is a database, but no store of a sweep; give another --store")
+        raise UserError(f"{name}: a database, but not a sweep store; choose another file with --store")
     found, expected = _objects(database), _expected()
     meta = next(each for each in expected if each[1] == "meta" and each[0] == "table")
     if meta not in found:

@@ -126,7 +126,7 @@ class Store:
     def to_write(cls, path: Path) -> Store:
         """Open the store at `path` for exclusive writing; create it if needed."""
         if not path.name:
-            raise UserError(f"{path}: is no name of a file; expected one such as sweep.sqlite")
+            raise UserError(f"{path}: not a file name; expected one such as sweep.sqlite")
         if not path.absolute().parent.is_dir():
             raise UserError(f"{path}: there is no folder {path.parent}; make it first")
         _check_kind(path)
@@ -345,7 +345,7 @@ def _in_one_line(name: str) -> Iterator[None]:
 def _reason(code: int, said: str) -> str:
     match code:
         case sqlite3.SQLITE_NOTADB:
-            return "is no store of a sweep; give another --store"
+            return "not a sweep store; choose another file with --store"
         case sqlite3.SQLITE_CORRUPT:
             return f"is damaged ({said}); go on from a copy, or in a new file"
         case sqlite3.SQLITE_FULL:

@@ -174,7 +174,7 @@ def work(asked: Question, tell: Callable[[WorldReport, float], None]) -> None:
 
 def without_table() -> WorldReport:
     """Return the report on a simulated world, about which nothing is known."""
-    return WorldReport(warnings=(f"nothing can be told: {NO_TABLE}",))
+    return WorldReport(warnings=(f"no exact checks: {NO_TABLE}",))
 
 
 def deep_check(asked: Question) -> WorldReport:
@@ -236,7 +236,7 @@ def _shortest_way(mdp: TabularMDP, gamma: float, unknown: dict[str, str]) -> int
         unknown[name] = str(reason)
         return None
     if steps is None:
-        unknown[name] = "the best policy never comes to an end"
+        unknown[name] = "an episode of the best policy never ends"
     elif mdp.time_limit and steps > mdp.time_limit:
         limit = counted(mdp.time_limit, "step")
         unknown[name] = f"its end is {steps:,} steps away, an episode has {limit}"
@@ -258,7 +258,7 @@ def _first_wait(asked: Question, unknown: dict[str, str]) -> Wait | None:
 def _wait_warnings(wait: Wait | None, episodes: int) -> tuple[str, ...]:
     """Return a warning if `episodes` of training will probably teach nothing."""
     if wait is not None and wait.chance == 0.0:
-        return ("nothing is ever learned: no episode can come to anything that moves an estimate",)
+        return ("nothing is ever learned: no episode can reach an outcome that changes an estimate",)
     if wait is None or wait.median_episodes is None or wait.median_episodes <= episodes:
         return ()
     training = f"and a training has {counted(episodes, 'episode')}"

@@ -25,7 +25,7 @@ WORK: Final = "rl_tui.studies.world_check.deep_check:work"
 KEPT: Final = 4
 """Complete reports that are cached, for worlds and settings visited again."""
 IN_KIOSK: Final = "worlds are not checked in a kiosk"
-TOO_LARGE: Final = f"more than {LIVE_STATES:,} states: rl-tui check --deep tells what can be told"
+TOO_LARGE: Final = f"more than {LIVE_STATES:,} states: run rl-tui check --deep"
 NO_PROCESS: Final = "no process can be started"
 BROKEN_OFF: Final = "the rest took too long, or its process was ended"
 

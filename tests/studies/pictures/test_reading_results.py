@@ -84,8 +84,8 @@ def test_values_at_equal_ratios_stand_on_a_logarithmic_axis(
 
 
 FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
-    "no JSON": ("hello", "is no JSON"),
-    "NaN": ('{"curve": {"episode": [NaN]}}', "NaN is no number"),
+    "no JSON": ("hello", "not JSON"),
+    "NaN": ('{"curve": {"episode": [NaN]}}', "NaN is not a number"),
     "a list": (list, "no JSON object"),
     "something else": (lambda: {"a": 1}, "neither a curve nor cells"),
     "one run": (lambda: {"q": [], "policy": []}, "one run, which has no curve"),

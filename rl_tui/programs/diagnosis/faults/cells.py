@@ -213,8 +213,8 @@ def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames
         CodeFault.SHARED_TABLE,
         steps,
         0,
-        f"rows of the table are one and the same: at {step_text(step[first])} the rows of states {one} "
-        f"and {other} moved alike; so at {len(steps):,} steps",
+        f"rows of the table are the same object: at {step_text(step[first])} the rows of states {one} "
+        f"and {other} changed by the same amount; so at {len(steps):,} steps",
         f"make a row for each state: {names.table} = {names.rows(actions)}",
         CodePlace.TABLE,
     )

@@ -97,7 +97,7 @@ def _left_out(predictions: Predictions, cut_off: BoolArray, reward: FloatArray, 
             seen.one,
             "the time limit cut the episode off, and the next state's value was left out:",
         ),
-        f"cut off is not ended; ask for {names.terminated} alone: {names.target()}",
+        f"truncated is not terminated; test only {names.terminated}: {names.target()}",
         neither=int(seen.neither.sum()),
     )
 
@@ -114,7 +114,7 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
     if len(steps):
         first = int(np.argmax(seen.one))
         text = (
-            f"{len(steps):,} last steps of episodes left the table as it was, and none changed it; at "
+            f"{len(steps):,} last steps of episodes did not change the table, and no last step did; at "
             f"{step_text(steps[0])} the reward {written(reward[readings.at[first]])} should have moved "
             f"{written(readings.before[first])} to {written(ends.without[first, 0])}"
         )

@@ -177,7 +177,7 @@ def _advice_on(error: BaseException, text: str, frames: Sequence[FrameType], lin
         is_environment = _is_environment(error.obj)
         return _ATTRIBUTES.get(error.name or "", "").format(name=error.name) if is_environment else ""
     if isinstance(error, TypeError) and "render()" in text and "mode" in text:
-        return "how to draw is said to gymnasium.make since Gym 0.26, by its argument `render_mode`"
+        return "since Gym 0.26, `render_mode` is an argument of gymnasium.make"
     if isinstance(error, TypeError | LookupError | ValueError) and _has_whole_reset(frames):
         return _RESET
     return ""

@@ -145,7 +145,7 @@ class Making:
         self._was_asked = True
         if more.get("render_mode") == "human":
             more["render_mode"] = None
-            self._note('render_mode="human" is None here: rl-tui shows the world itself')
+            self._note('render_mode="human" is ignored: rl-tui shows the world')
         if self._is_inside:  # an environment that makes another one
             return self._original(*arguments, **more)
         self._is_inside = True

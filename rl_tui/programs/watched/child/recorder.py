@@ -325,7 +325,7 @@ class Recorder:
     def _lose_table(self, tracker: TableTracker) -> list[float]:
         """Give up a table with an entry that is not a number. Another one may be found."""
         self._tracker, self._next_look = None, self.count + 1
-        text = f"{tracker.way.name()} holds something that is no number any more"
+        text = f"{tracker.way.name()} now holds something that is not a number"
         self.channel.message(MessageKind.NOTE, text=text)
         return []
 

@@ -76,7 +76,7 @@ def _text(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise UserError(
-            f"{name}, line {line}: byte {content[error.start]:#04x} is no {error.encoding}; a first line "
+            f"{name}, line {line}: byte {content[error.start]:#04x} is not {error.encoding}; a first line "
             "such as # -*- coding: latin-1 -*- says how a file is written"
         ) from error
     except (SyntaxError, LookupError) as error:

@@ -133,7 +133,7 @@ def _with_keys(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario:
         for key in outer:
             inside = inside.setdefault(key, {}) if isinstance(inside, dict) else None
         if not isinstance(inside, dict):
-            raise UserError(f"{scenario.id}: {name}: {'.'.join(outer)} is no table of [{scenario.kind}]")
+            raise UserError(f"{scenario.id}: {name}: [{scenario.kind}] has no table {'.'.join(outer)}")
         inside[last] = _raw(value)
     section_class = type(scenario.section)
     section, findings = parsed(section_class, table)

@@ -185,7 +185,7 @@ def _read_values(name: str, text: str) -> Variation:
     values = tuple(_read_value(each, name, parameter) for each in _split(text))
     for place, value in enumerate(values):
         if any(value == other and type(value) is type(other) for other in values[:place]):
-            raise ValueError(f"{_written(value)} stands there twice")
+            raise ValueError(f"{_written(value)} is listed twice; list each value once")
     return Variation(name, values)
 
 
@@ -263,9 +263,9 @@ def _from_json(text: str, kind: type | tuple[type, ...]) -> str:
     try:
         value = json.loads(text)
     except (ValueError, RecursionError):
-        raise ValueError(f"{shown(text)} is no JSON") from None
+        raise ValueError(f"{shown(text)} is not JSON") from None
     if not isinstance(value, kind):
-        raise ValueError(f"{shown(text)} is no text in quotes")
+        raise ValueError(f"{shown(text)} is not a text in quotes")
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 
 
