@@ -1,4 +1,3 @@
-"""Lessons: their files, figures and tasks, how tasks are judged, and what their author is told.
-
-It imports programs, and the rooms below.
+"""Lessons: their files, figures and tasks, and how tasks are judged. May import programs and the packages
+below.
 """

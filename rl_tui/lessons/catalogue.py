@@ -1,4 +1,4 @@
-"""The lessons that are shipped."""
+"""The shipped lessons, and lessons found by name or path."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from rl_tui.worlds.files.shipped import SUFFIX
 
 
 class Lessons(NamedTuple):
-    """The shipped lessons in their order, and what is wrong with files that give none."""
+    """The shipped lessons in order, and the errors of faulty files."""
 
     lessons: list[Lesson]
     broken: list[ScenarioError]
 
 
 def shipped_lessons() -> list[Lesson]:
-    """Return the shipped lessons in their order."""
+    """Return the shipped lessons in order."""
     found = [read_lesson(path) for path in sorted(lesson_folder().glob(f"*{SUFFIX}"))]
     return sorted(found, key=lambda lesson: (lesson.order, lesson.id))
 
 
 def read_lessons() -> Lessons:
-    """Read every shipped lesson; a faulty file only leaves itself out."""
+    """Read every shipped lesson, skipping faulty files."""
     found = Lessons([], [])
     for path in sorted(lesson_folder().glob(f"*{SUFFIX}")):
         try:
@@ -41,7 +41,7 @@ def read_lessons() -> Lessons:
 
 
 def following_lesson(lesson: Lesson) -> Lesson | None:
-    """Return the shipped lesson after ``lesson``; None after the last one, and where that is not shipped."""
+    """Return the shipped lesson after `lesson`, or None after the last one or for an unshipped one."""
     found = read_lessons().lessons
     ids = [each.id for each in found]
     if lesson.source.absolute().parent != lesson_folder().absolute() or lesson.id not in ids:
@@ -51,15 +51,16 @@ def following_lesson(lesson: Lesson) -> Lesson | None:
 
 @lru_cache(maxsize=64)
 def _read(path: Path, _written: tuple[int, int]) -> Lesson:
-    """Return the lesson of ``path``, read once: catalogue and list of lessons come up again and again."""
+    """Read the lesson at `path`, cached because the list is opened often."""
     return read_lesson(path)
 
 
 def find_lesson(name_or_path: str, variant: str = "") -> Lesson:
-    """Return the lesson with this id, or that of a file where a path is given.
+    """Return the lesson with this id, or in this file.
 
-    Raises ScenarioError where the file has faults, UserError with near names where there is no such lesson,
-    and in a kiosk for all but the shipped ones.
+    Raises:
+        ScenarioError: The file has errors.
+        UserError: There is no such lesson, with similar names, or a kiosk refuses files.
     """
     is_path = name_or_path.endswith(SUFFIX) or "/" in name_or_path or "\\" in name_or_path
     if is_path:

@@ -1,7 +1,6 @@
-"""The check of a lesson file, with its errors and warnings.
-
-A number in a text must be a figure, ``{name}``, or come from the page itself: its settings, its world,
-its conditions, answers or attempts. 0 and 1 are always allowed.
+"""The check of a lesson file, with its errors and warnings. A number in a text must be a figure, `{name}`,
+or come from the page itself: its settings, its world, its conditions, answers or attempts. 0 and 1 are
+always allowed.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ SPOTLIGHTS: Final = (
     "findings",
     "output",
 )
-"""The ids of the panels; a test holds them to the catalogue of panels."""
+"""Ids that a page may highlight. A test compares them with the catalogue of panels."""
 
 
 # Predictions and questions
@@ -59,7 +58,7 @@ _SLACK: Final = 1e-9
 def page_findings(
     lesson: Lesson, raw: Mapping[str, Any], figures: LessonFigures, *, quick: bool
 ) -> Iterator[Finding]:
-    """Yield what is wrong with spotlights, predictions and questions. ``raw`` is the file without figures."""
+    """Yield errors of spotlights, predictions and questions. `raw` is the file without figures."""
     for number, page in enumerate(lesson.pages):
         where: Location = ("pages", number)
         yield from _panel_findings(lesson, page, where)
@@ -70,7 +69,6 @@ def page_findings(
 
 
 def _panel_findings(lesson: Lesson, page: Page, where: Location) -> Iterator[Finding]:
-    """Yield the names of ``page`` that are no panel, and a spotlight on a panel that is not in view."""
     named = () if page.panels is None else page.panels
     spotlight = () if page.spotlight is None else (page.spotlight,)
     yield from unknown_panels((*where, "spotlight"), spotlight, SPOTLIGHTS)
@@ -103,7 +101,7 @@ def _ask_findings(
 def _answer_findings(
     ask: Ask, answer: float, written: object, where: Location, figures: LessonFigures, *, quick: bool
 ) -> Iterator[Finding]:
-    """Yield that an answer is no figure, or that who knows it exactly would be told that it is wrong."""
+    """Yield an answer that is not a figure, or a tolerance that excludes the exact answer."""
     figure = _FIGURE.fullmatch(written.strip()) if isinstance(written, str) else None
     if figure is None:
         if answer not in (0.0, 1.0):
@@ -115,7 +113,7 @@ def _answer_findings(
     if quick and figures.needs_seeds(name):
         return
     if figures.finding(name) is not None:
-        return  # told of the figure itself
+        return  # reported for the figure itself
     exact = figures.value(name)
     if isinstance(exact, int | float) and abs(exact - answer) > ask.tolerance + _SLACK * max(
         1.0, abs(answer)
@@ -134,15 +132,12 @@ def _choice_findings(ask: Ask, where: Location) -> Iterator[Finding]:
 
 
 # Numbers in texts
-#
-# Each has to be a figure, ``{name}``, or to come from what the page is made of: settings of its setup,
-# rewards and chances of its world, its conditions, answers and attempts. 0 and 1 are always there.
 
 
 PROSE: Final = frozenset(
     ("title", "summary", "goals", "text", "explanation", "ask", "reply", "do", "hints", "solution")
 )
-"""The keys of a lesson file under which texts stand that learners read."""
+"""Keys of a lesson file whose texts learners read."""
 _NOT_PROSE: Final = frozenset(("figures", "setups", "variants", "accepts", "rejects", "program", "proof"))
 _SAME: Final = 1e-9
 _ALWAYS: Final = (0.0, 1.0)
@@ -166,7 +161,7 @@ _NUMERAL: Final = re.compile(
 
 
 def numeral_findings(lesson: Lesson, raw: Mapping[str, Any], figures: LessonFigures) -> Iterator[Finding]:
-    """Yield the numbers that nothing stands behind. ``raw`` is the file as it was read, without figures."""
+    """Yield numbers without a source. `raw` is the file without figures."""
     for location, text in _texts({key: value for key, value in raw.items() if key != "pages"}, ()):
         yield from _findings(location, text, _ALWAYS, ())
     pages = raw.get("pages", [])
@@ -177,7 +172,7 @@ def numeral_findings(lesson: Lesson, raw: Mapping[str, Any], figures: LessonFigu
 
 
 def _texts(value: Any, location: Location) -> Iterator[tuple[Location, str]]:
-    """Yield the texts that learners read in a table, and where they stand."""
+    """Yield the texts that learners read in a table, with their places."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             is_wrong_choice = key == "text" and "choices" in location and not value.get("right", False)
@@ -206,7 +201,7 @@ def _findings(
 
 
 def numerals_in(text: str, states: tuple[str, ...] = ()) -> list[str]:
-    """Return the numbers that ``text`` writes, each once; not the names of ``states``, code or references."""
+    """Return the distinct numbers in `text`, without names of `states`, code and references."""
     plain = _PLACEHOLDER.sub("x", text)
     plain = _CODE.sub(lambda match: " " if _COMMAND.fullmatch(match[1].strip()) else match[1], plain)
     plain = _REFERENCE.sub(" ", plain)
@@ -223,7 +218,7 @@ def _is_same(one: float, other: float) -> bool:
 
 
 def _allowed(page: Page, figures: LessonFigures) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Return the numbers of which a page is made, without signs, and the names of its world's states."""
+    """Return the unsigned numbers that a page may use, and the names of its world's states."""
     numbers = set(_ALWAYS)
     names: tuple[str, ...] = ()
     try:
@@ -231,7 +226,7 @@ def _allowed(page: Page, figures: LessonFigures) -> tuple[tuple[float, ...], tup
         numbers.update(_settings(subject), _world(subject))
         names = tuple(subject.world.space.state_names)
     except UserError:
-        pass  # told elsewhere: a setup that cannot be played
+        pass  # a setup that cannot be played is reported elsewhere
     if page.asked is not None:
         numbers.update(_numbers(each.answer for each in page.asked.wrong))
         for choice in page.asked.choices:
@@ -256,7 +251,7 @@ def _settings(subject: FigureSubject) -> Iterator[float]:
 
 
 def _world(subject: FigureSubject) -> Iterator[float]:
-    """Yield rewards and chances of the world, its limits, and the size of its map."""
+    """Yield rewards and probabilities of the world, its limits, and the size of its map."""
     world = subject.world
     yield from _numbers((world.space.time_limit, world.budget))
     if isinstance(world.drawing, Grid):
@@ -286,7 +281,7 @@ def _changed(changes: tuple[str, ...]) -> Iterator[float | str]:
         try:
             _, value = name_and_value(read_change(text).change)
         except ValueError:
-            continue  # told where the attempt is replayed
+            continue  # reported where the attempt is replayed
         yield value
 
 
@@ -294,24 +289,24 @@ def _changed(changes: tuple[str, ...]) -> Iterator[float | str]:
 
 
 OnChecked = Callable[[int, int, str], None]
-"""Hears how much of how much is checked, and what comes next."""
+"""Called with (done, wanted, name of the next check)."""
 _Placed = tuple[str, str, str]
 
 
 def ignore(done: int, wanted: int, what: str) -> None:
-    """Ignore how far a check has come."""
+    """Ignore progress."""
 
 
 @dataclass(slots=True)
 class LessonReport:
-    """What a check found: ``faults``, the first 100 of them, and ``warnings``, which are none."""
+    """Results of a check: `faults`, at most 100 and a note, and `warnings`."""
 
     faults: list[Fault] = field(default_factory=list)
     warnings: list[Fault] = field(default_factory=list)
 
 
 def is_lesson_file(path: str | Path) -> bool:
-    """Return whether a file holds a lesson rather than a scenario; False where it cannot be read."""
+    """Return True if a file has a lesson rather than a scenario, or False if it cannot be read."""
     try:
         return is_lesson_text(read_text(Path(path)))
     except UnreadableError:
@@ -325,10 +320,14 @@ def check_lesson(
     on_checked: OnChecked = ignore,
     budget: StepBudget | None = None,
 ) -> LessonReport:
-    """Return what is wrong with the lesson in a file, each of its variants as a lesson of its own.
+    """Check the lesson in a file, each variant as a lesson of its own. Errors of several variants are
+    reported once.
 
-    ``quick`` leaves out what takes many seeds. What every variant has is told once, of the first.
-    All variants share the ``budget`` of steps.
+    Args:
+        path: Lesson file.
+        quick: Skip work with many seeds.
+        on_checked: Called before each check.
+        budget: Limit of steps for all variants together.
     """
     report, budget = LessonReport(), budget or StepBudget()
     try:
@@ -351,7 +350,7 @@ def check_lesson(
 
 
 class _Counted:
-    """Counts what was checked."""
+    """Reports the progress of a check."""
 
     def __init__(self, on_checked: OnChecked, wanted: int) -> None:
         self._on_checked = on_checked
@@ -359,25 +358,22 @@ class _Counted:
         self._done = 0
 
     def next(self, what: str) -> None:
-        """Say that ``what`` is checked next."""
         self._on_checked(self._done, self._wanted, what)
         self._done += 1
 
 
 def _amount(lesson: Lesson) -> int:
-    """Return how much there is to check."""
     tasks = [page.task for page in lesson.tasks if page.task is not None]
     attempts = sum(len(task.accepts) + len(task.rejects) for task in tasks)
     return len(lesson.figures) + len(tasks) + attempts * (2 if lesson.variant else 1)
 
 
 def _placed(findings: list[Finding], raw: Mapping[str, Any]) -> list[_Placed]:
-    """Return ``findings`` in the order of the file."""
     return [(place(each.location), each.found, each.expected) for each in in_file_order(findings, raw)]
 
 
 class _LessonCheck:
-    """Looks for all that is wrong with ``lesson``, one variant of it."""
+    """Checks one variant of a lesson."""
 
     def __init__(self, lesson: Lesson, counted: _Counted, budget: StepBudget, *, quick: bool) -> None:
         self._lesson = lesson
@@ -387,11 +383,11 @@ class _LessonCheck:
         self._figures = LessonFigures(lesson, budget)
 
     def findings(self) -> tuple[list[_Placed], list[_Placed]]:
-        """Return faults and warnings: each its place, what was found, and what was expected."""
+        """Return errors and warnings: place, finding, and expectation of each."""
         raw = tables_in(self._lesson.text)
         unknown = [(each.place, each.found, each.expected) for each in reference_faults(self._lesson)]
         if any(where.startswith("setups") for where, _, _ in unknown):
-            return unknown, []  # without a world nothing else can be told
+            return unknown, []  # the rest needs the worlds
         faults = list(self._figure_findings())
         faults += page_findings(self._lesson, raw, self._figures, quick=self._quick)
         faults += numeral_findings(self._lesson, raw, self._figures)

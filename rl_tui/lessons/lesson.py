@@ -1,4 +1,4 @@
-"""A lesson without faults of form, and how one is read from a file."""
+"""A well-formed lesson, and how it is read from a file."""
 
 from __future__ import annotations
 
@@ -23,15 +23,13 @@ from rl_tui.worlds.sections.schema import parsed
 FOLDER: Final = "lessons"
 _PLACEHOLDER: Final = re.compile(r"\{([a-z][a-z0-9_-]*)\}")
 _LITERAL: Final = ("figures", "setups", "variants", "program", "skeleton")
-"""Tables and keys in whose texts braces mean nothing."""
+"""Tables and keys in which braces are not figures."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Lesson:
-    """A lesson, its texts with the figures put in.
-
-    ``id`` is the file's stem. ``text`` is the file as it was read, with the ``variant`` chosen (empty where
-    the file has none), so that a session can hold it. ``figures`` and ``setups`` are by name.
+    """A lesson with figures filled in. `id` is the stem of the file. `text` is the file with the chosen
+    `variant` ("" without variants), as sessions store it. `figures` and `setups` are by name.
     """
 
     id: str
@@ -50,33 +48,33 @@ class Lesson:
 
     @property
     def tasks(self) -> tuple[Page, ...]:
-        """The pages that set a task."""
+        """Pages with a task."""
         return tuple(page for page in self.pages if page.task is not None)
 
     @property
     def counted_predictions(self) -> tuple[Page, ...]:
-        """The pages whose prediction counts among the right or wrong ones: all but guesses."""
+        """Pages with a scored prediction, without guesses."""
         return tuple(page for page in self.pages if page.prediction is not None and not page.guess)
 
     def page(self, page_id: str) -> Page:
-        """Return the page of this id; raises KeyError where there is none."""
+        """Return the page `page_id`. Raises KeyError if there is none."""
         for page in self.pages:
             if page.id == page_id:
                 return page
         raise KeyError(page_id)
 
     def number_of(self, page_id: str) -> int:
-        """Return the place of a page, from 0; 0 where there is none of this id."""
+        """Return the index of a page, or 0 if there is none."""
         return next((number for number, page in enumerate(self.pages) if page.id == page_id), 0)
 
     def panels_of(self, page_id: str) -> frozenset[str] | None:
-        """Return the ids of the panels in view on a page, None: all."""
+        """Return the ids of the visible panels on a page, or None for all."""
         before = self.pages[: self.number_of(page_id) + 1]
         named = next((page.panels for page in reversed(before) if page.panels is not None), None)
         return None if named is None else frozenset(named)
 
     def setup_of(self, page_id: str) -> str:
-        """Return the name of the setup in force on a page: its own, or that of the page before it."""
+        """Return the name of the current setup on a page: its own, or that of an earlier page."""
         setup = next(iter(self.setups))
         for page in self.pages:
             setup = page.setup or setup
@@ -86,12 +84,12 @@ class Lesson:
 
 
 def lesson_folder() -> Path:
-    """Return the folder of the shipped lessons: beside that of the scenarios."""
+    """Return the folder of the shipped lessons, next to the scenarios."""
     return shipped_folder().parent / FOLDER
 
 
 def read_lesson(path: str | Path, variant: str = "") -> Lesson:
-    """Return the lesson of a file; raises ScenarioError with all of its faults, in the order of the file."""
+    """Read a lesson file. Raises ScenarioError with all its errors, in the order of the file."""
     path = Path(path)
     if not is_plain(str(path)):
         raise ScenarioError([Fault(shown(str(path)), "", "control characters", "a plain path")])
@@ -103,9 +101,15 @@ def read_lesson(path: str | Path, variant: str = "") -> Lesson:
 
 
 def lesson_of(text: str, path: Path, variant: str = "") -> Lesson:
-    """Return the lesson that ``text`` describes, the content of the file ``path``, which is not read.
+    """Parse a lesson.
 
-    ``variant`` is one of :func:`variants_of`; empty: the first, where it has any. Raises ScenarioError.
+    Args:
+        text: Content of the file.
+        path: Path of the file, which is not read.
+        variant: One of `variants_of`, by default the first if there are any.
+
+    Raises:
+        ScenarioError: The lesson has errors.
     """
     try:
         if len(text) > LONGEST_LESSON:
@@ -147,15 +151,15 @@ def lesson_of(text: str, path: Path, variant: str = "") -> Lesson:
 
 
 def is_lesson_text(text: str) -> bool:
-    """Return whether ``text`` is meant to be a lesson rather than a scenario: it has pages."""
+    """Return True if `text` is a lesson rather than a scenario, because it has pages."""
     return re.search(r"^\s*\[\[\s*pages\s*\]\]", text, re.MULTILINE) is not None
 
 
 def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
-    """Return ``raw`` with figures put in for their names, and the names that are no figures."""
+    """Return `raw` with figures filled in, and the names that are not figures."""
     figures = raw.get("figures")
     values: dict[str, str] = {
-        name: figure["value"][: LONGEST_SHORT_LINE + 1]  # a longer one is refused later
+        name: figure["value"][: LONGEST_SHORT_LINE + 1]  # a longer value is refused later
         for name, figure in (figures.items() if isinstance(figures, dict) else ())
         if isinstance(figure, dict) and isinstance(figure.get("value"), str)
     }
@@ -174,7 +178,7 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
     def _with_figures(text: str, location: tuple[str | int, ...]) -> Any:
         def put_in(match: re.Match[str]) -> str:
             name = match[1]
-            if name not in values and len(findings) > MOST_FAULTS:  # nobody reads more
+            if name not in values and len(findings) > MOST_FAULTS:  # enough errors are reported
                 return match[0]
             if name not in values:
                 findings.append(Finding(location, f"{{{name}}}", f"the name of a figure{near(name, values)}"))
@@ -182,7 +186,7 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
             return values[name]
 
         filled = _PLACEHOLDER.sub(put_in, text)
-        # a number on its own is one: answer = "{v_class}"
+        # a lone figure becomes a number: answer = "{v_class}"
         is_number = _PLACEHOLDER.fullmatch(text) is not None and location[-1] in ("answer", "tolerance")
         return number_in(filled) if is_number and number_in(filled) is not None else filled
 
@@ -190,13 +194,12 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
 
 
 def number_in(text: str) -> float | None:
-    """Return the number that ``text`` writes, be it with commas, a real minus or a percent sign."""
+    """Parse a number with commas, a minus sign or a percent sign, or return None."""
     number = written_number(text)
     return None if number is None else number.value
 
 
 def _reference_findings(file: LessonFile) -> Iterator[Finding]:
-    """Yield what names something that is not there, and what has one name twice."""
     seen = set[str]()
     for number, page in enumerate(file.pages):
         where = ("pages", number)

@@ -1,7 +1,5 @@
-"""The check of a lesson's tasks, by replaying the attempts recorded with them.
-
-A task must pass its accepted attempts, fail its rejected ones, and not pass while the learner only
-waits.
+"""The check of a lesson's tasks, by replaying the attempts recorded with them. A task must pass its
+accepted attempts, fail its rejected ones, and not pass while the learner only waits.
 """
 
 from __future__ import annotations
@@ -43,24 +41,29 @@ if TYPE_CHECKING:
 
 
 EVERY_STEP: Final = 100
-"""So many steps are judged one by one."""
+"""Number of first steps that are each judged."""
 EVERY_EPISODE: Final = 200
-"""So many episodes are judged where they end: some conditions hold at no other step."""
+"""Number of first episodes that are judged at their end, where some conditions can only be met."""
 ROUND: Final = (1_000, 10_000, 100_000)
 MOST_STEPS: Final = 10_000_000
-"""Further nobody waits."""
+"""Limit of waiting in steps."""
 MOST_STEPPED: Final = 20_000
-"""Nor so far where an environment is stepped for real, which takes its time."""
+"""The limit for a simulated environment, which is slow."""
 
 
 def waiting_findings(
     task: JudgedTask, where: Location, ends: Sequence[int], panels: Panels, on_end: OnEnd = ignore_end
 ) -> Iterator[Finding]:
-    """Yield that the task is passed with its setup as it is and nothing done.
+    """Yield an error if the task is passed without any action. It is judged at the start, at the first
+    steps, at the end of the first episodes, after 1,000 steps and more, after the default number of
+    episodes, and at `ends`.
 
-    It is judged at the start, at each of the first steps, at the end of each of the first episodes, after
-    1,000 steps and more, after the usual number of episodes, and at the steps at which attempts ended:
-    ``ends``. ``on_end`` hears of the run, and may raise.
+    Args:
+        task: The task.
+        where: Place in the file.
+        ends: Steps at which attempts ended.
+        panels: Decides conditions over seeds.
+        on_end: Called with the run, and may raise.
     """
     beginning = begin(task.setup)
     run, kept = Run(task.setup, beginning, evaluate=False, episode_limit=beginning.world.budget), Kept()
@@ -71,13 +74,13 @@ def waiting_findings(
                 yield Finding(where, found, "a task that cannot be passed by waiting")
                 return
     except UserError:
-        return  # it breaks down, as where an episode never ends: nobody waits any longer
+        return  # a breakdown, such as an endless episode, ends the waiting
     finally:
         on_end(run, _most(run))
 
 
 def _moments(run: Run, ends: Sequence[int]) -> Iterator[None]:
-    """Advance ``run`` from one moment to the next at which it is to be judged."""
+    """Advance `run` to each moment at which it is judged."""
     yield
     episodes = episodes_of(run.recipe.scenario)
     most = _most(run)
@@ -97,16 +100,15 @@ def _moments(run: Run, ends: Sequence[int]) -> Iterator[None]:
 
 
 def _most(run: Run) -> int:
-    """Return how far anybody waits."""
     return MOST_STEPS if run.learner.rewindable else MOST_STEPPED
 
 
 class _TooLongError(Exception):
-    """Nobody waits so long."""
+    """The limit of waiting is exceeded."""
 
 
 def _goes_on(run: Run, goal: Goal, most: int) -> bool:
-    """Advance ``run`` to ``goal``, and return whether it got there within ``most`` steps."""
+    """Advance `run` to `goal`. Return False if that takes more than `most` steps."""
 
     def on_progress(done: int, wanted: int) -> None:
         if run.step > most:
@@ -127,33 +129,33 @@ SEEDS_OF_VARIANTS: Final = 100
 _LEFT_OUT: Final = "left out"
 
 OnAttempt = Callable[[str], None]
-"""Hears the name of each attempt before it is replayed."""
+"""Called with the name of each attempt before it is replayed."""
 
 
 class UndecidedPanels:
-    """Leaves open what many seeds would decide."""
+    """Leaves conditions over seeds undecided."""
 
     waits = ""
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
-        """Return that nothing is known of any condition."""
+        """Return that every condition is unknown."""
         return [ConditionVerdict(None, _LEFT_OUT) for _ in conditions]
 
 
 class _Judged(NamedTuple):
-    """How an attempt was judged, and the step at which it ended."""
+    """The verdict on an attempt, and the step at which it ended."""
 
     view: TaskView
     step: int
 
     @property
     def is_undecided(self) -> bool:
-        """Whether only conditions are in the way that were left open."""
+        """True if only undecided conditions prevent a pass."""
         return any(each.found == _LEFT_OUT for each in self.view.conditions)
 
 
 class TaskCheck:
-    """Checks the task of one ``page``, whose place among the pages is ``number``."""
+    """Checks the task of `page`, which has the index `number`."""
 
     def __init__(
         self, lesson: Lesson, number: int, page: Page, task: Task, budget: StepBudget, *, quick: bool
@@ -167,7 +169,7 @@ class TaskCheck:
         self._panels: Panels = UndecidedPanels() if quick else PanelsAtOnce(budget.charge)
 
     def warnings(self) -> Iterator[Finding]:
-        """Yield what a learner or a teacher will miss."""
+        """Yield missing hints, solution or attempts."""
         task = self._task
         if not task.hints:
             yield Finding(
@@ -182,7 +184,7 @@ class TaskCheck:
             )
 
     def findings(self, figures: LessonFigures, on_attempt: OnAttempt) -> Iterator[Finding]:
-        """Yield what is wrong with the task."""
+        """Yield the errors of the task."""
         if self._task.proof is not None:
             yield from self._proof_findings(self._task.proof, figures)
         if self._task.program is not None and self._quick:
@@ -206,13 +208,12 @@ class TaskCheck:
             yield _too_long(self._where, "waiting", fault)
 
     def _skeleton_findings(self, program: ProgramToWrite) -> Iterator[Finding]:
-        """Yield that what the learner begins with passes as it is."""
         if self._judged_program(program.skeleton).view.passed is not None:
             where = (*self._where, "program", "skeleton")
             yield Finding(where, "a program that passes", "one in which something is missing")
 
     def findings_over_seeds(self, on_attempt: OnAttempt) -> Iterator[Finding]:
-        """Yield which attempts do not hold under all of 100 seeds in place of the setup's own."""
+        """Yield attempts whose verdict is wrong under one of 100 seeds."""
         for key, attempts in (("accepts", self._task.accepts), ("rejects", self._task.rejects)):
             for place, attempt in enumerate(attempts):
                 if attempt.claim or self._task.program is not None or _is_by_hand(attempt):
@@ -229,7 +230,7 @@ class TaskCheck:
                     yield Finding((*self._where, key, place), found, f"under {wanted or 'none'} of them")
 
     def _attempt_findings(self, attempt: Attempt, where: Location, ends: list[int]) -> Iterator[Finding]:
-        """Yield that an attempt is judged as it should not be; ``ends`` takes the step at which it ended."""
+        """Yield an error if the verdict on an attempt is wrong, and append its last step to `ends`."""
         try:
             judged = self._judged(attempt)
         except StepBudgetError as fault:
@@ -251,9 +252,8 @@ class TaskCheck:
         return _Judged(judged_program(judged_task(self._lesson, self._page.id), code), 0)
 
     def _passes(self, attempt: Attempt, seed: int) -> bool:
-        """Return whether an attempt passes under ``seed``; one that breaks down there does not.
-
-        Raises StepBudgetError where its runs take too many steps.
+        """Return True if an attempt passes under `seed`, False if it breaks down. Raises StepBudgetError
+        at too many steps.
         """
         try:
             return self._judged(attempt, seed).view.passed is not None
@@ -270,12 +270,12 @@ class TaskCheck:
         return _Judged(judge(task, run, self._panels), run.step)
 
     def _proof_findings(self, proof: ImpossibilityProof, figures: LessonFigures) -> Iterator[Finding]:
-        """Yield that the best there is would do, so that nothing is proved."""
+        """Yield an error if the best possible value would meet the condition, so that nothing is proved."""
         condition = self._task.conditions[proof.condition]
         try:
             best = figures.value(proof.best)
         except UserError:
-            return  # told of the figure itself
+            return  # reported for the figure itself
         if is_met(condition, best):
             found = f"{proof.best}, {in_digits_of(best, '')}, with which {shown(condition.text)} holds"
             yield Finding((*self._where, "proof", "best"), found, "a best with which it does not hold")
@@ -286,13 +286,13 @@ def _too_long(where: Location, what: str, fault: StepBudgetError) -> Finding:
 
 
 def _why(view: TaskView) -> str:
-    """Return the first condition that does not hold, and what was found; of a program what is wrong first."""
+    """Return the first unmet condition with its value, or the first remark about a program."""
     if view.remarks:
         return view.remarks[0]
     for condition in view.conditions:
         if not condition.holds:
             return f"{shown(condition.text)} does not hold ({condition.found or 'nothing'})"
-    return "it is no claim" if view.conditions else "nothing holds"
+    return "it is not a claim" if view.conditions else "nothing holds"
 
 
 def _is_by_hand(attempt: Attempt) -> bool:

@@ -1,4 +1,3 @@
-"""A run while it is played: the thread that owns it, its commands, its snapshots, and its sessions.
-
-It imports lessons, and the rooms below. It knows nothing of what is drawn.
+"""A playing run: its thread, commands, snapshots and sessions. May import lessons and the packages below;
+knows nothing of the screen.
 """

@@ -1,4 +1,4 @@
-"""What a screen may ask of a player."""
+"""Commands that a screen sends to a player."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ if TYPE_CHECKING:
 
 
 class Command:
-    """What a screen asks of the player."""
+    """A request to the player."""
 
     __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Play(Command):
-    """Run on at the wanted speed."""
+    """Run at the chosen speed."""
 
 
 @dataclass(frozen=True, slots=True)
 class WatchLearning(Command):
-    """Run on at a speed that goes by what is learned, until another speed is set."""
+    """Run at a speed that follows learning, until another speed is set."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pause(Command):
-    """Stand still; also breaks off an episode under way."""
+    """Pause. This also ends `RunEpisode` and the like early."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,14 +47,13 @@ class Step(Command):
 
 @dataclass(frozen=True, slots=True)
 class RunEpisode(Command):
-    """Run to the end of the episode under way, as fast as it goes, and pause there."""
+    """Run at full speed to the end of the current episode, then pause."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunSweep(Command):
-    """Run to the end of a sweep of ``phase``, as fast as it goes, and pause there.
-
-    That is the sweep under way if it is one; else it is finished, and the next one is ordered.
+    """Run at full speed to the end of a sweep of `phase`, then pause. A sweep of the other phase is
+    finished first.
     """
 
     phase: SweepPhase
@@ -62,52 +61,52 @@ class RunSweep(Command):
 
 @dataclass(frozen=True, slots=True)
 class Train(Command):
-    """Take exactly ``steps`` steps (fewer only where the run ends) before any other command counts."""
+    """Take exactly `steps` steps (fewer if the run ends) before any other command."""
 
     steps: int
 
 
 @dataclass(frozen=True, slots=True)
 class SetSpeed(Command):
-    """Steps a second to aim at from now on; None for as fast as it goes."""
+    """Set the speed in steps per second, or None for full speed."""
 
     speed: float | None
 
 
 @dataclass(frozen=True, slots=True)
 class Apply(Command):
-    """Change a hyper-parameter or the algorithm before the next step."""
+    """Make a change before the next step."""
 
     change: Change
 
 
 @dataclass(frozen=True, slots=True)
 class Restart(Command):
-    """Start again from ``recipe``, paused."""
+    """Restart from `recipe`, paused."""
 
     recipe: Recipe
 
 
 @dataclass(frozen=True, slots=True)
 class LookAt(Command):
-    """Copy no more than ``viewport`` shows of a world that is too large to be copied whole."""
+    """Copy only what `viewport` shows of a large world."""
 
     viewport: Viewport
 
 
 @dataclass(frozen=True, slots=True)
 class StepBack(Command):
-    """Pause, one step earlier."""
+    """Pause one step earlier."""
 
 
 @dataclass(frozen=True, slots=True)
 class EpisodeBack(Command):
-    """Pause where the episode under way began, or the one before it if it has only begun."""
+    """Pause at the beginning of the current episode, or of the previous one if it has only begun."""
 
 
 @dataclass(frozen=True, slots=True)
 class GoTo(Command):
-    """Pause at ``step``, or where ``episode`` (from 1) begins; at most as far as the branch has come."""
+    """Pause at `step`, or at the beginning of `episode` (from 1), within the reached part of the branch."""
 
     step: int | None = None
     episode: int | None = None
@@ -115,21 +114,21 @@ class GoTo(Command):
 
 @dataclass(frozen=True, slots=True)
 class ChooseBranch(Command):
-    """Go to another branch and pause there: at this step, or as far as it has come if that is less."""
+    """Pause on another branch at the current step, or at its end if that is earlier."""
 
     branch: int
 
 
 @dataclass(frozen=True, slots=True)
 class RunUntil(Command):
-    """Run as fast as it goes until something happens, and pause there."""
+    """Run at full speed until an event, then pause."""
 
     until: Until
 
 
 @dataclass(frozen=True, slots=True)
 class ToggleBreakpoint(Command):
-    """Set a breakpoint on a state or on a state–action pair, or take it away."""
+    """Set or clear a breakpoint at a state or pair."""
 
     state: int | None = None
     pair: int | None = None
@@ -137,22 +136,19 @@ class ToggleBreakpoint(Command):
 
 @dataclass(frozen=True, slots=True)
 class ClearBreakpoints(Command):
-    """Take all breakpoints away."""
+    """Clear all breakpoints."""
 
 
 @dataclass(frozen=True, slots=True)
 class Take(Command):
-    """Pause if running, and take one step with this action (its number) in place of the agent."""
+    """Pause if running, and take one step with this action (its number)."""
 
     action: int
 
 
 @dataclass(frozen=True, slots=True)
 class AddLane(Command):
-    """Begin another run beside the one shown, the same but for ``changes``, and let it catch up.
-
-    With ``next_seed`` it has a seed that no run beside it has, else that of the run shown.
-    """
+    """Add a run that differs by `changes` and let it catch up. With `next_seed` its seed is new."""
 
     changes: tuple[Setting, ...] = ()
     next_seed: bool = False
@@ -160,71 +156,71 @@ class AddLane(Command):
 
 @dataclass(frozen=True, slots=True)
 class AddBranch(Command):
-    """Let a branch of the run shown, counted from 0, stand beside it as a run of its own."""
+    """Show a branch of the visible run, counted from 0, as a second run."""
 
     branch: int
 
 
 @dataclass(frozen=True, slots=True)
 class ChooseLane(Command):
-    """Show another lane, counted from 0: what is changed from now on is changed there."""
+    """Make another run visible, counted from 0. Later changes apply to it."""
 
     lane: int
 
 
 @dataclass(frozen=True, slots=True)
 class DropLane(Command):
-    """End a lane, counted from 0, unless it is the only one."""
+    """End a run, counted from 0, unless it is the only one."""
 
     lane: int
 
 
 @dataclass(frozen=True, slots=True)
 class MarkLane(Command):
-    """Let a lane, counted from 0, stand beside the one shown."""
+    """Make a run, counted from 0, the second visible one."""
 
     lane: int
 
 
 @dataclass(frozen=True, slots=True)
 class StudySeeds(Command):
-    """Work out, beside all else, what many seeds say of the runs as they are now; a study under way ends."""
+    """Train the current settings under many seeds in the background, replacing an earlier study."""
 
 
 @dataclass(frozen=True, slots=True)
 class EndStudy(Command):
-    """Work out no more, and show nothing of it."""
+    """End the study of many seeds and hide it."""
 
 
 @dataclass(frozen=True, slots=True)
 class FollowCell(Command):
-    """Tell in every snapshot how Q of ``pair`` went; None: of no pair."""
+    """Report the history of Q of `pair` in snapshots, or None to stop."""
 
     pair: int | None
 
 
 @dataclass(frozen=True, slots=True)
 class AskFlips(Command):
-    """Tell in every snapshot at which γ the optimal actions of the world shown change, once that is known."""
+    """Report in snapshots at which γ the optimal actions change, once known."""
 
 
 @dataclass(frozen=True, slots=True)
 class AskCheck(Command):
-    """Tell in every snapshot what an author wants to know of the world, as it comes, or tell it no more."""
+    """Report the world check in snapshots as it arrives, or stop it."""
 
     is_asked: bool
 
 
 @dataclass(frozen=True, slots=True)
 class StudyPolicy(Command):
-    """Tell in every snapshot what policies are worth, with all values of this one; None: of none."""
+    """Report policy values in snapshots, with all values of this policy, or None to stop."""
 
     kind: PolicyKind | None
 
 
 @dataclass(frozen=True, slots=True)
 class DrawAction(Command):
-    """Choose an action (its number) in a state for the drawn policy; None: none."""
+    """Set the action (its number) of a state in the drawn policy, or None removes it."""
 
     state: int
     action: int | None
@@ -232,28 +228,27 @@ class DrawAction(Command):
 
 @dataclass(frozen=True, slots=True)
 class ClearDrawing(Command):
-    """Forget the drawn policy."""
+    """Clear the drawn policy."""
 
 
 @dataclass(frozen=True, slots=True)
 class HideAnswer(Command):
-    """Hide whatever would give the answer away, or show it."""
+    """Hide or show exact answers."""
 
     is_hidden: bool
 
 
 @dataclass(frozen=True, slots=True)
 class OpenEditor(Command):
-    """Let snapshots tell what is being drawn of the world of the run shown, or tell it no more."""
+    """Report the draft of the visible run's world in snapshots, or stop."""
 
     is_open: bool
 
 
 @dataclass(frozen=True, slots=True)
 class DrawWorld(Command):
-    """Make these edits in the world of the run shown, as one stroke.
-
-    Where they come to no valid MDP, they wait, with those that wait already, for what makes it one.
+    """Edit the world of the visible run in one stroke. Edits without a valid result are pending until
+    later ones make it valid.
     """
 
     edits: tuple[Edit, ...]
@@ -261,33 +256,32 @@ class DrawWorld(Command):
 
 @dataclass(frozen=True, slots=True)
 class UndoStroke(Command):
-    """Undo the last stroke, be it one that waits or one that was made."""
+    """Undo the last stroke, pending or applied."""
 
 
 @dataclass(frozen=True, slots=True)
 class RedoStroke(Command):
-    """Make the stroke again that was undone last."""
+    """Redo the stroke that was undone last."""
 
 
 @dataclass(frozen=True, slots=True)
 class AskWhy(Command):
-    """Tell in every snapshot how long nothing is learned, and why, or only where that takes many episodes."""
+    """Report in snapshots why nothing is learned yet: always, or only after many episodes."""
 
     is_asked: bool
 
 
 @dataclass(frozen=True, slots=True)
 class ChooseTable(Command):
-    """Start the program that is watched again, with the table of this name taken for the one that learns."""
+    """Restart the watched program with the table `name` as its Q."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class KeepLesson(Command):
-    """Keep with the runs how far the learner has come in a lesson, and judge the task of its open page.
-
-    With a prediction open, the run shown stands still.
+    """Save the progress in a lesson with the runs, and judge the task of its page. An open prediction
+    pauses the visible run.
     """
 
     lesson: LessonRecord
@@ -295,7 +289,7 @@ class KeepLesson(Command):
 
 @dataclass(frozen=True, slots=True)
 class WatchProgram(Command):
-    """Watch the program in this file, in a process of its own, for the task of the lesson's open page."""
+    """Watch the program in this file in its own process, for the task of the lesson's page."""
 
     path: Path
 
@@ -304,35 +298,34 @@ _AT_ANY_TIME: Final = (
     *(LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskCheck, AskWhy, OpenEditor),
 )
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
-"""Commands that leave nothing behind that is worth keeping."""
+"""Commands that change nothing worth saving."""
 
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
-"""Commands that mean nothing where a run takes no further step."""
+"""Commands without effect once a run has ended."""
 
 _TAKES_STEPS: Final = (Play, WatchLearning, Step, RunEpisode, RunSweep, RunUntil, Take, Train)
 
 _BESIDE: Final = (Pause, DrawAction, ClearDrawing, HideAnswer, KeepLesson, WatchProgram, *_AT_ANY_TIME)
 
 _WHILE_SEEKING: Final = (StepBack, GoTo, DropLane, *_BESIDE)
-"""Commands that replace a seek under way, or leave it alone."""
+"""Commands that replace a seek, or do not affect it."""
 
 WHILE_REBUILDING: Final = (Play, Restart, DrawWorld, UndoStroke, RedoStroke, *_BESIDE)
 """Commands that need not wait for a world that is being rebuilt."""
 
 _FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)
-"""Commands that need to know where the run shown is to stand, but not where the others are."""
+"""Commands that need the target of the visible run only."""
 
 
 def takes_steps(command: Command) -> bool:
-    """Return True if runs go further by ``command``."""
+    """Return True if `command` makes runs advance."""
     is_action = isinstance(command, Apply) and isinstance(command.change, TakeAction)
     return is_action or isinstance(command, _TAKES_STEPS)
 
 
 def is_taken_while_seeking(command: Command, seek: Seek | None) -> bool:
-    """Return True if ``command`` need not wait until runs are where they have to be.
-
-    ``seek`` is the way of the run shown; None where that is there already, and others have to catch up.
+    """Return True if `command` need not wait for a seek. `seek` belongs to the visible run, or None if
+    only other runs have to catch up.
     """
     kind = type(command)
     if seek is None and kind in _FROM_HERE:

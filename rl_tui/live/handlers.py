@@ -1,4 +1,4 @@
-"""The actions of a playback: a function for each command, and for each of its states."""
+"""The functions of a playback: one for each command, and one for each state."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def _watch_learning(playback: Playback, _: commands.WatchLearning) -> None:
 
 
 def _restart(playback: Playback, command: commands.Restart) -> None:
-    """Start again, in the world as it has been drawn unless another one is asked for."""
+    """Restart in the edited world, unless the scenario or seed asks for another one."""
     group, recipe, before = playback.group, command.recipe, playback.group.current.recipe
     learning, first = playback.transport.learning, group.first.world
     is_same_scenario = recipe.scenario == before.scenario
@@ -52,7 +52,7 @@ def _pause(playback: Playback, _: commands.Pause) -> None:
     playback.rest()
     if playback.state is State.SEEKING and not playback.waits:
         playback.group.stop_seek()
-        playback.seek()  # the others may still have to catch up
+        playback.seek()  # other runs may still have to catch up
     elif playback.state is not State.SEEKING:
         playback.end_if_over()
 
@@ -80,7 +80,7 @@ def _run_sweep(playback: Playback, command: commands.RunSweep) -> None:
     if is_under_way and learner.phase == command.phase:
         playback.run_until(Until(Event.EPISODE_END))
         return
-    if learner.ordered != command.phase:  # it may be on the branch already
+    if learner.ordered != command.phase:  # it may already be on the branch
         _change(playback, OrderSweep(command.phase))
     if not run.over:
         playback.run_until(Until(Event.EPISODE_END, number=int(is_under_way)))
@@ -121,7 +121,7 @@ def _change_world(playback: Playback, change: WorldChange | None) -> None:
 
 
 def make_changes_that_waited(playback: Playback) -> bool:
-    """Make the changes that waited and whose world is there now; return whether any waits on."""
+    """Make pending changes whose world is ready and return True if more are pending."""
     run, editor = playback.group.current.run, playback.editor
     try:
         while editor.is_ahead:
@@ -226,7 +226,7 @@ def _add_branch(playback: Playback, command: commands.AddBranch) -> None:
 
 def _show_another(playback: Playback, show: Callable[[int], None], lane: int) -> None:
     if playback.condition is not None:
-        playback.rest()  # what was waited for was of the lane shown until now
+        playback.rest()  # the event belonged to the run shown before
     show(lane)
     playback.watch()
     playback.take_in_change()
@@ -275,14 +275,14 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.EndStudy: lambda playback, _: playback.questions.seed_studies.end(),
     commands.DropLane: lambda playback, command: _show_another(playback, playback.group.drop, command.lane),
 }
-"""What a playback does with a command of each type."""
+"""Handler for each type of command."""
 
 
 # Work in each state
 
 
 def continue_seek(playback: Playback) -> float:
-    """Bring runs nearer to where they have to be; where all are there, do again what was done before."""
+    """Advance the seek. At its end, resume the previous state."""
     transport = playback.transport
     playback.waits = playback.compilation.waits(transport.steps_to_seek)
     if not playback.waits and transport.continue_seek(AT_ONCE):
@@ -308,7 +308,7 @@ def _continue_training(playback: Playback) -> float:
 
 
 def _continue_rebuild(playback: Playback) -> float:
-    """Make the changes whose world has come; with the last of them learning goes on."""
+    """Make changes whose world is ready; after the last one, resume."""
     if make_changes_that_waited(playback):
         return LOOK_AGAIN
     if playback.group.seeking:
@@ -319,7 +319,6 @@ def _continue_rebuild(playback: Playback) -> float:
 
 
 def _continue_until(playback: Playback) -> float:
-    """Go on until what is waited for has happened, or some milliseconds are over."""
     condition, until, run = playback.condition, playback.clock() + CHUNK, playback.group.current.run
     while condition is not None and playback.condition is condition:
         before = run.step
@@ -351,7 +350,7 @@ def _continue_running(playback: Playback) -> float | None:
 
 
 def _stand_still(playback: Playback) -> float | None:
-    """Find out how the episodes under way went, then what was asked beside."""
+    """Complete the trails, then work on background questions."""
     if not playback.automatic:
         return None
     group = playback.group
@@ -375,4 +374,4 @@ WORK: Final[Mapping[State, Callable[[Playback], float | None]]] = {
     State.DONE: _stand_still,
     State.STOPPED: _stand_still,
 }
-"""What a playback does in each state; in how many seconds to do more is returned, None for never."""
+"""Work in each state. It returns the seconds until the next call, or None for never."""

@@ -1,4 +1,4 @@
-"""What a person has pinned to states and pairs of a world stays with them, whatever becomes of the world."""
+"""Breakpoints and drawn policy, which follow their states and pairs through edits of the world."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 
 
 class Pins(NamedTuple):
-    """What is pinned, by the numbers that states and pairs have in one world."""
+    """Breakpoints and drawn policy with the numbers of one world."""
 
     breakpoints: Breakpoints
     """Where runs pause."""
     drawn: DrawnPolicy
-    """The policy that was drawn."""
+    """The drawn policy."""
 
     def carried(self, carried: Carried, before: FiniteSpace, now: FiniteSpace) -> Pins:
-        """Return the same pins in the world ``now``; those on what is gone are left out."""
+        """Return the same pins in the world `now`, without those that are gone."""
         states, pairs = self.breakpoints.states, self.breakpoints.pairs
         drawn = carried.pairs_now(self.drawn.pairs(before).values())
         choices = sorted((now.state_of(pair), int(now.pair_action[pair])) for pair in drawn)
@@ -36,31 +36,30 @@ NO_PINS: Final = Pins(Breakpoints(), DrawnPolicy())
 
 
 class NamedPins:
-    """Keeps pins by name where the world of a run becomes another one: by edits, by going back, by branches.
-
-    What is gone in one world is pinned again in the next one that has it, unless other pins were set
-    meanwhile. ``pins`` are those of the world ``edited``. All worlds are what edits make of one and the same.
+    """Keeps pins by name when the world of a run changes through edits, seeks or branches. A pin that is
+    gone in one world returns in the next world that has it, unless pins were changed in between. All
+    worlds must be edits of the same one.
     """
 
     def __init__(self, edited: EditedWorld, pins: Pins) -> None:
         self.edited = edited
-        """The world whose numbers count since it was come to."""
+        """The world whose numbers count."""
         self._set_in = edited
         self._set = self._shown = pins
         self._seen: tuple[EditedWorld, Pins, Pins] | None = None
 
     def come_to(self, edited: EditedWorld, pins: Pins, recipe: Recipe) -> Pins:
-        """Return ``pins``, those of the world until now, by the numbers of ``edited``, and go on in that."""
+        """Change to the world `edited` and return `pins` with its numbers."""
         self._shown = self.seen_from(edited, pins, recipe)
         self.edited = edited
         return self._shown
 
     def seen_from(self, edited: EditedWorld, pins: Pins, recipe: Recipe) -> Pins:
-        """Return ``pins``, those of the world until now, by the numbers of ``edited``."""
+        """Return `pins` of the current world with the numbers of `edited`."""
         self._note(pins)
         if self._set == NO_PINS or edited is self._set_in:
             return self._set
-        # a lane beside the one shown asks for every picture
+        # a second run asks for this in every frame
         if self._seen is None or self._seen[0] is not edited or self._seen[1] is not self._set:
             carried = edited.carried_from(self._set_in, recipe)
             seen = self._set.carried(carried, self._set_in.world.space, edited.world.space)
@@ -68,7 +67,7 @@ class NamedPins:
         return self._seen[2]
 
     def pair_in(self, edited: EditedWorld, pair: int | None, recipe: Recipe) -> int | None:
-        """Return what ``pair`` of the world until now is in ``edited``; None where it is gone, or is none."""
+        """Return the number of `pair` in `edited`, or None if it is gone or None."""
         if pair is None or edited is self.edited:
             return pair
         return next(iter(edited.carried_from(self.edited, recipe).pairs_now((pair,))), None)

@@ -1,4 +1,4 @@
-"""Runs with a play button, one short piece of work at a time: what a player does, without its thread."""
+"""The work of a player without its thread, in short pieces."""
 
 from __future__ import annotations
 
@@ -38,14 +38,17 @@ if TYPE_CHECKING:
 
 
 class Playback:
-    """Takes commands and works them off in chunks of about 15 ms: a machine of the states in ``state.py``.
+    """A state machine that handles commands and works in chunks of about 15 ms; states are in `state.py`,
+    functions in `handlers.py`. Call `work` repeatedly, as soon as its result says. In between, pass
+    commands for which `takes` is true to `handle`, and take a `snapshot` if `changed`.
 
-    Call :meth:`work` again and again, as soon as it says; between two calls, :meth:`handle` commands that it
-    :meth:`takes` and take a :meth:`snapshot` where ``changed``. What each command does, and what
-    is done in each state, stands in ``handlers.py``. ``clock`` gives seconds. With ``automatic`` off no step
-    passes but those that commands ask for. ``on_exact`` is called, from any thread, when an exact answer has
-    come that the last snapshot lacked, or more of what many seeds say. With ``record`` it begins where that
-    was written.
+    Args:
+        recipe: Start of the run.
+        speed: Steps per second, or None for full speed.
+        automatic: False if only commands take steps.
+        clock: Returns seconds.
+        on_exact: Called from any thread when a background answer has arrived.
+        record: Position at which to begin.
     """
 
     def __init__(
@@ -59,68 +62,70 @@ class Playback:
         record: Record | None = None,
     ) -> None:
         self.state = State.BUILDING
-        """What it is doing."""
+        """Current state."""
         self.phase = Phase.PREPARING
-        """What snapshots tell of that."""
+        """State as snapshots report it."""
         self.changed = False
-        """Whether the next snapshot differs from the last one."""
+        """True if the next snapshot differs from the last."""
         self.handled = 0
-        """How many commands were taken in."""
+        """Number of commands handled."""
         self.touched = False
-        """Whether anything was done that is worth keeping."""
+        """True if something worth saving was done."""
         self.paused_by = ""
-        """Why it paused by itself, or why what was asked for cannot be done."""
+        """Reason for an automatic pause, or for a refused command."""
         self.condition: StopCondition | None = None
-        """What it runs until, if it does."""
+        """The event to run until, or None."""
         self.breakpoints = Breakpoints()
-        """Where else it pauses."""
+        """Breakpoints."""
         self.group: RunGroup
-        """The runs; none while it is building."""
+        """The runs, unset while building."""
         self.transport: Transport
-        """What moves them on."""
+        """Advances the runs."""
         self._pins: NamedPins
-        self._next = State.PAUSED  # what it does once it has loaded, sought or trained
+        self._next = State.PAUSED  # state after building, seeking or training
         self.steps_to_train = 0
-        """How many steps it has to take before anything else."""
+        """Steps to take before anything else."""
         self.compilation = Compilation(automatic=automatic)
-        """Whether runs are interpreted still."""
+        """State of the compilation."""
         self.waits = False
-        """Whether a seek waits for machine code."""
+        """True if a seek waits for machine code."""
         self._recipe = recipe
         self._record = record or Record((RunRecord(recipe),), speed=speed)
         self.automatic = automatic
-        """Whether steps pass by themselves."""
+        """True if steps happen without commands."""
         self.clock = clock
-        """What gives seconds."""
+        """Returns seconds."""
         self.questions: Questions = Questions(self._record, on_exact, automatic=automatic)
-        """What a person asks beside the runs."""
+        """Background questions about the runs."""
         self.editor = WorldEditor()
-        """What a person draws of the world."""
+        """Editor of the world."""
         self._beginning: Beginning | None = None
         self._builder = SnapshotBuilder()
 
     @property
     def loaded(self) -> tuple[bool, bool]:
-        """Whether the world is there, and whether runs are interpreted: libraries are loaded in between."""
+        """True once the world is built, and True while runs are interpreted; libraries are loaded in
+        between.
+        """
         return self.state is not State.BUILDING, self.compilation.interpreted
 
     @property
     def on_the_way(self) -> bool:
-        """Whether something that was asked for and has an end is not done yet."""
+        """True while a requested operation with an end is unfinished."""
         return self.state in UNFINISHED
 
     @property
     def unanswered(self) -> float:
-        """For how many seconds what it waits for has not answered; calls of environments count elsewhere."""
+        """Seconds without a response from an awaited program; calls of environments count elsewhere."""
         return 0.0
 
     def close(self) -> None:
-        """End what is worked out in processes of their own. It may be called from any thread."""
+        """Stop background processes. Safe from any thread."""
         self.compilation.close()
         self.questions.close()
 
     def takes(self, command: Command) -> bool:
-        """Return True if ``command`` need not wait."""
+        """Return True if `command` need not wait."""
         if self.state in BUSY or (not self.automatic and self.state in UNFINISHED):
             return False
         if self.state is State.REBUILDING:
@@ -129,14 +134,14 @@ class Playback:
 
     @property
     def record(self) -> Record:
-        """What is needed to come back to here."""
+        """Record of the current position."""
         if self.state is State.BUILDING:
             return self._record
         group, pins = self.group, self._pinned
-        if group.current.seek is not None and pins != NO_PINS:  # it says where that leads
+        if group.current.seek is not None and pins != NO_PINS:  # the record refers to the target
             shown = group.current.record
             pins = self._pins.seen_from(group.world_of(shown), pins, shown.recipe)
-        can_come = pins == NO_PINS  # by the numbers of this world they would be of others in the next one
+        can_come = pins == NO_PINS  # in the next world their numbers would mean other states
         return Record(
             group.records(self.editor.to_come(group.current.run) if can_come else ()),
             group.shown,
@@ -149,14 +154,16 @@ class Playback:
 
     @property
     def table(self) -> LearnedTable | None:
-        """The live table of the run shown, None while it is not where the record says."""
+        """The live table of the visible run, or None while it is away from its recorded position."""
         is_elsewhere = self.state is State.BUILDING or self.group.seeking or self.editor.is_ahead
         return None if is_elsewhere else table_of(self.group.current.run)
 
     def handle(self, command: Command) -> None:
-        """Carry out ``command``, or begin to. Raises UserError where the world of a restart cannot be built.
+        """Carry out or start `command`. Errors such as a change that does not fit are reported by the next
+        snapshot.
 
-        Whatever else cannot be done, such as a change that does not fit, is told by the next snapshot.
+        Raises:
+            UserError: The world of a restart cannot be built.
         """
         kind = type(command)
         self.changed = True
@@ -179,7 +186,7 @@ class Playback:
         self.keep_pins()
 
     def work(self) -> float | None:
-        """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
+        """Work for some milliseconds and return the seconds until the next call, None for never."""
         if self.state is not State.BUILDING and self.compilation.has_changed(self.group):
             self.transport.measure_anew()
             self.changed = True
@@ -190,7 +197,7 @@ class Playback:
         return wait
 
     def snapshot(self) -> Snapshot:
-        """Return the newest picture of the run; raises what made an exact answer fail."""
+        """Return the newest snapshot. Raises the exception of a failed exact answer."""
         self.changed = False
         if self.state is State.BUILDING:
             if self._beginning is None:
@@ -198,19 +205,19 @@ class Playback:
             return self._builder.preparing(self._recipe, self._beginning.world, self._record, self.questions)
         has_trail = shows_trail(self.state, self.transport.speed)
         if has_trail and not self.automatic:
-            self.group.find_trails(math.inf)  # in pieces it would depend on the time
+            self.group.find_trails(math.inf)  # a replay in pieces would depend on timing
         snapshot = self._builder.build(self, has_trail=has_trail)
         returns = self.state is State.SEEKING and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
     def answer(self) -> Answer:
-        """Return the exact answer for the γ in force, as far as it is known."""
+        """Return the solution for the current γ, as far as known."""
         return self.questions.exact.of(self.group.current.run)
 
     # From one state to another
 
     def _enter(self, state: State) -> None:
-        """Do what ``state`` says: at once, or once it has loaded, sought or trained."""
+        """Enter `state`, now or after building, seeking or training."""
         if state not in PASSING:
             self._next = state
         if state in PASSING or self.state not in PASSING:
@@ -223,19 +230,19 @@ class Playback:
         return is_running or self.state in (State.SEEKING, State.TRAINING, State.UNTIL)
 
     def build(self) -> None:
-        """Build the world; at the next call, what learns in it."""
+        """Build the world, and on the next call the learner."""
         if self._beginning is None:
             self._beginning = begin(self._recipe)
         else:
             self.start(self._record, self._beginning)
 
     def _return(self) -> None:
-        """Leave a state that passes, for what was done before it."""
+        """Leave a temporary state."""
         self.state, self.phase = self._next, PHASES[self._next]
         self.changed = True
 
     def go_on(self) -> None:
-        """Do again what was done before the runs were sought."""
+        """Resume after a seek."""
         self._return()
         if self.phase is Phase.RUNNING:
             self.transport.start(at_once=False)
@@ -244,7 +251,7 @@ class Playback:
         self.end_if_over()
 
     def rest(self) -> None:
-        """Stand still, whatever was under way."""
+        """Pause."""
         self.paused_by = ""
         self.transport.meter.clear()
         if self.condition is not None:
@@ -254,14 +261,14 @@ class Playback:
             self._enter(State.PAUSED)
 
     def run(self) -> None:
-        """Run on at the wanted speed, once the world is there, unless it runs already."""
+        """Run at the chosen speed, unless running."""
         if self._next is State.PAUSED:
             self.paused_by = ""
             self.transport.start(at_once=True)
             self._enter(State.RUNNING)
 
     def run_until(self, until: Until) -> None:
-        """Run as fast as it goes until something happens. Raises UserError where it cannot happen."""
+        """Run at full speed until an event. Raises UserError if it cannot happen."""
         self.rest()
         self.condition = StopCondition(until, self.group.current.run, self.answer)
         self.watch()
@@ -269,41 +276,41 @@ class Playback:
         self._enter(State.UNTIL)
 
     def train(self, steps: int) -> None:
-        """Take exactly ``steps`` steps, fewer only where the run ends, before anything else."""
+        """Take exactly `steps` steps (fewer if the run ends) before anything else."""
         if self.condition is not None:
             self.rest()
         if steps > 0:
             self.steps_to_train = steps
             self.group.current.watch(None)
             self._enter(State.TRAINING)
-            self.changed = False  # no snapshot shows anything before the last of these steps
+            self.changed = False  # no snapshot before the last of these steps
 
     def end_training(self) -> None:
-        """Go on with what was done before."""
+        """Resume after training."""
         self._return()
         self.watch()
         self.stop_if_due()
 
     def seek(self) -> None:
-        """Bring all runs to where they have to be: at once as far as no one would notice, then bit by bit."""
+        """Move all runs to their targets: at once if that is quick, else bit by bit."""
         self.transport.measure_anew()
         self._enter(State.SEEKING)
         continue_seek(self)
 
     def rebuild(self) -> None:
-        """Take no step until the world is there that the editor waits for."""
+        """Pause until the world of the editor is ready."""
         self.paused_by = ""
         self._enter(State.REBUILDING)
 
     def stop_if_due(self) -> None:
-        """Rest where the run shown is over or has met a breakpoint."""
+        """Pause if the visible run is over or has met a breakpoint."""
         run = self.group.current.run
         if not self.end_if_over() and run.noticed and (words := breakpoint_in_words(run)):
             self.rest()
             self.paused_by = words
 
     def end_if_over(self) -> bool:
-        """Rest for good where the run shown is over and stays where it is; return whether it is so."""
+        """Stop if the visible run is over and return True in this case."""
         run = self.group.current.run
         if not run.over or self.state in PASSING:
             return False
@@ -312,7 +319,7 @@ class Playback:
         return True
 
     def watch(self) -> None:
-        """Let the run shown stop by itself where it should, in the world that it has come to."""
+        """Tell the learner what to watch for, in the current world."""
         run = self.group.current.run
         if self._pins.edited is not run.edited:
             self._come_to_world_of(run)
@@ -321,12 +328,12 @@ class Playback:
 
     @property
     def _pinned(self) -> Pins:
-        """What is pinned where the run shown stands."""
+        """Pins at the current position."""
         return Pins(self.breakpoints, self.questions.drawn)
 
     @property
     def pins_beside(self) -> Pins:
-        """The same by the numbers of the world in which the lane beside stands, which may be another one."""
+        """Pins with the numbers of the second visible run's world."""
         beside, pins = self.group.beside, self._pinned
         return pins if beside is None else self._pins.seen_from(beside.run.edited, pins, beside.recipe)
 
@@ -340,24 +347,23 @@ class Playback:
             self.paused_by = "what it ran until is not in the world any more"
 
     def keep_pins(self) -> None:
-        """Keep what is pinned with its state and action, where the run shown has come to another world."""
+        """Move the pins to the current world if the visible run has changed worlds."""
         if self.state is State.BUILDING or self._pins.edited is self.group.current.run.edited:
             return
-        if self.state is State.TRAINING:  # it stops nowhere on the way
+        if self.state is State.TRAINING:  # training stops at no breakpoint
             self._come_to_world_of(self.group.current.run)
         else:
             self.watch()
 
     def set_breakpoints(self, breakpoints: Breakpoints) -> None:
-        """Pause there from now on. Raises UserError where the world has no such state or pair."""
+        """Set breakpoints. Raises UserError if the world has no such state or pair."""
         breakpoints.check(self.group.current.run.world.space)
         self.breakpoints = breakpoints
         self.watch()
 
     def _pins_left(self, record: Record) -> NamedPins:
-        """Return the pins of ``record``, which are those of the world in which it was left.
-
-        Raises UserError where that has no such states or pairs.
+        """Return the pins of `record` with the numbers of its world. Raises UserError if it has no such
+        states or pairs.
         """
         left = (
             self.group.first if self._pinned == NO_PINS else self.group.world_of(record.lanes[record.shown])
@@ -367,17 +373,18 @@ class Playback:
         return NamedPins(left, self._pinned)
 
     def take_in_change(self) -> None:
-        """Take in that an agent has other settings, or that another one is shown."""
+        """Update the state after a change of settings or of the visible run."""
         self.paused_by = ""
         self.transport.measure_anew()
         if self._next in ENDED:
-            self._enter(State.PAUSED)  # what was changed may give a planner something to do again
+            self._enter(State.PAUSED)  # a change may give a converged planner new work
             self.end_if_over()
 
     def start(self, record: Record, beginning: Beginning) -> None:
-        """Begin with the runs of ``record`` in the world of ``beginning``, and seek where they were left.
+        """Begin with the runs of `record` in the world of `beginning`, and seek their positions.
 
-        Raises UserError where they cannot have been left so.
+        Raises:
+            UserError: The record is impossible in this world.
         """
         from rl_tui.live.pace.transport import Transport
         from rl_tui.runs.timeline.run_group import RunGroup
@@ -387,7 +394,7 @@ class Playback:
         self.condition, self.paused_by = None, ""
         self._enter(State.PAUSED)
         self.compilation.has_changed(self.group)
-        self.answer()  # it may take a while, so that it had better begin at once
+        self.answer()  # start a slow computation early
         self.breakpoints = record.breakpoints
         self._pins = self._pins_left(record)
         self.group.resume(record.lanes)

@@ -26,18 +26,22 @@ OFFERED_EVERY: Final = 0.25
 
 
 class PlayerClosedError(Exception):
-    """The player was closed before it had carried out what was asked."""
+    """The player was closed before it had carried out a request."""
 
 
 class Player:
-    """Plays a run in a thread of its own, the only one that touches it.
+    """Plays a run in its own thread, the only one that touches it. `send` takes commands, and one reader
+    gets the results from `snapshots`. The run never waits for the reader.
 
-    Everything is asked for by :meth:`send`; what came of it is read from :meth:`snapshots`, by one reader.
-    The run never waits for that reader. ``speed`` is the wanted steps a second, None for as fast as it goes.
-    With ``automatic`` off only what is asked for takes steps, and no speed is measured, so that what
-    snapshots show depends on the commands alone. With ``record`` it begins where that was written.
-    ``record_sink`` is offered the record after every command and, while the run goes on, some times a second.
-    ``playable`` makes something else to be played than runs of ours.
+    Args:
+        recipe: Start of the run.
+        speed: Steps per second, or None for full speed.
+        automatic: False if only commands take steps and no speed is measured. Snapshots then depend on the
+            commands only.
+        clock: Returns seconds.
+        record: Position at which to begin.
+        record_sink: Gets the record after every command, and several times a second during a run.
+        playable: Makes something else to play than a built-in run.
     """
 
     def __init__(
@@ -68,21 +72,23 @@ class Player:
         self._wanted = False
         self._outdated = True
         self._put_off = False
-        self._latest: Snapshot | None = None  # which the reader has not taken yet
+        self._latest: Snapshot | None = None  # not read yet
         self._newest: Snapshot | None = None
         self._failure: BaseException | None = None
         self._closing = False
         self._thread: threading.Thread | None = None
 
     def send(self, command: Command) -> None:
-        """Ask for something; commands are carried out in order, none is lost, and this never waits."""
+        """Queue `command`. Commands are carried out in order and never lost. This never waits."""
         self._post(command)
 
     async def snapshots(self) -> AsyncIterator[Snapshot]:
-        """Yield the newest snapshot whenever it differs from the last one, until the player is closed.
+        """Yield the newest snapshot whenever it has changed, until the player is closed. The first has
+        `Phase.PREPARING` and arrives when the world is built.
 
-        The first has Phase.PREPARING, as soon as the world is there. Raises UserError where the world cannot
-        be built, and whatever else made the player end.
+        Raises:
+            UserError: The world cannot be built.
+            Exception: Any exception that ended the player.
         """
         reader = _Reader()
         with self._changed:
@@ -103,10 +109,12 @@ class Player:
                 yield snapshot
 
     async def carried_out(self) -> Snapshot:
-        """Wait until all that was sent is done, episodes and training included; return the run then.
+        """Wait until all sent commands are done, including episodes and training and return the snapshot.
+        The reader of `snapshots` gets the same snapshot, unless there is a newer one.
 
-        The reader of the snapshots has the same one, or gets it next, if no newer one.
-        Raises PlayerClosedError if the player is closed before, or what made it end.
+        Raises:
+            PlayerClosedError: The player was closed before.
+            Exception: Any exception that ended the player.
         """
         question = _Question()
         self._post(question)
@@ -114,19 +122,19 @@ class Player:
 
     @property
     def is_automatic(self) -> bool:
-        """Whether the run goes on by itself, so that what snapshots show depends on the time."""
+        """True if the run advances without commands, so that snapshots depend on timing."""
         return self._automatic
 
     @property
     def unanswered(self) -> float:
-        """For how many seconds an environment or a program has kept the run waiting; 0 where none does."""
+        """Seconds for which an environment or program has blocked the run, or 0 if none does."""
         thread = self._thread
         if thread is None or not self._automatic:
             return 0.0
         return max(seconds_in_call(thread.ident), self._playback.unanswered)
 
     def close(self) -> None:
-        """End the thread and the snapshots; returns at once, be it in the middle of compiling."""
+        """End the thread and the snapshots without waiting for it, even while it compiles."""
         with self._changed:
             self._closing = True
             self._changed.notify_all()
@@ -154,7 +162,7 @@ class Player:
             thread = threading.Thread(target=self._live, name="player", daemon=True)
             try:
                 thread.start()
-            except RuntimeError as error:  # there may be only so many threads
+            except RuntimeError as error:  # the system limits the number of threads
                 self._failure = UserError(f"the run has no thread to learn in: {error}")
                 self._wake_reader()
                 return
@@ -172,7 +180,7 @@ class Player:
             self._outdated = True
             self._changed.notify_all()
 
-    # From here on everything runs in the player's thread.
+    # The rest runs in the player's thread.
 
     def _live(self) -> None:
         playback = self._playback
@@ -191,16 +199,15 @@ class Player:
                         self._changed.wait_for(self._has_news, wait)
             if self._record_sink is not None:
                 self._offer_record(self._record_sink)
-        except BaseException as failure:  # it is raised again where the snapshots are read
+        except BaseException as failure:  # raised again where the snapshots are read
             with self._changed:
                 self._failure = failure
                 self._wake_reader()
             self._refuse_questions(failure)
 
     def _offer_record(self, sink: RecordSink, *, ends: bool = False) -> None:
-        """Offer the record where something was asked for or has ended, or the run has gone on for a while.
-
-        The last one of a run that ``ends`` is offered in any case.
+        """Offer the record after a command or event, and regularly during a run. With `ends` the last
+        record is offered in any case.
         """
         playback, now = self._playback, self._clock()
         if not playback.touched:
@@ -212,7 +219,7 @@ class Player:
             sink.offer(playback.record, playback.table)
 
     def _take_commands(self) -> None:
-        """Carry out what was sent until now; what is sent meanwhile must not hold up the run."""
+        """Carry out the commands sent so far. Later ones must not delay the run."""
         for _ in range(len(self._commands)):
             with self._changed:
                 if self._closing or not self._may_take():
@@ -239,9 +246,8 @@ class Player:
         return not self._playback.on_the_way if isinstance(first, _Question) else self._playback.takes(first)
 
     def _publish(self) -> None:
-        """Hand over a snapshot if one is asked for and there is news; that of a new world in any case.
-
-        It is put off once, not twice, where it would not show what the next commands change.
+        """Publish a snapshot if the reader waits and something has changed. The first of a new world
+        always. It is delayed once if the next commands would change it.
         """
         playback = self._playback
         with self._changed:
@@ -252,13 +258,13 @@ class Player:
             self._hand_over(self._snapshot())
 
     def _snapshot(self) -> Snapshot:
-        """Return a snapshot; an exact answer that comes while it is made is news for the next."""
+        """Return a snapshot. An exact answer that arrives meanwhile counts for the next one."""
         with self._changed:
             self._outdated = False
         return self._playback.snapshot()
 
     def _hand_over(self, snapshot: Snapshot) -> None:
-        """Let the reader have ``snapshot`` next."""
+        """Give `snapshot` to the reader."""
         with self._changed:
             self._latest = self._newest = snapshot
             self._wanted = False
@@ -266,10 +272,9 @@ class Player:
                 self._reader.wake()
 
     def _owes_snapshot(self) -> bool:
-        """Return True if the reader waits and there is news.
-
-        Training has none before its end. Where nothing may depend on the time, nothing else that has an end
-        has any: which pictures are drawn on the way would decide on axes and on what is scrolled into view.
+        """Return True if the reader waits and something has changed. Training publishes nothing before its
+        end. Without automatic steps, nothing with an end does: intermediate frames would influence axes
+        and scrolling.
         """
         playback = self._playback
         has_news = playback.changed or self._outdated
@@ -304,7 +309,7 @@ class _Reader:
 
 
 class _Question:
-    """Asks for a snapshot in the order of the commands; answered from any thread."""
+    """A request for a snapshot in the order of the commands, answered from any thread."""
 
     def __init__(self) -> None:
         self._loop = asyncio.get_running_loop()

@@ -1,4 +1,4 @@
-"""What the screen shows of a program that is watched, beside its steps and its table."""
+"""What the screen shows about a watched program, besides its steps and its table."""
 
 from __future__ import annotations
 
@@ -10,41 +10,41 @@ from rl_tui.programs.watched.program_log import FoundTable, OutputLine, ProgramE
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProgramView:
-    """A program at one moment. What is shown of the past is only shown: it cannot be changed."""
+    """A watched program at one moment. The past can be viewed, but not changed."""
 
     title: str
-    """Its file's name, of an agent also its class."""
+    """Name of the file, and of the class for an agent."""
     environment: str
-    """The id of the environment that is shown."""
+    """Id of the shown environment."""
     table: FoundTable | None = None
     """The table that was found."""
     looked_for: tuple[str, ...] = ()
-    """Where no table was found: what was looked for, a line each."""
+    """If no table was found: the kinds of tables that were searched for, one per line."""
     verdict: ProgramVerdict = field(default_factory=ProgramVerdict)
-    """The update that it makes, and what is wrong with it, as far as it is known now."""
+    """The update rule and the findings so far."""
     output: tuple[OutputLine, ...] = ()
-    """The last lines that it wrote, oldest first."""
+    """Last lines of output, oldest first."""
     notes: tuple[str, ...] = ()
-    """What had to be done otherwise for it to run."""
+    """Workarounds that were necessary to run it."""
     error: ProgramError | None = None
-    """What it raised, if it did."""
+    """The exception that it raised, if any."""
     ended: bool = False
-    """Whether it is over."""
+    """True if it has ended."""
     refused: str = ""
-    """Why it cannot be watched; empty if it can."""
+    """Reason why it cannot be watched, else ""."""
     reloaded: str = ""
-    """After its file was saved: what became better or worse than before, as a sentence; mostly empty."""
+    """After the file was saved: a sentence that compares the new run with the old one, usually empty."""
     source: tuple[str, ...] = field(default=())
-    """The lines of its file as it was read."""
+    """Lines of the file as it was read."""
     path: str = ""
-    """Its file."""
+    """Path of the file."""
     first_step: int = 0
-    """The first step that can still be shown."""
+    """First step that can still be shown."""
     gamma: float | None = None
-    """The γ of the exact answers."""
+    """γ of the exact answers."""
     gamma_source: str = ""
-    """Where that γ is from: "found" (the update), "declared" (a number in the code), "usual" (neither)."""
+    """Source of this γ: "found" (the update), "declared" (a number in the code), "usual" (neither)."""
     stands_at: int | None = None
-    """The line of the code where it has stood for a second or longer without a step."""
+    """Line of the code at which it has been for a second or longer without a step."""
     is_agent: bool = False
-    """Whether it is an agent without a loop, in one of our scenarios."""
+    """True for an agent without a loop, in one of our scenarios."""

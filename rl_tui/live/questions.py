@@ -1,4 +1,4 @@
-"""What a person asks beside the runs: what to show of them, and questions with exact answers."""
+"""Questions about the runs that are answered in snapshots, most of them exactly."""
 
 from __future__ import annotations
 
@@ -27,94 +27,95 @@ if TYPE_CHECKING:
 
 
 class Questions:
-    """What was asked, the same of all lanes; ``on_exact`` is called when an exact answer has come.
-
-    With ``automatic`` off no answer depends on the time.
+    """The questions of a playground, equal for all runs. `on_exact` is called when an answer has arrived.
+    With `automatic` off, no answer depends on timing.
     """
 
     def __init__(self, record: Record, on_exact: Callable[[], None], *, automatic: bool) -> None:
         self.viewport: Viewport | None = None
-        """What the screen shows of a large world; None: it has not said, so everything may be shown."""
+        """Visible part of a large world, or None to copy everything."""
         self.cell: int | None = None
-        """The pair of which snapshots tell how Q went."""
+        """Pair whose history is reported."""
         self.seed_studies = SeedStudies(on_exact, automatic=automatic)
-        """What many seeds say of the runs."""
+        """The study of many seeds."""
         self.exact = RunAnswers(on_exact)
-        """The exact answers for the γ in force."""
+        """Exact solutions for the current γ."""
         self.flips = FlipAnswers(on_exact, automatic=automatic)
         """Every γ at which optimal actions change, by world."""
         self.asks_check = False
-        """Whether a person wants to know of the world what its author should."""
+        """True if the world check is requested."""
         self._checks = WorldChecks(on_exact, automatic=automatic)
         self.is_hidden = record.answer_is_hidden
-        """Whether a person wants the answer hidden; None: nobody has said."""
+        """True or False if the user has hidden or shown the answer, else None."""
         self.drawn = record.drawn
-        """The policy that a person drew."""
+        """The policy drawn by the user."""
         self.lesson = record.lesson
-        """The lesson that is taken beside the runs, None where there is none."""
+        """The lesson, or None."""
         self._judge = TaskJudge(on_exact, automatic=automatic)
         self.studied: PolicyKind | None = None
-        """The policy whose values are asked for."""
+        """Policy whose values are shown."""
         self._policies = PolicyAnswers(automatic=automatic)
         self._left_to_chance = LeftToChance()
         self.asks_why = False
-        """Whether a person has asked why nothing is learned."""
+        """True if the user asks why nothing is learned."""
         self._first_updates = FirstUpdates()
 
     def draw(self, state: int, action: int | None) -> None:
-        """Choose ``action`` in ``state`` for the drawn policy; None: no action."""
+        """Set `action` in `state` of the drawn policy, or None removes it."""
         self.drawn = self.drawn.with_action(state, action)
 
     def fit(self, space: FiniteSpace) -> None:
-        """Keep what there may be in ``space`` of the drawn policy and the cell."""
+        """Drop parts of the drawn policy and the cell that `space` does not have."""
         self.drawn = self.drawn.fitting(space)
         self.cell = self.cell if self.cell is not None and self.cell < space.pairs else None
 
     def change_world(self, before: Recipe, now: Recipe) -> None:
-        """Hide the answer again; forget the drawn policy, unless the same world came of the same seed."""
+        """Hide the answer again, and clear the drawn policy unless scenario and seed are the same."""
         self.hide_again()
         if (before.scenario, before.seed) != (now.scenario, now.seed):
             self.clear()
 
     def clear(self) -> None:
-        """Forget the drawn policy."""
+        """Clear the drawn policy."""
         self.drawn = DrawnPolicy()
 
     @property
     def kept_back(self) -> frozenset[str]:
-        """What the lesson keeps back until its page is done: names of what a page may hide."""
+        """Names of what the lesson hides until its page is done."""
         return frozenset() if self.lesson is None else self.lesson.hidden
 
     def hides_answer(self, scenario: Scenario) -> bool:
-        """Return whether the answer is hidden: by a lesson, else as a person or ``scenario`` says."""
+        """Return True if the answer is hidden by a lesson, the user or the `scenario`, in this order."""
         if "answer" in self.kept_back:
             return True
         return scenario.hides_answer if self.is_hidden is None else self.is_hidden
 
     def hide_again(self) -> None:
-        """Let the scenario say again whether the answer is hidden, unless a person has hidden it.
-
-        What a person has seen is not the answer of another world.
+        """Let the scenario decide again, unless the user has hidden the answer: a user who has seen one
+        answer has not seen that of another world.
         """
         self.is_hidden = self.is_hidden or None
 
     def ask_check(self, *, is_asked: bool) -> None:
-        """Let the world be checked, or no more."""
+        """Start or stop the world check."""
         self.asks_check = is_asked
         if not is_asked:
             self._checks.end()
 
     def close(self) -> None:
-        """End what is worked out in processes of their own, from any thread, and begin nothing any more."""
+        """Stop background processes and refuse new ones. Safe from any thread."""
         self.seed_studies.close()
         self.flips.close()
         self._checks.close()
         self._judge.close()
 
     def answers(self, run: Run, drawn: DrawnPolicy, *, is_still: bool) -> AnswersView:
-        """Return what is known by now for ``run``, which takes steps unless it ``is_still``.
+        """Return the answers known for `run`.
 
-        ``drawn`` is the policy that a person drew, by the numbers of the world of ``run``.
+        Args:
+            run: Run in question.
+            drawn: Drawn policy with the numbers of its world.
+            is_still: True if the run is paused.
         """
         studied, mdp, left = self.studied, run.world.mdp, None
         policies: Mapping[PolicyKind, PolicyAnswer] = {}
@@ -134,25 +135,23 @@ class Questions:
         )
 
     def world_check(self, run: Run) -> WorldCheckView | None:
-        """Return what an author wants to know of the world of ``run``; None while nobody asks."""
+        """Return the world check of `run`, or None unless requested."""
         return self._checks.of(run) if self.asks_check else None
 
     def judge(self, run: Run) -> LessonView | None:
-        """Judge the task of the lesson, if there is one, where ``run`` stands; return how the lesson stands.
-
-        Of commands that come quickly, not each has a snapshot after it: judge before ``run`` goes on, too.
+        """Judge the task of the lesson, if any, and return the state of the lesson. Call it also before
+        `run` advances, because quick commands do not each have a snapshot.
         """
         return None if self.lesson is None else self._judge.view(self.lesson, run)
 
     def watch_program(self, path: Path) -> None:
-        """Watch the program in the file ``path`` for the task of the lesson's open page."""
+        """Watch the program in the file `path` for the task of the lesson's page."""
         if self.lesson is not None:
             self._judge.watch(self.lesson, path)
 
     def work(self, group: RunGroup, drawn_beside: DrawnPolicy) -> bool:
-        """Work out one answer that runs in view lack, all standing still; return whether there was one.
-
-        ``drawn_beside`` is the policy that a person drew, by the numbers of the world of the run beside.
+        """Compute one missing answer for the visible, paused runs and return True if there was one.
+        `drawn_beside` is the drawn policy with the numbers of the second run's world.
         """
         if self.studied is None:
             return False

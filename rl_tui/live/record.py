@@ -1,4 +1,4 @@
-"""All that is needed to come back to where a playground was, small; and what keeps it."""
+"""The record of a playground, from which its position can be restored, and the interface for saving it."""
 
 from __future__ import annotations
 
@@ -17,58 +17,61 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LearnedTable:
-    """What a run has learned at one step."""
+    """Estimates of a run at one step."""
 
     q: FloatArray
-    """[P], the estimates."""
+    """Estimates, `[P]`."""
     visits: IntArray
-    """[P], how often each pair was updated or taken."""
+    """Updates or visits of each pair, `[P]`."""
     episodes: int
     """Finished episodes."""
     state: int
-    """The state in which the agent is."""
+    """State of the agent."""
 
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """The runs of a playground, and what a person had set there."""
+    """The runs of a playground and its settings."""
 
     lanes: tuple[RunRecord, ...]
-    """The runs side by side, at least one."""
+    """All runs, at least one."""
     shown: int = 0
-    """The number of the run shown."""
+    """Number of the visible run."""
     breakpoints: Breakpoints = field(default_factory=Breakpoints)
-    """Where the run shown is to stop."""
+    """Breakpoints of the visible run."""
     speed: float | None = None
-    """The wanted steps a second, None for as fast as it goes."""
+    """Steps per second, or None for full speed."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
-    """The policy that a person drew."""
+    """The policy drawn by the user."""
     answer_is_hidden: bool | None = None
-    """Whether what would give the answer away is hidden; None: as the scenario says."""
+    """True if exact answers are hidden, or None if the scenario decides."""
     lesson: LessonRecord | None = None
-    """The lesson that is taken, and how far; None: there is none."""
+    """Lesson with its progress, or None."""
     table: LearnedTable | None = field(default=None, compare=False)
-    """What the run shown had learned where it was left, None where that is not known. It is shown until the
-    run is there again; nothing is learned from it, and it need not fit the world."""
+    """Estimates of the visible run at its position, or None if unknown. They are shown until the replay is
+    done. They are not used for learning, and may not fit the world.
+    """
 
 
 def table_of(run: Run) -> LearnedTable:
-    """Return what ``run`` has learned, as it stands."""
+    """Return the current estimates of `run`."""
     learner = run.learner
     return LearnedTable(learner.q, learner.visits, learner.episodes, learner.state)
 
 
 class RecordSink(Protocol):
-    """What keeps the records of a playground: a file, or nothing at all.
-
-    It is offered the newest record again and again, from the player's thread, and must not hold it up.
+    """Saves the records of a playground, to a file or nowhere. The player's thread offers each new record,
+    and must not wait.
     """
 
     def offer(self, record: Record, table: LearnedTable | None = None) -> None:
-        """Take ``record`` as the newest; ``table`` is the live one where it stands, if that is at hand."""
+        """Take `record` as the newest. `table` is the live one at its position, if available."""
+        ...
 
     def begin_anew(self, record: Record) -> None:
-        """Take ``record`` as the beginning of another session; the one until now stays as it is."""
+        """Take `record` as the beginning of another session. The current one remains as it was saved."""
+        ...
 
     def close(self) -> None:
-        """Keep what was offered last; nothing will be offered any more."""
+        """Save the last record and end."""
+        ...

@@ -1,6 +1,5 @@
-"""The snapshot: one frozen picture of a run, and the source of every number on screen.
-
-``Playable`` is the interface of a playback, which publishes snapshots.
+"""The snapshot: a frozen picture of a run, and the source of every number on screen. `Playable` is the
+interface of a playback, which publishes snapshots.
 """
 
 from __future__ import annotations
@@ -46,15 +45,15 @@ if TYPE_CHECKING:
 
 
 class Phase(StrEnum):
-    """What the run is doing."""
+    """The activity of a run."""
 
-    PREPARING = "preparing"  # the world is built
+    PREPARING = "preparing"  # the world is being built
     PAUSED = "paused"
     RUNNING = "running"
-    SEEKING = "seeking"  # another step is sought; until it is there, the last one is shown
+    SEEKING = "seeking"  # another step is sought; the last one is shown until then
     SPENT = "spent"  # the budget is used up
-    DONE = "done"  # a planner has converged: PlaybackView.message says so
-    STOPPED = "stopped"  # runaway: PlaybackView.message names the step
+    DONE = "done"  # a planner has converged; see PlaybackView.message
+    STOPPED = "stopped"  # estimates diverged; PlaybackView.message names the step
 
 
 PHASES: Final = {
@@ -62,121 +61,123 @@ PHASES: Final = {
     State.UNTIL: Phase.RUNNING,
     **{state: Phase[state.name] for state in (State.SEEKING, State.RUNNING, State.PAUSED, *ENDED)},
 }
-"""What a snapshot tells of each state; while it trains or rebuilds, that of the state in which it goes on."""
+"""Phase of each state. While training or rebuilding, the next state's phase is reported."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AgentView:
-    """The agent: by what it learns, and what it has learned. P are the pairs, S the states of the world."""
+    """The agent with its algorithm and estimates. P is the number of pairs, S of states."""
 
     algorithm: str
-    """The id of the algorithm in force."""
+    """Id of the current algorithm."""
     hyperparameters: Hyperparameters
-    """The hyper-parameters in force."""
+    """Current hyper-parameters."""
     q: FloatArray
-    """[P], the estimates; of a large world 0 outside of ``part``: see :meth:`holds`."""
+    """Estimates, `[P]`, in a large world 0 outside of `part`, see `holds`."""
     visits: IntArray
-    """[P], how often each pair was updated or taken; of a large world as ``q``."""
+    """Updates or visits of each pair, `[P]`, in a large world as `q`."""
     part: CopiedPart | None = None
-    """Of a large world the part that was copied, which has what the screen shows; None: all was copied."""
+    """The visible part of a large world, or None if everything was copied."""
     tables: tuple[FloatArray, ...] = ()
-    """[P] each, the two of Double Q-learning, of which ``q`` is the mean; else, or with a ``part``, none."""
+    """The two tables of Double Q-learning, `[P]` each, whose mean is `q`, else empty, also with a `part`."""
     values: FloatArray = field(default_factory=lambda: np.empty(0))
-    """[S], the V that a planner keeps; else, or with a ``part``, empty."""
+    """V of a planner, `[S]`, else empty, also with a `part`."""
     policy: FloatArray = field(default_factory=lambda: np.empty(0))
-    """[P], the probabilities of the policy that policy iteration keeps; else, or with a ``part``, empty."""
+    """π(a|s) of policy iteration, `[P]`, else empty, also with a `part`."""
     sweep: SweepPhase | None = None
-    """What the sweep of the last step does to that policy; None: nothing, or there was no sweep yet."""
+    """Phase of the sweep of the last step, or None."""
     planning: str = ""
-    """How a planner's sweep is getting on, in words; empty for an agent that learns."""
+    """Progress of a planner's sweep, in words, empty for an agent."""
     author: Author | None = None
-    """By what the last step was taken; None: by what is in force."""
+    """Algorithm and settings of the last step, or None if they are the current ones."""
 
     @property
     def row(self) -> Algorithm:
-        """The algorithm's row of the catalogue; a program whose update is not known has its own."""
+        """The algorithm's row in the catalogue; programs with an unknown update have their own."""
         return algorithm_row(self.algorithm)
 
     @property
     def learned_by(self) -> tuple[str, Hyperparameters]:
-        """The algorithm and the hyper-parameters by which the last step was taken."""
+        """Algorithm and hyper-parameters of the last step."""
         return (self.algorithm, self.hyperparameters) if self.author is None else self.author
 
     def holds(self, pair: int) -> bool:
-        """Return whether ``q`` and ``visits`` of ``pair`` are known."""
+        """Return True if `q` and `visits` of `pair` are known."""
         return self.part is None or bool(self.part.held[pair])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaybackView:
-    """What the run is doing, and what was asked of it."""
+    """The activity of a playback, and its settings."""
 
     phase: Phase = Phase.PREPARING
-    """What the run is doing."""
+    """Current activity."""
     message: str = ""
-    """Why it goes no further or what it waits for, as a sentence; mostly empty."""
+    """Why it has ended or waits, as a sentence, usually empty."""
     speed: float | None = None
-    """The wanted steps a second; None: as fast as it goes."""
+    """Chosen steps per second, or None for full speed."""
     steps_per_second: float | None = None
-    """The measured steps a second; None while unknown."""
+    """Measured steps per second, or None while unknown."""
     interpreted: bool = False
-    """Whether a run goes on interpreted, far more slowly, until its machine code is there."""
+    """True while a run is interpreted, which is much slower."""
     stays_interpreted: str = ""
-    """Why no machine code will come, as a sentence; empty where it may."""
+    """Reason why no machine code will come, as a sentence, else empty."""
     watching: str = ""
-    """What its speed goes by, in words, where that is what is learned; mostly empty."""
+    """What the speed follows, if it follows learning, usually empty."""
     until: str = ""
-    """What the run is on its way to, in words; mostly empty."""
+    """The event to run until, in words, usually empty."""
     paused_by: str = ""
-    """Why it paused by itself, in words; mostly empty."""
+    """Reason for an automatic pause, in words, usually empty."""
     breakpoints: Breakpoints = field(default_factory=Breakpoints)
-    """The states and pairs where it pauses."""
+    """States and pairs at which it pauses."""
     handled: int = 0
-    """How many commands were taken in so far."""
+    """Number of commands handled."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Snapshot:
-    """A run at one step. Its arrays are copies that are never written to."""
+    """A run at one step. Its arrays are copies that nothing modifies."""
 
     world: World
-    """The world of the run."""
+    """World of the run."""
     recipe: Recipe
-    """What the run began with."""
+    """Start of the run."""
     agent: AgentView
-    """The algorithm, its settings, and what it has learned."""
+    """The agent with its settings and estimates."""
     counters: Counters
-    """Steps, episodes, where the agent is, and its last step."""
+    """Steps, episodes, state of the agent, and the last step."""
     results: RunResults
-    """The returns so far, and how good the greedy policy is."""
+    """Returns so far, and exact returns of the greedy policy."""
     exact_answer: Answer
-    """The exact answer for the γ in force, or why there is none; both empty while it is worked out."""
+    """The solution for the current γ, or the reason why there is none. Both empty while pending."""
     playback: PlaybackView
-    """What the run is doing, and what was asked of it."""
+    """Activity and settings of the playback."""
     answers: AnswersView = field(default_factory=AnswersView)
-    """What a person has asked of it beside, and the answers."""
+    """Answers to the user's questions."""
     timeline: Timeline = field(default_factory=Timeline)
-    """Where this moment stands among all branches."""
+    """Position among all branches."""
     run_group: RunGroupView = field(default_factory=RunGroupView)
-    """The runs side by side."""
+    """All runs side by side."""
     cell: CellHistory | None = None
-    """How Q of the pair that was asked for went up to here; None: of no pair."""
+    """History of the requested pair, or None."""
     beside: Snapshot | None = None
-    """The lane that stands beside the one shown, at its own moment, without cell; None: there is none."""
+    """Snapshot of the second visible run at its own step, without cell history, or None if only one run is
+    visible.
+    """
     study: SeedStudy | None = None
-    """What many seeds say of these runs; None where nobody has asked."""
+    """The study of many seeds, or None unless requested."""
     world_check: WorldCheckView | None = None
-    """What an author wants to know of the world of the run shown; None while nobody asks."""
+    """The world check, or None unless requested."""
     trail: Trail = ()
-    """The last steps of the episode up to the last one, oldest first; none where they are not known."""
+    """Last steps of the episode, oldest first, empty if unknown."""
     world_changes: tuple[WorldChanged, ...] = ()
-    """Where on the way the world of the run became another one, oldest first."""
+    """Earlier edits of the world, oldest first."""
     editor: EditorView = field(default_factory=EditorView)
-    """What a person draws of the world."""
+    """State of the world editor."""
     lesson: LessonView | None = None
-    """The lesson that is taken beside the runs, None where there is none."""
+    """The current lesson, or None."""
     program: ProgramView | None = None
-    """The program that takes the steps, where that is not rl-tui's own agent."""
+    """The watched program that takes the steps, or None for a built-in agent."""
 
 
 # The interface of a playback
@@ -186,61 +187,74 @@ class MakePlayable(Protocol):
     """Makes what a player plays."""
 
     def __call__(self, on_news: Callable[[], None], *, automatic: bool) -> Playable:
-        """Return it; ``on_news`` is called, from any thread, when there is something new to show.
-
-        With ``automatic`` off no step passes but those that commands ask for.
+        """Return a playback. `on_news` is called from any thread when there is news. With `automatic` off,
+        only commands take steps.
         """
+        ...
 
 
 class Playable(Protocol):
-    """Takes commands and works them off in short pieces: see :class:`Playback`, which is the model."""
+    """Handles commands in short pieces. `Playback` is the model."""
 
     handled: int
     touched: bool
 
     @property
     def state(self) -> State:
-        """What it is doing."""
+        """Current state."""
+        ...
 
     @property
     def phase(self) -> Phase:
-        """What a snapshot says that it is doing."""
+        """State as snapshots report it."""
+        ...
 
     @property
     def changed(self) -> bool:
-        """Whether there is something new to show."""
+        """True if the next snapshot differs from the last."""
+        ...
 
     @property
     def loaded(self) -> tuple[bool, bool]:
-        """What changes when libraries were loaded."""
+        """Flags that change after libraries were loaded."""
+        ...
 
     @property
     def on_the_way(self) -> bool:
-        """Whether something that was asked for and has an end is not done yet."""
+        """True while a requested operation with an end is unfinished."""
+        ...
 
     @property
     def record(self) -> Record:
-        """What is needed to come back to here."""
+        """Record of the current position."""
+        ...
 
     @property
     def table(self) -> LearnedTable | None:
-        """The live table of what is shown, None where there is none."""
+        """The live table of the visible run, or None."""
+        ...
 
     @property
     def unanswered(self) -> float:
-        """For how many seconds what it waits for has not answered; 0 where it does not wait."""
+        """Seconds without a response from an awaited program, or 0 if none is awaited."""
+        ...
 
     def takes(self, command: Command) -> bool:
-        """Return True if ``command`` need not wait."""
+        """Return True if `command` need not wait."""
+        ...
 
     def handle(self, command: Command) -> None:
-        """Carry out ``command``, or begin to."""
+        """Carry out or start `command`."""
+        ...
 
     def work(self) -> float | None:
-        """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
+        """Work for some milliseconds and return the seconds until the next call, None for never."""
+        ...
 
     def snapshot(self) -> Snapshot:
-        """Return the newest picture."""
+        """Return the newest snapshot."""
+        ...
 
     def close(self) -> None:
-        """End what it has started beside the player's thread; called from another one."""
+        """Stop background work; called from another thread."""
+        ...

@@ -1,4 +1,4 @@
-"""Where snapshots are made: of a run, of one that is about to begin, and of one as it was left."""
+"""Makes the snapshots of a run: during play, before it begins, and as it was left."""
 
 from __future__ import annotations
 
@@ -39,16 +39,13 @@ _MOVING: Final = (Phase.PREPARING, Phase.RUNNING, Phase.SEEKING)
 
 
 class SnapshotBuilder:
-    """Builds the snapshots of a playground; keeps what was worked out once of a large world."""
+    """Makes the snapshots of a playground, and caches what a large world needs."""
 
     def __init__(self) -> None:
         self._copier: PartCopier | None = None
 
     def before(self, recipe: Recipe, world: World, playback: PlaybackView, *, is_hidden: bool) -> Snapshot:
-        """Return the snapshot of a run whose world is there and whose agent is not yet.
-
-        ``is_hidden`` says that the answer is, if there is one.
-        """
+        """Return a snapshot before the agent exists; `is_hidden` applies if there is an exact answer."""
         hyperparameters, pairs = recipe.hyperparameters, world.space.pairs
         visits: IntArray = np.zeros(pairs, np.int64)
         return Snapshot(
@@ -65,9 +62,8 @@ class SnapshotBuilder:
         )
 
     def preparing(self, recipe: Recipe, world: World, record: Record, questions: Questions) -> Snapshot:
-        """Return the snapshot of a playground whose world is there and whose runs are not yet.
-
-        It shows what had been learned where ``record`` was left, and the lesson that ``questions`` has.
+        """Return a snapshot while the runs are built, with the estimates of `record` and the lesson of
+        `questions`.
         """
         playback = PlaybackView(message=PREPARING, speed=record.speed)
         is_hidden = questions.hides_answer(recipe.scenario)
@@ -76,10 +72,7 @@ class SnapshotBuilder:
         return as_left(replace(before, lesson=lesson), record)
 
     def build(self, playback: Playback, *, has_trail: bool) -> Snapshot:
-        """Return the snapshot of the run that ``playback`` shows, with the answers to its questions.
-
-        With ``has_trail`` it has the trail of the episode, as far as that is known.
-        """
+        """Return a snapshot of `playback` with all answers, with the trail if `has_trail`."""
         group, questions, playing = playback.group, playback.questions, _view_of(playback)
         current, view, cell = group.current, group.view, questions.cell
         pins = Pins(playing.breakpoints, questions.drawn)
@@ -113,9 +106,17 @@ class SnapshotBuilder:
         has_trail: bool,
         led: Counters | None = None,
     ) -> Snapshot:
-        """Return the snapshot of ``lane``, which ``view`` has at the place ``number``, with its own ``pins``.
+        """Return the snapshot of one run.
 
-        Beside another lane, that which is ``led``, it has also what is in view around the agent there.
+        Args:
+            lane: The run.
+            view: All runs side by side.
+            number: Its index in `view`.
+            playback: State of the playback.
+            questions: Questions to answer.
+            pins: Pins with the numbers of its world.
+            has_trail: Include the trail.
+            led: Agent of the visible run. Its surroundings are copied too.
         """
         run = lane.run
         counters = run.learner.counters
@@ -137,9 +138,8 @@ class SnapshotBuilder:
         )
 
     def _agent(self, run: Run, agents: Iterable[Counters], viewport: Viewport | None) -> AgentView:
-        """Return the agent with copies of all that it has learned, of a large world of what is in view.
-
-        That is what is around each of ``agents``.
+        """Return the agent with copies of its estimates, in a large world, only the visible part around
+        `agents`.
         """
         learner = run.learner
         part = None
@@ -163,7 +163,6 @@ class SnapshotBuilder:
 
 
 def _view_of(playback: Playback) -> PlaybackView:
-    """Return what ``playback``, which has a run already, is doing, and what was asked of it."""
     transport, run = playback.transport, playback.group.current.run
     match playback.state:
         case State.SEEKING:
@@ -188,11 +187,9 @@ def _view_of(playback: Playback) -> PlaybackView:
 
 
 def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
-    """Return ``snapshot`` with what its run had learned where ``record`` was left.
-
-    What the run has achieved is left out: it is not known before the replay is done. ``snapshot`` is returned
-    as it is where the table is not known or is of another world, and of a bandit, since panels tell what its
-    pulls have won.
+    """Return `snapshot` with the estimates and step of `record`. Results are left out, because they are
+    unknown before the replay. The snapshot stays unchanged for a bandit, or if the table is unknown or
+    belongs to another world.
     """
     table, space, lane = record.table, snapshot.world.space, record.lanes[record.shown]
     if table is None or snapshot.results.bandit is not None or lane.world_changes:

@@ -7,20 +7,20 @@ from typing import Final
 
 
 class State(Enum):
-    """What a playback is doing."""
+    """The activity of a playback."""
 
     BUILDING = auto()
-    """The world is built, and then the learner."""
+    """The world is built, then the learner."""
     SEEKING = auto()
-    """Runs are brought to another step; then it goes on."""
+    """Runs move to another step; then it resumes."""
     TRAINING = auto()
-    """An exact number of steps is taken, of which no snapshot shows anything; then it goes on."""
+    """It takes an exact number of steps without snapshots; then it resumes."""
     REBUILDING = auto()
-    """Learning waits for a large world that was edited, which is built in another thread; then it goes on."""
+    """Learning waits for a large edited world, built in another thread; then it resumes."""
     UNTIL = auto()
-    """It runs as fast as it goes until a condition holds."""
+    """It runs at full speed until a condition is met."""
     RUNNING = auto()
-    """It runs at the wanted speed."""
+    """It runs at the chosen speed."""
     PAUSED = auto()
     """It waits for commands."""
     SPENT = auto()
@@ -32,26 +32,26 @@ class State(Enum):
 
 
 ENDED: Final = frozenset({State.SPENT, State.DONE, State.STOPPED})
-"""The run shown takes no further step, unless something is changed."""
+"""The visible run has ended, unless something is changed."""
 
 PASSING: Final = frozenset({State.SEEKING, State.TRAINING, State.REBUILDING})
-"""After these a playback goes on with what it did before."""
+"""Temporary states, after which the previous activity resumes."""
 
 SHOWN_AS_NEXT: Final = frozenset({State.TRAINING, State.REBUILDING})
-"""Of these a snapshot tells what it goes on with afterwards."""
+"""States in which snapshots report the next state."""
 
 UNFINISHED: Final = frozenset({State.BUILDING, State.UNTIL, *PASSING})
-"""Something that was asked for and has an end is not done yet."""
+"""A requested operation with an end is unfinished."""
 
 BUSY: Final = frozenset({State.BUILDING, State.TRAINING})
-"""No command at all can be taken."""
+"""No command can be handled."""
 
 LIVELY: Final = 30.0
-"""Steps a second up to which every step is seen, and with it the trail of the episode."""
+"""Steps per second up to which every step and its trail are shown."""
 
 
 def shows_trail(state: State, speed: float | None) -> bool:
-    """Return whether a playback in ``state`` shows the way that the agent went, at the wanted ``speed``."""
+    """Return True if a playback in `state` shows the trail at the chosen `speed`."""
     if state is State.RUNNING:
         return speed is not None and speed <= LIVELY
     return state not in (State.UNTIL, *BUSY)

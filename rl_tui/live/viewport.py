@@ -1,4 +1,4 @@
-"""What a snapshot copies of a world too large to be copied whole for every frame."""
+"""The part of a large world that is copied for each frame."""
 
 from __future__ import annotations
 
@@ -25,64 +25,62 @@ class Cells(NamedTuple):
     """A rectangle of cells of a map."""
 
     rows: int
-    """How many rows of cells it is high."""
+    """Height in cells."""
     columns: int
-    """How many columns of cells it is wide."""
+    """Width in cells."""
     top: int | None = None
-    """Its first row, from 0; None: it follows the agent."""
+    """First row, from 0, or None to follow the agent."""
     left: int | None = None
-    """Its first column, from 0; None: it follows the agent."""
+    """First column, from 0, or None to follow the agent."""
 
 
 class RowRange(NamedTuple):
-    """Neighbouring rows of a table that has one row for each pair."""
+    """Consecutive rows of a table with one row for each pair."""
 
     pairs: int
-    """How many pairs."""
+    """Number of pairs."""
     first: int | None = None
-    """The first pair; None: they follow the agent."""
+    """First pair, or None to follow the agent."""
 
 
 class Viewport(NamedTuple):
-    """What a screen shows of a world."""
+    """The visible part of a world."""
 
     cells: Cells | None = None
-    """The part of the map; None: no map is shown."""
+    """Visible part of the map, or None without a map."""
     rows: RowRange | None = None
-    """The part of the table; None: no table is shown."""
+    """Visible part of the table, or None without a table."""
     pair: int | None = None
-    """One more pair that is shown by itself."""
+    """A further pair that is shown."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CopiedPart:
-    """The part of Q and visits that was copied; everywhere else both are 0 and mean nothing."""
+    """The copied part of Q and visits; elsewhere both are 0 without meaning."""
 
     q: FloatArray
-    """[P], the estimates of the pairs copied, elsewhere 0."""
+    """Estimates, `[P]`."""
     visits: IntArray
-    """[P], the visits of the pairs copied, elsewhere 0."""
+    """Visits, `[P]`."""
     pairs: IntArray
-    """[K], the pairs copied, some more than once."""
+    """Copied pairs, possibly repeated, `[K]`."""
     held: BoolArray
-    """[P], true for the pairs copied."""
+    """True for copied pairs, `[P]`."""
 
 
 def first_state_of_cells(grid: Grid) -> IntArray:
-    """Return the first state that is drawn in each cell, [rows, columns]; ``NO_STATE`` where none is."""
+    """Return the first state in each cell, `[rows, columns]`; `NO_STATE` in empty ones."""
     states = np.full(grid.rows * grid.columns, NO_STATE, dtype=np.int64)
     cells = np.array(grid.cell_of_state, dtype=np.int64)
-    # backwards, so that the first of several states in one cell stays
+    # in reverse order, so that the first state of a cell remains
     states[cells[::-1]] = np.arange(len(cells))[::-1]
     return states.reshape(grid.rows, grid.columns)
 
 
 class PartCopier:
-    """Copies what a screen shows of one world, and what it will show when it follows the agent.
-
-    A view that follows has the agent somewhere in it, so that all it may show lies less than its own size
-    away from the agent in either direction. The cost depends on the size of the views only, not on that of
-    the world.
+    """Copies the visible part of one world. A view that follows an agent contains it, so everything
+    visible is closer to the agent than the size of the view. The cost depends only on the size of the
+    views.
     """
 
     def __init__(self, world: World) -> None:
@@ -96,9 +94,14 @@ class PartCopier:
     def copy(
         self, viewport: Viewport, agents: Iterable[Counters], q: FloatArray, visits: IntArray
     ) -> CopiedPart:
-        """Return what ``viewport`` shows of ``q`` and ``visits``, [P] each, wherever one of ``agents`` is.
+        """Copy the visible part around each of `agents`, with two visible runs, both include the other's
+        surroundings.
 
-        Of two lanes side by side both show what is around the agent of the one led.
+        Args:
+            viewport: Visible part.
+            agents: Positions to copy around.
+            q: Estimates, `[P]`.
+            visits: Visits, `[P]`.
         """
         pairs = np.concatenate([self._pairs_in(viewport, each.state, each.last_step) for each in agents])
         part = CopiedPart(
@@ -125,13 +128,12 @@ class PartCopier:
         return np.concatenate(parts)
 
     def _met(self, viewport: Viewport, state: int, last: LastStep | None) -> list[int]:
-        """Return the states that are shown outside of map and table."""
         states = [state]
         if last is not None:
             states += [each for each in (last.state, last.next_state) if each != NO_STATE]
             if last.learned:
                 states.append(self._space.state_of(last.updated_pair))
-        # what a screen last asked for may be of the world before this one
+        # the request may refer to the previous world
         if viewport.pair is not None and viewport.pair < self._space.pairs:
             states.append(self._space.state_of(viewport.pair))
         return states
@@ -161,7 +163,7 @@ def followed_state(space: FiniteSpace, state: int, last: LastStep | None) -> int
 
 
 def pairs_of_states(space: FiniteSpace, states: IntArray) -> IntArray:
-    """Return the pairs that each of ``states`` owns, in one array."""
+    """Return all pairs of `states` in one array."""
     first = space.first_pair[states]
     count = space.first_pair[states + 1] - first
     before = np.cumsum(count) - count
@@ -169,9 +171,8 @@ def pairs_of_states(space: FiniteSpace, states: IntArray) -> IntArray:
 
 
 def _blank(length: int, kind: type[np.generic]) -> npt.NDArray[Any]:
-    """Return zeros that take memory and time only where something is written.
-
-    numpy.zeros promises neither: what it gets from the heap it has to clear.
+    """Return zeros that take memory and time only where they are written; numpy.zeros clears memory taken
+    from the heap.
     """
     size = length * np.dtype(kind).itemsize
     private = getattr(mmap, "MAP_PRIVATE", None)

@@ -1,4 +1,4 @@
-"""What a person draws of the world: strokes that are made at once, and those that wait for others."""
+"""The world editor: strokes that apply at once, and strokes that are pending."""
 
 from __future__ import annotations
 
@@ -29,18 +29,16 @@ if TYPE_CHECKING:
 
 
 class Rebuild:
-    """Builds one world at a time, so that no more than one is in memory beside that in force.
-
-    One that nobody waits for any more is built to its end and dropped; the next begins then.
+    """Builds one world at a time, so that at most one further world is in memory. A world that is no
+    longer needed is built to the end and dropped; then the next one begins.
     """
 
     def __init__(self) -> None:
         self._work: _Work | None = None
 
     def of(self, before: EditedWorld, change: WorldChange, recipe: Recipe) -> NextWorld | None:
-        """Return what ``change`` makes of ``before``, once; None while it is built. It begins where it can.
-
-        Raises what made it fail.
+        """Return the result of `change` in `before` once, or None while it is built. Starts the build if
+        possible. Raises the exception of a failed build.
         """
         work = self._work
         if work is None or (work.is_over and not work.is_of(before, change)):
@@ -51,13 +49,13 @@ class Rebuild:
         return work.result()
 
     def give_up(self) -> None:
-        """Drop what is built, or is being built: nobody waits for it."""
+        """Drop the world that is being built."""
         if self._work is not None and self._work.give_up():
             self._work = None
 
 
 class _Work:
-    """One world that is built, in a thread that does not keep the process alive."""
+    """A build in a daemon thread."""
 
     def __init__(self, before: EditedWorld, change: WorldChange, recipe: Recipe) -> None:
         self._before, self._change, self._recipe = before, change, recipe
@@ -65,22 +63,22 @@ class _Work:
         self._is_wanted = True
         self._outcome: NextWorld | BaseException | None = None
         self.is_over = False
-        """Whether it has been built, or has failed."""
+        """True once it is built or has failed."""
         threading.Thread(target=self._build, name="world", daemon=True).start()
 
     def is_of(self, before: EditedWorld, change: WorldChange) -> bool:
-        """Return whether it is what ``change`` makes of ``before``, and was not given up."""
+        """Return True if it builds `change` in `before` and was not dropped."""
         return self._is_wanted and self._before is before and self._change == change
 
     def result(self) -> NextWorld:
-        """Return what was built; raises what made it fail."""
+        """Return the world. Raises the exception of a failed build."""
         if isinstance(self._outcome, NextWorld):
             return self._outcome
         assert self._outcome is not None
         raise self._outcome
 
     def give_up(self) -> bool:
-        """Keep nothing of it; return whether it is over."""
+        """Drop the result and return True if the build is over."""
         with self._lock:
             self._is_wanted, self._outcome = False, None
             return self.is_over
@@ -100,43 +98,41 @@ IN_LESSON: Final = "the world of a lesson cannot be edited; open a scenario on t
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EditorView:
-    """What is being drawn of the world, and what came of the last stroke."""
+    """The draft in the editor, and the result of the last stroke."""
 
     draft: Draft | None = None
-    """What is drawn, valid or not; None: the editor is closed, or this world cannot be edited."""
+    """The draft, valid or not, or None if the editor is closed or the world cannot be edited."""
     base: Draft | None = None
-    """The draft of the world in force: another one than ``draft`` while what is drawn is not in force."""
+    """Draft of the current world; differs from `draft` while strokes are pending."""
     rebuilding: bool = False
-    """Whether the draft is ahead of the world in force, which is being rebuilt; learning waits for it."""
+    """True while the edited world is being built, and learning waits."""
     refused: str = ""
-    """Why this world cannot be edited; empty where it can, or the editor is closed."""
+    """Reason why this world cannot be edited, else empty."""
     unfinished: tuple[Finding, ...] = ()
-    """Why the draft is no valid MDP, so that learning goes on in the world before; none where it is one."""
+    """Errors that prevent the draft from becoming the current world, empty if it is valid."""
     can_undo: bool = False
-    """Whether there is a stroke to undo."""
+    """True if a stroke can be undone."""
     can_redo: bool = False
-    """Whether there is a stroke to make again."""
+    """True if a stroke can be redone."""
     turned: frozenset[int] = frozenset()
-    """The states whose best actions the last stroke turned, as far as the exact answers are known.
-
-    None while these are hidden.
+    """States whose optimal actions changed with the last stroke, as far as known, empty while answers are
+    hidden.
     """
     endless: frozenset[int] = frozenset()
-    """The states from which no end can be reached, but by the time limit; none of a very large world.
-
-    None too where a time limit is what ends every episode.
+    """States from which no terminal state can be reached, empty in a very large world, or if a time limit
+    ends every episode.
     """
 
 
 class _Ahead(NamedTuple):
-    """A change whose world takes long to build, and all that is drawn once it is made."""
+    """A change whose world takes long to build, and the draft after it."""
 
     change: WorldChange
     drawn: Drawn
 
 
 class _Unfinished(NamedTuple):
-    """What ``strokes`` that wait make of the draft ``base``."""
+    """The `draft` that pending `strokes` make of `base`."""
 
     base: Draft
     strokes: tuple[tuple[Edit, ...], ...]
@@ -144,15 +140,13 @@ class _Unfinished(NamedTuple):
 
 
 class WorldEditor:
-    """Strokes in the world of one run at a time.
-
-    What is no valid MDP is not made, but waits here, and so do changes whose worlds take long to build, in
-    order; all that is forgotten where the run comes to another world.
+    """The strokes in the world of one run. Strokes without a valid result are pending here, and so are
+    changes whose worlds take long to build. All pending ones are dropped when the run changes worlds.
     """
 
     def __init__(self) -> None:
         self.is_open = False
-        """Whether a person draws."""
+        """True if the editor is open."""
         self._base: EditedWorld | None = None
         self._ahead: list[_Ahead] = []
         self._rebuild = Rebuild()
@@ -163,9 +157,10 @@ class WorldEditor:
         self._turned = TurnedStates()
 
     def draw(self, run: Run, edits: Sequence[Edit]) -> EditWorld | None:
-        """Take in a stroke; return what it changes, with all that waited, or None where that has to wait.
+        """Add a stroke and return the change with all pending strokes, or None if it is pending too.
 
-        Raises UserError where it cannot be done.
+        Raises:
+            UserError: The stroke is impossible.
         """
         self._come_to(run)
         stroke = tuple(edits)
@@ -175,10 +170,10 @@ class WorldEditor:
         if draft.findings:
             self._waiting.append(stroke)
             return None
-        return EditWorld(together)  # should the run refuse it, what waited goes on waiting
+        return EditWorld(together)  # if the run refuses it, the other strokes remain pending
 
     def undo(self, run: Run) -> WorldChange | None:
-        """Drop the last stroke that waits, and return None; else return what undoes the last one made."""
+        """Drop the last pending stroke and return None, else return the undo of the last change."""
         self._come_to(run)
         if self._waiting:
             self._dropped.append(self._waiting.pop())
@@ -192,7 +187,7 @@ class WorldEditor:
         return None
 
     def redo(self, run: Run) -> WorldChange | None:
-        """Return what makes the last stroke again that was undone; None where it waits once more."""
+        """Return the change that redoes the last undone stroke, or None if it is pending again."""
         self._come_to(run)
         if self._dropped:
             stroke, rest = self._dropped.pop(), list(self._dropped)
@@ -205,9 +200,10 @@ class WorldEditor:
         return RedoEdit()
 
     def puts_off(self, run: Run, change: WorldChange) -> bool:
-        """Return whether ``change``, drawn already, waits for its world, which takes long to build.
+        """Return True if `change`, already in the draft, has to wait for its world.
 
-        Raises UserError where it cannot be done.
+        Raises:
+            UserError: The change is impossible.
         """
         drawn = self._drawn(run).after(change)
         if not self._ahead and not takes_long(drawn.draft, run.world):
@@ -215,41 +211,40 @@ class WorldEditor:
         self._ahead.append(_Ahead(change, drawn))
         self._waiting.clear()
         if isinstance(change, UndoEdit):
-            self._dropped.clear()  # what was undone before that is no longer the next to be made again
+            self._dropped.clear()  # an earlier undone stroke is no longer next
         return True
 
     @property
     def is_ahead(self) -> bool:
-        """Whether changes wait for their worlds."""
+        """True if changes wait for their worlds."""
         return bool(self._ahead)
 
     def to_come(self, run: Run) -> tuple[WorldChange, ...]:
-        """Return the changes that wait for their worlds, as far as ``run`` will make them."""
+        """Return the waiting changes that `run` will make."""
         return () if run.stop_reason else tuple(each.change for each in self._ahead)
 
     def next_change(self, run: Run) -> WorldChange | None:
-        """Return the next change that waits for its world, once ``run`` has that ready; None before.
-
-        Raises what made building it fail.
+        """Return the next waiting change once its world is ready in `run`, else None. Raises the exception
+        of a failed build.
         """
         change = self._ahead[0].change
         run.ready = self._rebuild.of(run.edited, change, run.recipe)
         return None if run.ready is None else change
 
     def take_in(self, run: Run) -> None:
-        """Take in that the next change that waited was made in ``run``: all others wait on."""
+        """Record that `run` has made the next waiting change."""
         del self._ahead[0]
         self._base = run.edited
 
     def forget(self) -> None:
-        """Forget all that waits."""
+        """Drop everything that is pending."""
         self._ahead.clear()
         self._waiting.clear()
         self._dropped.clear()
         self._rebuild.give_up()
 
     def view(self, run: Run, answer: Answer, *, is_hidden: bool) -> EditorView:
-        """Return what is drawn in the world of ``run``, of which ``answer`` is known, and maybe hidden."""
+        """Return the state of the editor for `run`. `answer` is its solution, `is_hidden` hides results."""
         turned = self._turned.of(run, None if run.learner.drifted else answer.solution)
         self._come_to(run)
         if not self.is_open:
@@ -272,7 +267,7 @@ class WorldEditor:
         )
 
     def _endless_in(self, mdp: TabularMDP | None) -> frozenset[int]:
-        """Return the endless states of ``mdp``, which are worked out once."""
+        """Return the endless states of `mdp`, cached."""
         if mdp is None or mdp.states > LIVE_STATES:
             return frozenset()
         if self._endless[0] is not mdp:
@@ -280,11 +275,11 @@ class WorldEditor:
         return self._endless[1]
 
     def _drawn(self, run: Run) -> Drawn:
-        """Return what is drawn of the world of ``run``, but for strokes that come to no valid MDP yet."""
+        """Return the draft of `run` without pending invalid strokes."""
         return self._ahead[-1].drawn if self._ahead else run.edited.drawn_in(run.recipe)
 
     def _with_waiting(self, draft: Draft) -> Draft:
-        """Return ``draft`` with the strokes that wait, which is worked out once and not in every frame."""
+        """Return `draft` with the pending strokes, cached."""
         strokes = tuple(self._waiting)
         if not strokes:
             return draft

@@ -1,4 +1,3 @@
-"""Somebody's own program: run and watched in a process of its own, diagnosed, graded.
-
-It imports studies, and the rooms below.
+"""Users' programs: run and watched in a process of their own, diagnosed, graded. May import studies and
+the packages below.
 """

@@ -1,4 +1,3 @@
-"""What was done: recipe, journal and run, training, the timeline, answers beside a run, exports.
-
-It imports agents, and the rooms below.
+"""Recipe, journal and run, with training, timeline, exact answers and exports. May import agents and the
+packages below.
 """

@@ -1,4 +1,4 @@
-"""How a bandit's budget was spent (Sutton & Barto, 2nd ed., section 2.3)."""
+"""Regret and rewards of a bandit run (Sutton & Barto, 2nd ed., section 2.3)."""
 
 from __future__ import annotations
 
@@ -18,43 +18,43 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class BanditFigures:
-    """How a bandit's budget was spent."""
+    """Results of a bandit run so far."""
 
     pulls: int
     """Pulls so far."""
     budget: int
-    """Pulls there are in all."""
+    """Pulls in all."""
     winnings: float
-    """The sum of all rewards."""
+    """Sum of all rewards."""
     regret: float
-    """The sum over all pulls of max q* − q*(pulled arm), exact."""
+    """Sum over all pulls of max q* − q*(pulled arm), exact."""
     best_arm_rate: float | None
-    """The share of pulls on the truly best arm, 0 to 1; None before the first pull."""
+    """Share of pulls on the best arm, 0 to 1, or None before the first pull."""
     best_possible: float
-    """What as many pulls of the best arm bring on average: pulls · max q*."""
+    """Expected sum of rewards if every pull took the best arm: pulls · max q*."""
 
 
 class SettledPulls(NamedTuple):
-    """What the pulls came to that were taken before the arms last became others, each by its own means."""
+    """Sums over the pulls before the arms were last edited, with the means of that time."""
 
     pulls: int = 0
     regret: float = 0.0
     best_possible: float = 0.0
     best_pulls: int = 0
     visits: IntArray = np.zeros(1, np.int64)
-    """How often each arm of now had been pulled by then, [P]."""
+    """Pulls of each current arm before the edit, `[P]`."""
 
 
 NOTHING_SETTLED: Final = SettledPulls()
 
 
 def true_means(mdp: TabularMDP) -> FloatArray:
-    """Return the expected reward of each pair, [P]: q* of a bandit's arms."""
+    """Return q* of a bandit's arms: the expected reward of each pair, `[P]`."""
     return mdp.expected_reward
 
 
 def best_arms(mdp: TabularMDP) -> BoolArray:
-    """Mark the truly best arms of a bandit, [P]; several where means are equal."""
+    """Mark the arms with the largest mean, `[P]`."""
     means = true_means(mdp)
     return np.asarray(means == means.max())
 
@@ -66,9 +66,17 @@ def bandit_figures(
     drifted: Drifted | None = None,
     settled: SettledPulls = NOTHING_SETTLED,
 ) -> BanditFigures | None:
-    """Return what pulling each arm ``visits``, [P], times came to; None where ``world`` is no bandit.
+    """Compute regret and related numbers of a bandit run.
 
-    ``settled`` are the pulls of other means, ``drifted`` has the sums over those since, where means drift.
+    Args:
+        world: World of the run.
+        visits: Pulls of each arm, `[P]`.
+        winnings: Sum of all rewards.
+        drifted: Sums since the last edit if the means drift, else None.
+        settled: Sums over pulls before the last edit.
+
+    Returns:
+        The numbers, or None if `world` is not a bandit.
     """
     if not isinstance(world.drawing, Arms) or world.mdp is None or world.budget is None:
         return None
@@ -84,9 +92,13 @@ def bandit_figures(
 
 
 def settle(mdp: TabularMDP, visits: IntArray, before: SettledPulls, drifted: Drifted | None) -> SettledPulls:
-    """Return what pulling each arm of ``mdp`` ``visits``, [P], times came to, some of them ``before``.
+    """Add up regret and best pulls before and since the last edit.
 
-    Where means drift, ``drifted`` has what the others came to.
+    Args:
+        mdp: Current arms.
+        visits: Pulls of each arm in all, `[P]`.
+        before: Sums up to the last edit.
+        drifted: Sums since then if the means drift, else None.
     """
     since = visits - before.visits
     regret, best_possible, best_pulls = _by_their_means(mdp, since) if drifted is None else drifted
@@ -99,7 +111,7 @@ def settle(mdp: TabularMDP, visits: IntArray, before: SettledPulls, drifted: Dri
 
 
 def _by_their_means(mdp: TabularMDP, pulls: IntArray) -> tuple[float, float, int]:
-    """Return regret, best total and best pulls of ``pulls`` of each arm, [P], whose means stand still."""
+    """Return regret, best total and best pulls for the `pulls` of each arm, `[P]`, with constant means."""
     means = true_means(mdp)
     best = float(means.max())
     return float(np.dot(pulls, best - means)), best * int(pulls.sum()), int(pulls[means == best].sum())

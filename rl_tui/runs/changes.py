@@ -1,8 +1,6 @@
-"""The entries of a journal, written down and read back.
-
-Each change is the name of what it sets and the value. On the command line and in lessons it is text:
-``500:epsilon=0.01``, ``800:algorithm=sarsa``, ``900:take=left``, ``32:sweep=improvement``,
-``700:world.cell[1,2]=#``. Sessions have the same names and values in a document of their own form.
+"""Text form of journal entries. Each change has a name and a value. The command line and lessons write
+`500:epsilon=0.01`, `800:algorithm=sarsa`, `900:take=left`, `32:sweep=improvement` or
+`700:world.cell[1,2]=#`. Sessions store the same names and values.
 """
 
 from __future__ import annotations
@@ -42,10 +40,12 @@ REDO: Final = "world.redo"
 
 
 def name_and_value(change: Change, action_names: Sequence[str] | None = None) -> tuple[str, float | str]:
-    """Return what ``change`` sets and to what.
+    """Return the name and value of `change`.
 
-    An action is called by its name in ``action_names``, those of the world that the run began in. Without
-    them it is what stands in the journal, a name or a number.
+    Args:
+        change: Change to write.
+        action_names: Names in the world in which the run began. Without them an action stays as the
+            journal has it, a name or a number.
     """
     match change:
         case SetParameter(name, value):
@@ -63,16 +63,22 @@ def name_and_value(change: Change, action_names: Sequence[str] | None = None) ->
 
 
 def change_of(name: str, value: float | str) -> Change:
-    """Return the change that sets ``name`` to ``value``, as :func:`name_and_value` tells it.
+    """Return the change that sets `name` to `value`, the inverse of `name_and_value`. Only edits of a
+    world are checked.
 
-    Raises ValueError where the value is to be edits of a world and is not; no other value is checked.
+    Raises:
+        ValueError: The value does not describe edits of a world.
     """
     made_of = _MADE_OF.get(name)
     return SetParameter(name, value) if made_of is None else made_of(value)
 
 
 def read_world(text: str) -> WorldChange:
-    """Return the change of a world that ``text`` says; raises ValueError where it says none."""
+    """Parse a change of a world.
+
+    Raises:
+        ValueError: `text` does not describe one.
+    """
     name, _, value = text.partition("=")
     if name not in (UNDO, REDO):
         return EditWorld(read_edits(text))
@@ -82,7 +88,7 @@ def read_world(text: str) -> WorldChange:
 
 
 def written_world(change: WorldChange) -> str:
-    """Return ``change`` as :func:`read_world` reads it."""
+    """Format `change` so that `read_world` can read it."""
     match change:
         case EditWorld(edits):
             return written_edits(edits)
@@ -105,7 +111,7 @@ _MADE_OF: Final[Mapping[str, Callable[[Any], Change]]] = {
 
 FORM: Final = "STEP:NAME=VALUE"
 LATEST: Final = 10**15
-# Every estimate starts from it: later there is nothing left to set
+# applies only at the start of a run
 _AT_THE_START_ONLY: Final = "initial_q"
 _NAMES: Final = tuple(name for name in (ALGORITHM, TAKE, SWEEP, *PARAMETERS) if name != _AT_THE_START_ONLY)
 _WORDS: Final[Mapping[str, tuple[Iterable[str], str]]] = {
@@ -115,25 +121,25 @@ _WORDS: Final[Mapping[str, tuple[Iterable[str], str]]] = {
 
 
 def written_change(entry: JournalEntry, action_names: Sequence[str]) -> str:
-    """Return ``entry`` as :func:`read_change` reads it.
-
-    ``action_names`` are those of the world that the run began in.
+    """Format `entry` so that `read_change` can read it. `action_names` belong to the world in which the
+    run began.
     """
     name, value = name_and_value(entry.change, action_names)
     return f"{entry.step}:{value}" if name == WORLD else f"{entry.step}:{name}={written_value(value)}"
 
 
 def written_value(value: float | str) -> str:
-    """Return a value with all its digits, a whole number without a point."""
+    """Format a value with all digits, whole numbers without a decimal point."""
     if isinstance(value, str):
         return value
     return str(int(value)) if value == int(value) and abs(value) < LATEST else repr(value)
 
 
 def read_change(text: str) -> JournalEntry:
-    """Return the entry that ``text`` says; an action has the name that is written there, whatever it is.
+    """Parse a journal entry. The name of an action is not checked.
 
-    Raises ValueError, naming what was expected, where it says none.
+    Raises:
+        ValueError: `text` is not an entry. The message says what was expected.
     """
     before, colon, after = text.partition(":")
     if colon and after.lstrip().startswith(PREFIX):
@@ -161,7 +167,6 @@ def _step(text: str, before: str) -> int:
 
 
 def _read(text: str, name: str, value: str) -> Change:
-    """Return the change that sets ``name`` to the ``value`` written in ``text``."""
     try:
         return change_of(name, _number_or_word(name, value))
     except ValueError as fault:
@@ -169,7 +174,7 @@ def _read(text: str, name: str, value: str) -> Change:
 
 
 def _number_or_word(name: str, value: str) -> float | str:
-    """Return what ``value`` says. Raises ValueError where ``name`` cannot be set to that."""
+    """Parse a value. Raises ValueError if `name` cannot have it."""
     if name in (TAKE, WORLD):
         return value
     if name in _WORDS:
@@ -193,11 +198,15 @@ def _number_or_word(name: str, value: str) -> float | str:
 
 
 def journal_of(entries: Iterable[JournalEntry], action_names: Sequence[str]) -> tuple[JournalEntry, ...]:
-    """Return the journal of ``entries`` that were read: by their steps, those of one step in their order.
+    """Sort entries by step, and replace names of actions by numbers. After an edit of the world names
+    stay: the run looks them up when it gets there.
 
-    Actions become numbers: ``action_names`` are those of the world that a run begins in. Once the world is
-    another one, an action is known by its name alone, which the run looks up when it comes there. Raises
-    UserError, naming the actions, where there is none of that name before.
+    Args:
+        entries: Entries as read; entries of one step keep their order.
+        action_names: Names in the world in which the run begins.
+
+    Raises:
+        UserError: No such action, before the world is edited. The message lists the actions.
     """
     journal, names = list[JournalEntry](), action_names
     for entry in sorted(entries, key=lambda entry: entry.step):
@@ -215,7 +224,7 @@ def journal_of(entries: Iterable[JournalEntry], action_names: Sequence[str]) -> 
 
 
 def as_json(journal: Iterable[JournalEntry], action_names: Sequence[str]) -> list[dict[str, Any]]:
-    """Return ``journal`` as ``train --json`` prints it: after so many steps, what was set to what."""
+    """Convert `journal` to the list that `train --json` prints: step, name and value of each entry."""
     entries = []
     for entry in journal:
         name, value = name_and_value(entry.change, action_names)

@@ -1,4 +1,4 @@
-"""The world of a run as it is in force: what it was made from, and what was edited on the way."""
+"""The current world of a run: its draft, and the edits made so far."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from rl_tui.worlds.world import World
 
 
 class Drafts(NamedTuple):
-    """Drafts that can be come back to, the next one first; None for the end of them."""
+    """A linked list of drafts, the next one first."""
 
     draft: Draft
     further: Drafts | None
 
 
 class Drawn(NamedTuple):
-    """What is drawn of a world, be it built or not, and what was drawn before it."""
+    """A draft, built or not, with the drafts for undo and redo."""
 
     draft: Draft
     undone: Drafts | None = None
-    """What :class:`RedoEdit` comes back to."""
+    """Drafts for `RedoEdit`."""
     done: Drafts | None = None
-    """What :class:`UndoEdit` comes back to."""
+    """Drafts for `UndoEdit`."""
 
     def after(self, change: WorldChange) -> Drawn:
-        """Return what is drawn after ``change``. Raises UserError where it cannot be done."""
+        """Return the draft after `change`. Raises UserError if the change is impossible."""
         draft, undone, done = self
         match change:
             case EditWorld(edits):
@@ -55,28 +55,29 @@ class Drawn(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class EditedWorld:
-    """A world, and what edits have made of it; it never changes, and checkpoints share it.
-
-    The same change comes to the same object, as long as anything holds that: a run that goes back and comes
-    by again, or a run beside it, has the same world once more, and nothing is built or solved anew.
+    """An immutable world with its edits, shared by checkpoints. The same change returns the same object
+    while it is referenced. A run that goes back and forward, or a second run, therefore neither builds nor
+    solves it again.
     """
 
     world: World
-    """The world in force."""
+    """The current world."""
     draft: Draft | None = None
-    """The draft it was built from; None while nothing was edited."""
+    """The draft it was built from, or None before the first edit."""
     undone: Drafts | None = None
-    """What :class:`RedoEdit` comes back to."""
+    """Drafts for `RedoEdit`."""
     done: Drafts | None = None
-    """What :class:`UndoEdit` comes back to."""
+    """Drafts for `UndoEdit`."""
     _first: Draft | None = field(default=None, init=False, repr=False)
-    """The draft of the scenario, once somebody has asked for it."""
+    """The draft of the scenario, made on first use."""
     _next: WeakValueDictionary[WorldChange, EditedWorld] = field(
         default_factory=WeakValueDictionary, init=False, repr=False
     )
 
     def draft_in(self, recipe: Recipe) -> Draft:
-        """Return its draft, the first one where nothing was edited. Raises UserError where there is none."""
+        """Return its draft: that of the scenario before the first edit. Raises UserError if the world has
+        none.
+        """
         if self.draft is not None:
             return self.draft
         if self._first is None:
@@ -85,13 +86,14 @@ class EditedWorld:
         return self._first
 
     def drawn_in(self, recipe: Recipe) -> Drawn:
-        """Return what is drawn of it in a run of ``recipe``. Raises UserError as :meth:`draft_in` does."""
+        """Return its draft with undo and redo. Raises UserError as `draft_in` does."""
         return Drawn(self.draft_in(recipe), self.undone, self.done)
 
     def after(self, change: WorldChange, recipe: Recipe) -> EditedWorld:
-        """Return what comes of ``change`` in a run of ``recipe``.
+        """Apply `change` in a run of `recipe`.
 
-        Raises UserError where it cannot be done, or does not come to a valid MDP.
+        Raises:
+            UserError: The change is impossible, or the result is not a valid MDP.
         """
         known = self._next.get(change)
         if known is None:
@@ -99,7 +101,7 @@ class EditedWorld:
         return known
 
     def after_all(self, changes: Iterable[WorldChange], recipe: Recipe) -> EditedWorld:
-        """Return what comes of all ``changes``, one after the other. Raises UserError like :meth:`after`."""
+        """Apply `changes` in order. Raises UserError as `after` does."""
         edited = self
         for change in changes:
             edited = edited.after(change, recipe)
@@ -110,12 +112,12 @@ class EditedWorld:
         return EditedWorld(drawn.draft.build(), *drawn)
 
     def carried_from(self, before: EditedWorld, recipe: Recipe) -> Carried:
-        """Return which states and pairs there were in ``before``, of the same run of ``recipe``."""
+        """Map states and pairs to those of `before`, an earlier world of the same run."""
         return carried((before.draft_in(recipe), before.world), (self.draft_in(recipe), self.world))
 
 
 class NextWorld(NamedTuple):
-    """What ``change`` makes of the world ``before``, and what of that there is in it."""
+    """The result of `change` in the world `before`, with the map of states and pairs."""
 
     before: EditedWorld
     change: WorldChange
@@ -124,18 +126,20 @@ class NextWorld(NamedTuple):
 
 
 def next_world(before: EditedWorld, change: WorldChange, recipe: Recipe) -> NextWorld:
-    """Return what ``change`` makes of the world ``before`` in a run of ``recipe``.
+    """Apply `change` to the world `before` in a run of `recipe`.
 
-    Raises UserError where it cannot be done, or does not come to a valid MDP.
+    Raises:
+        UserError: The change is impossible, or the result is not a valid MDP.
     """
     edited = before.after(change, recipe)
     return NextWorld(before, change, edited, edited.carried_from(before, recipe))
 
 
 def drawn_recipe(recipe: Recipe, changes: Sequence[WorldChange]) -> Recipe:
-    """Return ``recipe`` with the world that ``changes`` make of its own; itself where there are none.
+    """Return `recipe` with an edited world. The same recipe if `changes` is empty.
 
-    Raises UserError where they cannot be made.
+    Raises:
+        UserError: A change is impossible.
     """
     if not changes:
         return recipe
@@ -147,7 +151,7 @@ def drawn_recipe(recipe: Recipe, changes: Sequence[WorldChange]) -> Recipe:
 
 
 def edited_draft(draft: Draft, edits: Sequence[Edit]) -> Draft:
-    """Return ``draft`` after ``edits``, valid or not. Raises UserError where one of them cannot be done."""
+    """Apply `edits` to `draft` without checking the result. Raises UserError if one is impossible."""
     for edit in edits:
         draft = draft.edited(edit)
     return draft

@@ -1,4 +1,4 @@
-"""Exact figures of the greedy policy while a run goes on, at marks fixed by step number."""
+"""Exact returns of the greedy policy during a run, at steps that depend on the step number only."""
 
 from __future__ import annotations
 
@@ -23,23 +23,22 @@ VISITS_A_STEP: Final = 1_000
 
 
 class GreedyEarnings(NamedTuple):
-    """What the greedy policy of some estimates earns; each is None where it has no exact value."""
+    """Expected returns of the greedy policy. Each is None if it has no exact value."""
 
     expected_return: float | None = None
-    """The expected undiscounted return of an episode."""
+    """Expected undiscounted return of an episode."""
     ends: float | None = None
-    """Where the policy has no return: the probability (0 to 1) that an episode of it ends."""
+    """If there is no return: the probability (0 to 1) that an episode ends."""
     softened: float | None = None
-    """The expected return with a uniformly random action ε of the time."""
+    """Expected return with a uniformly random action in a share ε of the steps."""
 
 
 NO_FIGURES: Final = GreedyEarnings()
 
 
 class GreedyReturn:
-    """The exact undiscounted return of the greedy policy, remembered while policy and world stay the same.
-
-    ``mdp_now`` gives the world as it is, another one after each step where it drifts.
+    """The exact undiscounted return of the greedy policy, cached until policy or world change. `mdp_now`
+    returns the current world, which differs after each step if it drifts.
     """
 
     def __init__(self, mdp_now: Callable[[], TabularMDP | None]) -> None:
@@ -47,10 +46,10 @@ class GreedyReturn:
         self._mdp: TabularMDP | None = None
         self._policy: FloatArray | None = None
         self._value: float | None = None
-        self._figures: tuple[float | None, GreedyEarnings] | None = None  # with the ε they are for
+        self._figures: tuple[float | None, GreedyEarnings] | None = None  # with their ε
 
     def __call__(self, q: FloatArray, ties: Ties) -> float | None:
-        """Return it for the estimates ``q``, [P]; None where the policy has none."""
+        """Return it for the estimates `q`, `[P]`, or None if the policy has no exact return."""
         mdp = self._mdp_now()
         if mdp is None:
             return None
@@ -61,10 +60,12 @@ class GreedyReturn:
         return self._value
 
     def figures(self, q: FloatArray, ties: Ties, epsilon: float | None) -> GreedyEarnings:
-        """Return what may be shown in every frame of the greedy policy of the estimates ``q``, [P].
+        """Return the numbers of the greedy policy that are fast enough for every frame.
 
-        ``epsilon`` is how often the agent takes a random action instead; None: it explores in another way.
-        Figures that take too long in this world are left out.
+        Args:
+            q: Estimates, `[P]`.
+            ties: How equal estimates are resolved.
+            epsilon: Share of random actions, or None if the agent explores in another way.
         """
         mdp = self._mdp_now()
         if mdp is None or mdp.states > MOST_STATES or visits_of(mdp) > DEAREST_LIVE:
@@ -82,7 +83,7 @@ class GreedyReturn:
 
 
 class MarksState(NamedTuple):
-    """A copy of all marks, for checkpoints: how far they are apart, and two numbers of each, [M]."""
+    """A copy of all marks for a checkpoint: spacing, and episode and value of each mark, `[M]`."""
 
     spacing: int
     episode: IntArray
@@ -90,11 +91,10 @@ class MarksState(NamedTuple):
 
 
 class Evaluation:
-    """Marks at multiples of a spacing that doubles, dropping every other mark, when there are many.
-
-    Where they lie depends on the world and the step number only. The first spacing is 16 steps, or the power
-    of two above that which keeps dear evaluations rare. There are no marks above 20,000 states, nor without a
-    transition table. Where the world becomes so large on the way, marks go on without values.
+    """Marks at multiples of a spacing, which doubles (dropping every other mark) once there are too many.
+    Their positions depend only on the world and the step number. The first spacing is 16 steps, or a
+    larger power of two if an evaluation is slow. Worlds above 20,000 states or without a transition table
+    have no marks. If a world grows beyond that on the way, its marks have no values.
     """
 
     def __init__(self, mdp: TabularMDP | None, greedy_return: GreedyReturn, most: int = MOST_MARKS) -> None:
@@ -108,12 +108,15 @@ class Evaluation:
         self._episode: IntArray = np.zeros(most, np.int64)
         self._value: FloatArray = np.zeros(most)
         self.next_step = 0 if self._active else None
-        """The step number of the next mark; None where no marks are taken."""
+        """Step of the next mark, or None if no marks are taken."""
 
     def mark(self, episodes: int, q: FloatArray | None, ties: Ties) -> None:
-        """Take the mark that is due, after ``episodes`` finished ones, with the estimates ``q``, [P].
+        """Take the mark that is due.
 
-        Without estimates there is no value.
+        Args:
+            episodes: Finished episodes.
+            q: Estimates, `[P]`, or None for a mark without a value.
+            ties: How equal estimates are resolved.
         """
         value = None if q is None or not self._has_values else self._greedy_return(q, ties)
         self._episode[self._used] = episodes
@@ -124,7 +127,7 @@ class Evaluation:
         self.next_step = self._used * self._spacing
 
     def change_world(self, mdp: TabularMDP) -> None:
-        """Go on in the world of ``mdp``, with marks further apart where each is dearer there."""
+        """Continue in the world of `mdp`, with a larger spacing if an evaluation is slower there."""
         self._has_values = mdp.states <= MOST_STATES
         if not self._active or not self._has_values:
             return
@@ -140,17 +143,17 @@ class Evaluation:
         self._spacing *= 2
 
     def marks(self) -> Marks:
-        """Return the marks taken so far."""
+        """Return all marks so far."""
         used = slice(0, self._used)
         step = np.arange(self._used) * self._spacing
         return Marks(step, self._episode[used].copy(), self._value[used].copy())
 
     def checkpoint(self) -> MarksState:
-        """Return a copy of all that is kept."""
+        """Return a copy of the state."""
         return MarksState(self._spacing, self._episode[: self._used].copy(), self._value[: self._used].copy())
 
     def restore(self, state: MarksState) -> None:
-        """Go back to what :meth:`checkpoint` returned."""
+        """Restore the state that `checkpoint` returned."""
         self._spacing, self._used = state.spacing, len(state.value)
         put_back((self._episode, self._value), state[1:])
         self.next_step = self._used * self._spacing if self._active else None

@@ -1,4 +1,4 @@
-"""The exact answers of one world, for whatever γ is in force."""
+"""Exact solutions of a world by γ."""
 
 from __future__ import annotations
 
@@ -19,40 +19,41 @@ if TYPE_CHECKING:
     from rl_tui.runs.run import Run
 
 AT_ONCE_STATES: Final = 200
-# From the values before an edit, so many take less than the frame that a thread would cost: 8 ms, and 50 at
-# γ = 1
+# Starting from the values before an edit, this many states take less than the 8 ms that a thread would
+# cost,
+# or 50 ms at γ = 1.
 EDITED_AT_ONCE: Final = 1_000
-# Up to so many steps an episode of a small world is worked out in some milliseconds
+# Longer episodes take more than some milliseconds, even in a small world
 LONGEST_AT_ONCE: Final = 1_000
 LIVE_STATES: Final = 20_000
 KEPT: Final = 64
-_MOST_WORLDS: Final = 4  # as many as runs side by side may be in
-# An evaluation within a time limit visits every outcome once for every step of it, some 10⁹ a second. One
-# that costs more than this is left out of snapshots, which must not wait.
+_MOST_WORLDS: Final = 4  # one for each run
+# An evaluation within a time limit visits every outcome once per step, about 10⁹ visits a second. Snapshots
+# must not wait, so they leave out anything slower than this.
 DEAREST_LIVE: Final = 2_000_000
-# Without a time limit linear equations are solved instead; they are charged as so many visits.
+# Without a time limit, solving linear equations costs about as much as this many visits.
 UNLIMITED: Final = 100
 
 
 def visits_of(mdp: TabularMDP) -> int:
-    """Return about how often an exact evaluation visits an outcome: what it costs."""
+    """Estimate the cost of an exact evaluation, as visits of an outcome."""
     return len(mdp.next_state) * (mdp.time_limit or UNLIMITED)
 
 
 def is_quick(mdp: TabularMDP) -> bool:
-    """Return whether a policy of ``mdp`` is evaluated quickly enough to be asked for in every frame."""
+    """Return True if a policy of `mdp` can be evaluated in every frame."""
     return mdp.states <= AT_ONCE_STATES and mdp.time_limit <= LONGEST_AT_ONCE
 
 
 class Answer(NamedTuple):
-    """The exact answer, or why there is none; both empty while it is worked out."""
+    """An exact solution, or the reason why there is none. Both empty while pending."""
 
     solution: Solution | None
     refused: str
     expected_return: float | None = None
-    """What the greedy policy of the solution earns; None where that has no answer, or none yet."""
+    """Expected return of the greedy policy of the solution, or None if unknown or pending."""
     is_whole: bool = True
-    """Whether nothing of it is still being worked out. What it earns comes after the solution."""
+    """False while something is pending. The return arrives after the solution."""
 
 
 NO_TABLE: Final = "this environment has no transition table to work it out from"
@@ -75,12 +76,12 @@ def _with_return(mdp: TabularMDP, solution: Solution) -> Answer:
 
 
 def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
-    """Return the exact answer of a small world that is another one after every step."""
+    """Solve a small world that changes after every step."""
     return Answer(None, NO_TABLE) if mdp is None else _with_return(mdp, _solve(mdp, gamma))
 
 
 class _Worker:
-    """A thread for answers of one world after another, that of the world asked for last first."""
+    """A thread that serves several worlds, the latest request first."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -88,7 +89,7 @@ class _Worker:
         self._is_working = False
 
     def add(self, answers: ExactAnswers) -> None:
-        """Let it work ``answers`` out next."""
+        """Queue `answers` as the next to be computed."""
         with self._lock:
             self._waiting.append(answers)
             if not self._is_working:
@@ -96,7 +97,7 @@ class _Worker:
                 threading.Thread(target=self._work, name="exact answers", daemon=True).start()
 
     def drop(self, answers: ExactAnswers) -> None:
-        """Leave ``answers`` out, unless they are worked out already: nobody asks for them any more."""
+        """Remove `answers` from the queue."""
         with self._lock:
             if answers in self._waiting:
                 self._waiting.remove(answers)
@@ -112,11 +113,15 @@ class _Worker:
 
 
 class ExactAnswers:
-    """Exact answers by γ: small worlds at once, others in a thread, none above 20,000 states.
+    """Exact solutions of one world by γ: at once for a small world, else in a thread, and none above
+    20,000 states. A world is small if it has few states and a short time limit.
 
-    A world is small if it has few states and its time limit does not make an evaluation dear. ``on_ready`` is
-    called, in that thread, when an answer that was asked for has come, and again when what it earns has.
-    ``worker`` is the thread, where others share it.
+    Args:
+        mdp: World to solve, or None without a transition table.
+        on_ready: Called in the thread when a solution arrives, and again when its return does.
+        solve: Solver of the world.
+        at_once_states: Largest number of states that are solved without a thread.
+        worker: Thread shared with other worlds.
     """
 
     def __init__(
@@ -132,7 +137,7 @@ class ExactAnswers:
         self._solve = solve
         self._worker = worker or _Worker()
         self.is_live = mdp is None or mdp.states <= LIVE_STATES
-        """Whether the world is small enough for answers while a run goes on."""
+        """True if the world is small enough for answers during a run."""
         self._at_once = mdp is None or (mdp.states <= at_once_states and visits_of(mdp) <= DEAREST_LIVE)
         self._lock = threading.Lock()
         self._answers: OrderedDict[float, Answer] = OrderedDict()
@@ -141,7 +146,7 @@ class ExactAnswers:
         self._failure: BaseException | None = None
 
     def answer(self, gamma: float) -> Answer:
-        """Return the answer for ``gamma`` if it is known, and see to it that it will be."""
+        """Return the solution for `gamma` if known, else request it."""
         if not self.is_live:
             return Answer(None, f"more than {LIVE_STATES:,} states: rl-tui solve has the exact answer")
         with self._lock:
@@ -161,11 +166,11 @@ class ExactAnswers:
         return PENDING
 
     def work_out(self) -> None:
-        """Work out the newest γ that was asked for until none is left; those overtaken are skipped."""
+        """Compute the latest requested γ until no request is left. Older requests are skipped."""
         while True:
             with self._lock:
                 gamma, self._wanted = self._wanted, None
-                # Every picture drawn meanwhile has asked again for the answer that has just come
+                # every frame in the meantime has repeated the request
                 if gamma is None or gamma in self._answers:
                     self._working = False
                     return
@@ -181,7 +186,7 @@ class ExactAnswers:
                 return
 
     def _parts(self, gamma: float) -> Iterator[Answer]:
-        """Yield the answer as soon as it is there, and then again with what it earns."""
+        """Yield the solution, and then the solution with its return."""
         if self.mdp is None:
             yield Answer(None, NO_TABLE)
             return
@@ -201,7 +206,7 @@ class ExactAnswers:
 
 
 class _Solved(NamedTuple):
-    """The last answer there was, and of which world."""
+    """The last solution and its world."""
 
     edited: EditedWorld
     recipe: Recipe
@@ -209,10 +214,9 @@ class _Solved(NamedTuple):
 
 
 class RunAnswers:
-    """The exact answers of runs in the worlds asked for last; ``on_ready`` as for :class:`ExactAnswers`.
-
-    Runs side by side may each be in a world of its own. One is worked out at a time, the newest first, so
-    that strokes that follow one another quickly do not keep each other waiting.
+    """Exact solutions of the most recent worlds; `on_ready` as for `ExactAnswers`. Several runs may be in
+    different worlds. One is solved at a time, the newest first, so that quick edits do not delay each
+    other.
     """
 
     def __init__(self, on_ready: Callable[[], None]) -> None:
@@ -222,7 +226,7 @@ class RunAnswers:
         self._last: _Solved | None = None
 
     def of(self, run: Run) -> Answer:
-        """Return the exact answer for the γ in force in ``run``, as far as it is known."""
+        """Return the solution for the current γ of `run`, as far as it is known."""
         learner = run.learner
         gamma = learner.hyperparameters.gamma
         if learner.drifted:
@@ -233,9 +237,8 @@ class RunAnswers:
         return answer
 
     def at(self, mdp: TabularMDP | None, gamma: float, run: Run | None = None) -> Answer:
-        """Return the exact answer for ``gamma`` in the world of ``mdp``, as far as it is known.
-
-        Where an edit made that world for ``run``, it is worked out from the answer before the edit.
+        """Return the solution for `gamma` in `mdp`, as far as it is known. If `run` edited that world, the
+        solver starts from the solution before the edit.
         """
         known = next((each for each in self._of_worlds if each.mdp is mdp), None)
         if known is None:
@@ -244,21 +247,21 @@ class RunAnswers:
             known = ExactAnswers(mdp, self._on_ready, from_before or _solve, at_once, self._worker)
         else:
             self._of_worlds.remove(known)
-        if known.is_live:  # of a larger one nothing is known, and it takes memory
+        if known.is_live:  # a larger world has no answer and takes memory
             if len(self._of_worlds) == _MOST_WORLDS:
                 self._worker.drop(self._of_worlds.pop())
             self._of_worlds.appendleft(known)
         return known.answer(gamma)
 
     def _from_before(self, run: Run) -> Solve | None:
-        """Return what solves the edited world of ``run`` from the last answer; None where there is none."""
+        """Return a solver that starts from the solution before the edit, or None."""
         last, edited, recipe = self._last, run.edited, run.recipe
         if last is None or edited.draft is None or not _begin_alike(last.recipe, recipe):
             return None
 
         def solve(mdp: TabularMDP, gamma: float) -> Solution:
             before = edited.carried_from(last.edited, recipe).states
-            return _solve(mdp, gamma, np.append(last.solution.v, 0.0)[before])  # 0 where it is NEW
+            return _solve(mdp, gamma, np.append(last.solution.v, 0.0)[before])  # 0 for new states
 
         return solve
 

@@ -1,4 +1,4 @@
-"""What came of a run, as ``train --json`` prints it."""
+"""Results of a run, as `train --json` prints them."""
 
 from __future__ import annotations
 
@@ -47,16 +47,15 @@ _LEARNED: Final = (
 
 
 def exact_world(run: Run) -> TabularMDP | None:
-    """Return the table that figures of ``run`` are worked out from, as it is now.
-
-    None where there is no table, or where its more than 50,000 states would keep one waiting for minutes.
+    """Return the current transition table of `run` for exact results. None without a table, or above
+    50,000 states, where results would take minutes.
     """
     mdp = run.learner.mdp
     return None if mdp is None or mdp.states > MOST_STATES else mdp
 
 
 def why_inexact(run: Run) -> str:
-    """Return why ``run`` has no exact figures; empty where it has."""
+    """Return the reason why `run` has no exact results, or "" if it has."""
     if run.learner.mdp is None:
         return NO_TABLE
     left_out = f"left out above {MOST_STATES:,} states; rl-tui solve works the optimum out"
@@ -64,7 +63,7 @@ def why_inexact(run: Run) -> str:
 
 
 def optimum_of(mdp: TabularMDP | None, gamma: float) -> Solution | None:
-    """Return the exact answer, None where there is none."""
+    """Solve `mdp` exactly, or None if that is impossible."""
     if mdp is None:
         return None
     try:
@@ -74,7 +73,7 @@ def optimum_of(mdp: TabularMDP | None, gamma: float) -> Solution | None:
 
 
 def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
-    """Return the figures of what ``run`` has learned, held against ``optimum`` for its γ."""
+    """Evaluate the greedy policy of `run` exactly and compare it with `optimum` for its γ."""
     hyperparameters = run.learner.hyperparameters
     return figures_of_estimates(
         exact_world(run), run.learner.q, hyperparameters.ties, hyperparameters.gamma, optimum
@@ -84,7 +83,15 @@ def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
 def figures_of_estimates(
     mdp: TabularMDP | None, q: FloatArray, ties: Ties, gamma: float, optimum: Solution | None
 ) -> GreedyFigures:
-    """Return the figures of the estimates ``q``, [P], in ``mdp``, held against ``optimum`` for ``gamma``."""
+    """Evaluate the greedy policy of estimates exactly.
+
+    Args:
+        mdp: World, or None gives no results.
+        q: Estimates, `[P]`.
+        ties: How equal estimates are resolved.
+        gamma: Discount in [0, 1].
+        optimum: Solution for the same γ, or None.
+    """
     if mdp is None:
         return NO_EXACT_FIGURES
     of_policy = figures(mdp, greedy_policy(mdp, q, ties), gamma)
@@ -98,7 +105,7 @@ def figures_of_estimates(
 
 
 def head(recipe: Recipe) -> dict[str, Any]:
-    """Return what a run was made of, as JSON."""
+    """Return scenario, algorithm, seed and settings as JSON."""
     return {
         "scenario": recipe.scenario.id,
         "algorithm": recipe.algorithm,
@@ -108,7 +115,12 @@ def head(recipe: Recipe) -> dict[str, Any]:
 
 
 def training_figures(run: Run, seconds: float) -> dict[str, Any]:
-    """Return what ``run`` came to in ``seconds`` of learning: the document of ``train --json``."""
+    """Return the document of `train --json`.
+
+    Args:
+        run: Finished run.
+        seconds: Duration of learning.
+    """
     space, learner = run.world.space, run.learner
     exact = greedy_figures(run, optimum_of(exact_world(run), learner.hyperparameters.gamma))
     measured = measured_run(run, exact)
@@ -132,7 +144,7 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
 
 
 def row_of(seed: int, run: MeasuredRun, world: str | None) -> dict[str, Any]:
-    """Return the row of ``run`` in ``train --runs --json``; ``world`` is the digest of its world."""
+    """Return the row of `run` in `train --runs --json`. `world` is the digest of its table."""
     return {"seed": seed, **figures_of(run, FIGURES), "world": world, **_pulls(run)}
 
 
@@ -141,12 +153,12 @@ def _pulls(run: MeasuredRun) -> dict[str, float | None]:
 
 
 def world_digest(world: World) -> str | None:
-    """Return the fingerprint of the table of ``world``; None where there is no table."""
+    """Return the digest of the table of `world`, or None without a table."""
     return None if world.mdp is None else table_digest(world.mdp)
 
 
 def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dict[str, Any]:
-    """Return the exact answer in the world of ``recipe``: the document of ``solve --json``."""
+    """Return the document of `solve --json` for the world of `recipe`."""
     earned = returns(mdp, solution)
     return {
         "scenario": recipe.scenario.id,
@@ -165,7 +177,7 @@ def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dic
 
 
 def table(space: FiniteSpace, values: npt.NDArray[Any]) -> list[list[Any]]:
-    """Return ``values``, [P], as S × A, None where an action is not legal."""
+    """Arrange `values`, `[P]`, as rows of states and columns of actions, or None for unavailable actions."""
     rows: list[list[Any]] = [[None] * len(space.action_names) for _ in range(space.states)]
     places = zip(space.pair_state.tolist(), space.pair_action.tolist(), values.tolist(), strict=True)
     for state, action, value in places:
@@ -174,7 +186,15 @@ def table(space: FiniteSpace, values: npt.NDArray[Any]) -> list[list[Any]]:
 
 
 def policy_names(space: FiniteSpace, policy: FloatArray) -> list[list[str]]:
-    """Return the names of the actions ``policy``, [P], may take in each state; none in a terminal one."""
+    """Return the names of the actions with positive probability in each state.
+
+    Args:
+        space: States and actions.
+        policy: π(a|s), `[P]`.
+
+    Returns:
+        One list per state, empty if terminal.
+    """
     names: list[list[str]] = [[] for _ in range(space.states)]
     chosen = np.flatnonzero(policy)
     states, actions = space.pair_state[chosen].tolist(), space.pair_action[chosen].tolist()
@@ -184,7 +204,7 @@ def policy_names(space: FiniteSpace, policy: FloatArray) -> list[list[str]]:
 
 
 def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
-    """Return mean, standard error (of n − 1), least, greatest and number of the values that are there."""
+    """Return mean, standard error (with n − 1), minimum, maximum and count of the finite values."""
     there = [value for value in values if value is not None and math.isfinite(value)]
     count = len(there)
     mean, stderr = math.fsum(there) / count if there else None, None
@@ -201,7 +221,7 @@ def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
 
 
 def finite(value: Any) -> Any:
-    """Return a JSON value with None in place of every number that is not finite."""
+    """Replace every number that is not finite by None in a JSON value."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Returns and lengths of any number of episodes in bounded memory."""
+"""Returns and lengths of all episodes in bounded memory."""
 
 from __future__ import annotations
 
@@ -20,24 +20,27 @@ _SAMPLES_A_BIN: Final = 8
 
 
 class History:
-    """Finished episodes in at most ``bins`` bins of equal width, merged in pairs when all are full.
-
-    Sums are added in the order of the episodes, so that how they were delivered does not show. The last 100
-    episodes are kept as they are, and so are the lengths of the first 100. For quartiles, single returns are
-    kept too: of every episode, of every second one, every fourth and so on, so that there are at most eight
-    for each of ``bins``, an even number.
+    """Finished episodes in at most `bins` bins of equal width (an even number); full bins are merged in
+    pairs. Sums follow the order of episodes, so chunks of steps do not affect the bits. The last 100
+    episodes and the lengths of the first 100 are stored individually. For quartiles, the returns of every
+    1st, 2nd, 4th, … episode are stored, at most eight per bin.
     """
 
     def __init__(self, bins: int = BINS) -> None:
         self._bins = empty_bins(bins)
-        self._count, self._every = 0, 1  # episodes, and the distance of two kept returns
+        self._count, self._every = 0, 1  # episodes, and the distance between two stored returns
         self._samples: FloatArray = np.empty(0)
         self._recent_returns: FloatArray = np.empty(0)
         self._recent_lengths: IntArray = np.empty(0, np.int64)
         self._first_lengths: IntArray = np.empty(0, np.int64)
 
     def add(self, returns: FloatArray, lengths: IntArray) -> None:
-        """Add finished episodes, [n] each, in order."""
+        """Add finished episodes in order.
+
+        Args:
+            returns: Undiscounted returns, `[n]`.
+            lengths: Lengths in steps, `[n]`.
+        """
         before, done = self._every, self._count
         self._count += len(returns)
         while self._count > _SAMPLES_A_BIN * len(self._bins.episodes) * self._every:
@@ -52,14 +55,13 @@ class History:
 
     @property
     def total_return(self) -> float:
-        """The sum of all returns: the winnings of a bandit."""
+        """Sum of all returns."""
         return float(self._bins.total_return[0])
 
     @property
     def last_100(self) -> tuple[float, float] | tuple[None, None]:
-        """The mean return and the mean length in steps of the last 100 episodes, or of as many as there are.
-
-        None before the first has ended.
+        """Mean return and mean length of the last 100 episodes or fewer, or None before the first has
+        ended.
         """
         count = len(self._recent_returns)
         if not count:
@@ -68,14 +70,14 @@ class History:
 
     @property
     def newest(self) -> tuple[float, int] | None:
-        """Return and length in steps of the episode that ended last; None before the first has ended."""
+        """Return and length of the last finished episode, or None before the first has ended."""
         if not len(self._recent_returns):
             return None
         return float(self._recent_returns[-1]), int(self._recent_lengths[-1])
 
     @property
     def first_lengths(self) -> IntArray:
-        """[n], the lengths in steps of the first episodes, of 100 at most."""
+        """Lengths of the first 100 episodes or fewer, `[n]`."""
         return self._first_lengths
 
     def curve(self) -> Curve:
@@ -93,14 +95,14 @@ class History:
         )
 
     def checkpoint(self) -> Arrays:
-        """Return copies of all that is kept: the bins, single returns, and the last and first episodes."""
+        """Return copies of the state."""
         sampled = np.array((self._count, self._every))
         kept = (sampled, self._samples, self._recent_returns, self._recent_lengths, self._first_lengths)
         return copies((*self._bins, *kept))
 
     def restore(self, state: Arrays) -> None:
-        """Go back to what :meth:`checkpoint` returned, from a history of as many bins."""
-        # what is no bin is never written to
+        """Restore the state that `checkpoint` returned, from a history with equally many bins."""
+        # only the bins are written in place, so the other arrays may be shared
         *bins, sampled, self._samples, self._recent_returns, self._recent_lengths, self._first_lengths = state
         put_back(self._bins, tuple(bins))
         self._count, self._every = map(int, sampled)

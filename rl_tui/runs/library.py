@@ -1,4 +1,4 @@
-"""From a scenario to the recipe of a run: the defaults of its file and what the user asks for instead."""
+"""From a scenario to the recipe of a run: defaults of the file, then the user's settings."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ALGORITHMS: Final = f"one of {', '.join(BY_ID)}"
 
 
 def read_catalogue() -> catalogue.Catalogue:
-    """Read every scenario file; those whose defaults have faults are among the broken ones."""
+    """Read every scenario file. A file with wrong defaults counts as broken."""
     sound, broken = [], []
     found = catalogue.read_catalogue()
     for scenario in found.scenarios:
@@ -40,9 +40,11 @@ def read_catalogue() -> catalogue.Catalogue:
 
 
 def find(name_or_path: str) -> Scenario:
-    """Return the scenario with this id, or that of a file where a path is given, its defaults checked too.
+    """Return the scenario with this id, or in this file, and check its defaults.
 
-    Raises ScenarioError with all faults of its file, UserError with near names where there is none.
+    Raises:
+        ScenarioError: The file has errors. All of them are listed.
+        UserError: No such scenario. The message suggests similar names.
     """
     text = ""
     try:
@@ -50,7 +52,7 @@ def find(name_or_path: str) -> Scenario:
         text = scenario.text
         _check_defaults(scenario)
     except ScenarioError as error:
-        # What was found first is not all there is: the environment has not been asked, nor every table read
+        # the first errors hide others: neither the environment nor all tables were checked
         file, text = error.faults[0].file, error.text or text
         everything = _checked(file, lambda: scenario_of(text, Path(file)))[1] if text else ()
         raise ScenarioError(everything if len(everything) > len(error.faults) else error.faults) from error
@@ -58,9 +60,8 @@ def find(name_or_path: str) -> Scenario:
 
 
 def checked(path: str | Path) -> tuple[Scenario | None, list[Fault]]:
-    """Return the scenario in a file, None where its world has a fault, and its faults in the file's order.
-
-    Of more than 100 faults the first are told, and that there are more.
+    """Return the scenario in a file (None if its world is wrong) and the errors in file order. After 100
+    errors the list ends with a note.
     """
     return _checked(str(path), lambda: read_scenario(path))
 
@@ -83,12 +84,13 @@ def _checked(file: str, read: Callable[[], Scenario]) -> tuple[Scenario | None, 
 
 
 def reread(scenario: Scenario) -> Scenario | None:
-    """Return what the file of ``scenario`` says now; None where that is the same, or no such file is found.
+    """Return the current scenario in the file of `scenario`, or None if it is unchanged or missing.
 
-    Raises ScenarioError with all faults of what it says now.
+    Raises:
+        ScenarioError: The file has errors. All of them are listed.
     """
     path = scenario.source
-    if not scenario.text or not os.path.isfile(path):  # never raises
+    if not scenario.text or not os.path.isfile(path):  # isfile never raises
         return None
     with suppress(UnreadableError):
         if read_text(path) == scenario.text:
@@ -100,10 +102,11 @@ def reread(scenario: Scenario) -> Scenario | None:
 
 
 def recipe_with(scenario: Scenario, recipe: Recipe) -> Recipe:
-    """Return ``recipe`` in ``scenario``, which a later content of its file describes.
+    """Return `recipe` for a newer version of its scenario. The seed stays, and so does every setting that
+    differs from the old file's default. The others take the new defaults.
 
-    Seed and all settings stay that are not those which the old content suggests; the others are as the new
-    one suggests. Raises UserError where it is faulty.
+    Raises:
+        UserError: A setting is wrong.
     """
     before = recipe_for(recipe.scenario)
     kept: dict[str, object] = {
@@ -117,22 +120,27 @@ def recipe_with(scenario: Scenario, recipe: Recipe) -> Recipe:
 
 
 def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None, seed: int = 0) -> Recipe:
-    """Return the recipe that ``scenario`` suggests, with ``overrides`` of the algorithm and hyper-parameters.
+    """Return the recipe for `scenario`.
 
-    Raises ScenarioError where the file's defaults are faulty, UserError, with the range, where an override
-    is.
+    Args:
+        scenario: World and default settings.
+        overrides: Algorithm and hyper-parameters that replace defaults.
+        seed: Seed of all random streams, 0 or more.
+
+    Raises:
+        ScenarioError: The defaults of the file are wrong.
+        UserError: An override is wrong. The message names the range.
     """
     _check_defaults(scenario)
     return _recipe(scenario, overrides or {}, seed)
 
 
 def recipe_named(name_or_path: str, overrides: Mapping[str, object] | None = None, seed: int = 0) -> Recipe:
-    """Return the recipe that the scenario of this name suggests: :func:`find`, then :func:`recipe_for`."""
+    """Find a scenario and return its recipe. See `find` and `recipe_for`."""
     return _recipe(find(name_or_path), overrides or {}, seed)
 
 
 def _recipe(scenario: Scenario, overrides: Mapping[str, object], seed: int) -> Recipe:
-    """Return the recipe of a scenario whose defaults are checked."""
     chosen = {**scenario.defaults, **overrides}
     chosen.pop("episodes", None)
     algorithm = chosen.pop("algorithm", DEFAULT_ALGORITHM)
@@ -148,26 +156,27 @@ def _recipe(scenario: Scenario, overrides: Mapping[str, object], seed: int) -> R
             raise UserError(f"there is no hyper-parameter {shown(name)}{near(name, PARAMETERS)}")
         hyperparameters = changed_parameter(hyperparameters, name, value)
     if POLICY_BY_ID[hyperparameters.policy].needs_step_size and "alpha" not in overrides:
-        # The sample average that a bandit's file suggests is no step size; a number there stays
+        # a bandit's default, the sample average, is not a step size; a number stays
         hyperparameters = hyperparameters.without_average()
     return Recipe(scenario, algorithm, hyperparameters, seed)
 
 
 def without_effect(recipe: Recipe, overrides: Mapping[str, object]) -> list[str]:
-    """Return which of ``overrides`` the algorithm and the policy of ``recipe`` do not use."""
+    """Return the names in `overrides` that the algorithm and policy of `recipe` do not use."""
     used = parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
     return [name for name in overrides if name in PARAMETERS and name not in used]
 
 
 def episodes_of(scenario: Scenario) -> int:
-    """Return how many episodes to train where the user does not say."""
+    """Return the default number of training episodes."""
     return int(scenario.defaults.get("episodes", DEFAULT_EPISODES))
 
 
 def listing(scenario: Scenario) -> dict[str, Any]:
-    """Return the row of ``scenario`` in ``list --json``: its sizes and complete defaults. Builds its world.
+    """Build the world of `scenario` and return its row in `list --json`: sizes and complete defaults.
 
-    Raises UserError where the world cannot be built or the defaults are faulty.
+    Raises:
+        UserError: The world cannot be built, or the defaults are wrong.
     """
     recipe = recipe_for(scenario)
     mdp = begin(recipe).world.space

@@ -1,7 +1,4 @@
-"""The measures of a run: what each is, and how its value is worked out.
-
-The figures of ``train --json``, the rows of many seeds and the columns of sweeps come from this table.
-"""
+"""The metrics of a run, with their formulas. `train --json`, many seeds and sweeps use this table."""
 
 from __future__ import annotations
 
@@ -14,12 +11,12 @@ if TYPE_CHECKING:
     from rl_tui.runs.bandit import BanditFigures
     from rl_tui.runs.run import Run
 
-# A run as measures see it
+# Input of the metrics
 
 
 @dataclass(frozen=True, slots=True)
 class GreedyFigures:
-    """Exact figures of a run's greedy policy and estimates, None where there is no exact answer."""
+    """Exact numbers for a run's greedy policy and estimates, or None if unknown."""
 
     value_at_start: float | None = None
     optimal_value_at_start: float | None = None
@@ -33,30 +30,30 @@ NO_EXACT_FIGURES: Final = GreedyFigures()
 
 @dataclass(frozen=True, slots=True)
 class MeasuredRun:
-    """What measures are worked out from: a run at the step that it has reached."""
+    """The input of metrics: a run at its current step."""
 
     steps: int
     episodes: int
-    """Finished episodes, and sweeps of a planner."""
+    """Finished episodes, including a planner's sweeps."""
     total_return: float
-    """The sum of the undiscounted returns of all finished episodes."""
+    """Sum of the undiscounted returns of all finished episodes."""
     mean_return: float | None
-    """Their mean; None before the first has ended."""
+    """Their mean, or None before the first has ended."""
     last_100: tuple[float | None, float | None]
-    """Mean return and mean length of the last 100 episodes, or of as many as there are."""
+    """Mean return and mean length of the last 100 episodes or fewer."""
     first_reward_episode: int
-    """The first episode, from 1, with a reward that is not 0; 0 if there was none."""
+    """First episode (from 1) with a reward other than 0, or 0 if there is none."""
     exact: GreedyFigures = NO_EXACT_FIGURES
     bandit: BanditFigures | None = None
-    """How its pulls were spent; None where the world is not a bandit."""
+    """Regret and pulls of a bandit, else None."""
     best_return: float | None = None
-    """What the best policy, which may look at the clock, earns in an episode; None if that is not known."""
+    """Expected return of the best policy, which may depend on the time, or None if unknown."""
     arrival: int | None = None
-    """After which episode its greedy policy was first seen within 5 % of the best; None if it never was."""
+    """Episodes until the greedy policy was within 5 % of the best, or None if it never was."""
 
 
 def measured_run(run: Run, exact: GreedyFigures = NO_EXACT_FIGURES) -> MeasuredRun:
-    """Return ``run`` as measures see it; what is known of its greedy policy is ``exact``."""
+    """Return the input of metrics for `run`. `exact` describes its greedy policy."""
     return MeasuredRun(
         run.step,
         run.learner.episodes,
@@ -74,11 +71,17 @@ def measured_run(run: Run, exact: GreedyFigures = NO_EXACT_FIGURES) -> MeasuredR
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """A measure: ``of`` gives its value in a run, None where it has none.
+    """A metric of a run.
 
-    Its ``formula`` is in words. ``larger_is_better`` is None where it is neither. ``may_never_arrive``: what
-    it counts to may not have happened when training ended; then its value is None, and known to be later
-    than that.
+    Attributes:
+        id: Name in files and options.
+        title: Name in tables.
+        unit: Unit of the value.
+        formula: Definition in words.
+        of: Computes the value, or None if the run has none.
+        larger_is_better: None if neither direction is better.
+        may_never_arrive: True if the event may come after the end of training. The value is then None, and
+            counts as later.
     """
 
     id: str
@@ -209,7 +212,7 @@ _TABLE: Final = (
         "winnings",
         "winnings",
         "return",
-        "of a bandit, the sum of all rewards",
+        "bandits: the sum of all rewards",
         lambda run: None if run.bandit is None else run.bandit.winnings,
         larger_is_better=True,
     ),
@@ -217,22 +220,22 @@ _TABLE: Final = (
         "best_arm_rate",
         "best arm, share of pulls",
         "share",
-        "of a bandit, the share of pulls on the truly best arm, 0 to 1",
+        "bandits: the share of pulls on the best arm, 0 to 1",
         lambda run: None if run.bandit is None else run.bandit.best_arm_rate,
         larger_is_better=True,
     ),
 )
 MEASURES: Final = {measure.id: measure for measure in _TABLE}
-"""All measures by their ids."""
+"""All metrics by id."""
 EXACT: Final = ("value_at_start", "expected_return", "max_error")
-"""Those that have exact values alone."""
+"""Metrics that are always exact."""
 _LAST_100: Final = ("return_last_100", "length_last_100")
 FIGURES: Final = ("steps", "episodes", *EXACT, "return_mean", *_LAST_100, "first_reward_episode")
-"""The measures in a row of ``train --runs --json``, in its order."""
+"""Metrics in a row of `train --runs --json`, in order."""
 BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")
-"""Those that a row has besides where the world is a bandit."""
+"""Further metrics of a bandit."""
 
 
 def figures_of(run: MeasuredRun, names: Iterable[str]) -> dict[str, float | None]:
-    """Return the values of the measures of these ``names`` in ``run``, in that order."""
+    """Return the values of the metrics `names` in `run`, in that order."""
     return {name: MEASURES[name].of(run) for name in names}

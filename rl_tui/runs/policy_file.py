@@ -1,4 +1,4 @@
-"""Policies in files: JSON that says for each state its action, or the chance of each of its actions."""
+"""Policies as JSON files, with an action or the probabilities of actions for each state."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MOST_LISTED: Final = 10
 
 
 class _Table(dict[str, Any]):
-    """An object of JSON, and its keys that are given more than once."""
+    """A JSON object that remembers its repeated keys."""
 
     def __init__(self, pairs: list[tuple[str, Any]]) -> None:
         super().__init__(pairs)
@@ -32,7 +32,7 @@ class _Table(dict[str, Any]):
 
 
 class _Names:
-    """What the states and actions of a space are called."""
+    """The states and actions of a space by name."""
 
     def __init__(self, space: FiniteSpace) -> None:
         self.states = {name: state for state, name in enumerate(space.state_names)}
@@ -41,18 +41,25 @@ class _Names:
         self._actions = space.action_names
 
     def pairs_of(self, state: str) -> dict[str, int]:
-        """Return the pair of each action that is legal in the state of that name."""
+        """Return the pair of each available action in the named state."""
         number = self.states[state]
         pairs = range(self._first_pair[number], self._first_pair[number + 1])
         return {self._actions[self._pair_action[pair]]: pair for pair in pairs}
 
 
 def read_policy(path: str, space: FiniteSpace) -> dict[int, Choice]:
-    """Return what the file says is done in states of ``space``: a pair, or the chance of each pair.
+    """Read a policy for `space`.
 
-    States and actions are known by their names. Raises UserError with all faults of the file, a line each:
-    a state that is not known, terminal or given twice, an action that is not legal there, chances outside
-    [0, 1] or that do not sum to 1 (±1e-9), what is no JSON.
+    Args:
+        path: JSON file with names of states and actions.
+        space: World in which the policy acts.
+
+    Returns:
+        For each state number a pair, or a probability for each pair.
+
+    Raises:
+        UserError: One line for each error: invalid JSON, a state that is unknown, terminal or repeated, an
+            unavailable action, or probabilities that are not in [0, 1] or do not sum to 1 (± 1e-9).
     """
     try:
         document = _parsed(read_text(Path(path), "a JSON file"))
@@ -74,7 +81,7 @@ def read_policy(path: str, space: FiniteSpace) -> dict[int, Choice]:
 
 
 def policy_document(space: FiniteSpace, choices: Mapping[int, Choice]) -> dict[str, Any]:
-    """Return ``choices`` as the JSON that :func:`read_policy` reads: ``json.dumps`` makes a file of it."""
+    """Return `choices` as JSON data that `read_policy` can read."""
 
     def action(pair: int) -> str:
         return space.action_names[int(space.pair_action[pair])]
@@ -88,7 +95,7 @@ def policy_document(space: FiniteSpace, choices: Mapping[int, Choice]) -> dict[s
 
 
 def _parsed(text: str) -> Any:
-    """Return what ``text`` spells in JSON. Raises UnreadableError."""
+    """Parse JSON. Raises UnreadableError."""
     try:
         return json.loads(text, object_pairs_hook=_Table)
     except json.JSONDecodeError as error:
@@ -96,12 +103,12 @@ def _parsed(text: str) -> Any:
         raise UnreadableError(where, f"invalid JSON ({one_line(error.msg, 200)})", "valid JSON") from error
     except RecursionError as error:
         raise UnreadableError("", "tables within tables, too deep to read", f"a table, {_FORM}") from error
-    except ValueError as error:  # a whole number of thousands of digits
+    except ValueError as error:  # an integer with thousands of digits
         raise UnreadableError("", f"invalid JSON ({one_line(str(error), 200)})", "valid JSON") from error
 
 
 def _findings(document: Any, names: _Names) -> Iterator[Finding]:
-    """Yield what is wrong with the whole file, in its order."""
+    """Yield the errors of a document in order."""
     if not isinstance(document, _Table):
         yield Finding((), shown(document), f"a table, {_FORM}")
         return
@@ -118,7 +125,7 @@ def _findings(document: Any, names: _Names) -> Iterator[Finding]:
 
 
 def _choice_findings(said: Any, legal: list[str]) -> Iterator[Finding]:
-    """Yield what is wrong with what is ``said`` of a state with these ``legal`` actions."""
+    """Yield the errors of one state's entry."""
     if isinstance(said, str):
         yield from _action_findings(said, (), legal)
         return

@@ -1,4 +1,4 @@
-"""What determines a run, and the list of what was changed on the way."""
+"""Recipe and journal, which determine a run."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
 UNLIMITED: Final = 2**62
-"""More steps or episodes than any run comes to."""
+"""More steps or episodes than any run can have."""
 SEED_DRAWS_WORLD: Final = "another seed draws another world here; r n starts again in that one"
 _MOST_TOLD: Final = 20
 
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """How a run starts: the same recipe and journal give the same bits. ``seed`` is an integer, 0 or more."""
+    """The start of a run. The same recipe and journal give the same bits. `seed` is an integer, 0 or more."""
 
     scenario: Scenario
     algorithm: str = "q-learning"
@@ -32,16 +32,21 @@ class Recipe:
 
 
 class Beginning(NamedTuple):
-    """A recipe's world and the streams it was drawn from, which the run goes on with."""
+    """A new world, with the random streams that continue after building it."""
 
     world: World
     streams: Streams
 
 
 def begin(recipe: Recipe, known: World | None = None) -> Beginning:
-    """Build the world of ``recipe``; ``known`` is a world to take instead where the seed does not shape it.
+    """Build the world of `recipe` and its random streams.
 
-    Raises UserError where the world cannot be built.
+    Args:
+        recipe: Start of a run.
+        known: World to reuse if it does not depend on the seed.
+
+    Raises:
+        UserError: The world cannot be built.
     """
     drawn = streams(recipe.seed)
     if known is not None and not recipe.scenario.section.drawn_from_seed:
@@ -51,7 +56,7 @@ def begin(recipe: Recipe, known: World | None = None) -> Beginning:
 
 @dataclass(frozen=True, slots=True)
 class SetParameter:
-    """A hyper-parameter is set to a value from here on."""
+    """Set a hyper-parameter."""
 
     name: str
     value: float | str
@@ -59,43 +64,40 @@ class SetParameter:
 
 @dataclass(frozen=True, slots=True)
 class SwitchAlgorithm:
-    """Another algorithm takes over, keeping Q and visits."""
+    """Switch to another algorithm, keeping Q and visits."""
 
     algorithm: str
 
 
 @dataclass(frozen=True, slots=True)
 class TakeAction:
-    """A person takes the next step in place of the agent, with this action.
-
-    It is the name of one, or its number where the names are not known yet.
-    """
+    """A step with an action chosen by the user: its number, or its name if the world may have changed."""
 
     action: int | str
 
 
 @dataclass(frozen=True, slots=True)
 class OrderSweep:
-    """The next sweep of a planner evaluates its policy, or improves it, whatever is due by itself."""
+    """Order a planner's next sweep: evaluation or improvement."""
 
     phase: SweepPhase
 
 
 @dataclass(frozen=True, slots=True)
 class EditWorld:
-    """The world is another one from here on: these ``edits`` are made in it, all at once."""
+    """Apply `edits` to the world at once."""
 
     edits: tuple[Edit, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class UndoEdit:
-    """The world is again what it was before the last edit that is not undone."""
+    """Undo the last edit of the world."""
 
 
 @dataclass(frozen=True, slots=True)
 class RedoEdit:
-    """The world is again what it was before the last edit was undone."""
+    """Redo the edit of the world that was last undone."""
 
 
 Setting = SetParameter | SwitchAlgorithm
@@ -105,14 +107,14 @@ Change = Setting | TakeAction | OrderSweep | WorldChange
 
 @dataclass(frozen=True, slots=True)
 class JournalEntry:
-    """``change`` applies after ``step`` steps, before the next one; entries of one step apply in order."""
+    """A `change` made after `step` steps, before the next one. Entries of one step apply in order."""
 
     step: int
     change: Change
 
 
 def action_called(name: str, action_names: Sequence[str]) -> int | None:
-    """Return the number of the action of that name, to which spaces may belong; None where there is none."""
+    """Return the number of the action called `name`, or None. Surrounding spaces may belong to the name."""
     for wanted in (name, name.strip()):
         if wanted in action_names:
             return action_names.index(wanted)
@@ -120,13 +122,13 @@ def action_called(name: str, action_names: Sequence[str]) -> int | None:
 
 
 def no_such_action(name: str, action_names: Sequence[str]) -> str:
-    """Return that none is called so, and which there are."""
+    """Say that the action does not exist, and list the available ones."""
     known = ", ".join(action_names[:_MOST_TOLD]) + (", …" if len(action_names) > _MOST_TOLD else "")
     return f"there is no such action{near(name.strip(), action_names)}; take one of {known}"
 
 
 def changed_recipe(recipe: Recipe, *changes: Setting) -> Recipe:
-    """Return ``recipe`` with ``changes`` from the start. Raises UserError where a value does not fit."""
+    """Return `recipe` with `changes` applied to its start. Raises UserError if a value is wrong."""
     for change in changes:
         if isinstance(change, SwitchAlgorithm):
             recipe = replace(recipe, algorithm=change.algorithm)
@@ -137,9 +139,10 @@ def changed_recipe(recipe: Recipe, *changes: Setting) -> Recipe:
 
 
 def changed_parameter(values: Hyperparameters, name: str, value: object) -> Hyperparameters:
-    """Return ``values`` with another ``value`` of ``name``.
+    """Return `values` with another `value` of `name`.
 
-    Raises UserError, with the range, if the value does not fit.
+    Raises:
+        UserError: The value is wrong. The message names the range.
     """
     try:
         return values.changed(name, value)

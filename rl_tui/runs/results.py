@@ -1,4 +1,4 @@
-"""What a run has achieved so far: returns of its episodes, and how good its greedy policy is."""
+"""Results of a run so far: returns of episodes, and exact returns of the greedy policy."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ def _no_counts() -> IntArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """Finished episodes in B bins of equal width, oldest first; the last bin may be part-filled."""
+    """Finished episodes in B bins of equal width, oldest first. The last bin may be partly filled."""
 
     episode: IntArray = field(default_factory=_no_counts)
-    """[B], the last episode (from 1) in the bin."""
+    """Last episode (from 1) in each bin, `[B]`."""
     return_mean: FloatArray = field(default_factory=_no_numbers)
-    """[B], the mean undiscounted return."""
+    """Mean undiscounted return, `[B]`."""
     return_low: FloatArray = field(default_factory=_no_numbers)
-    """[B], the lowest undiscounted return."""
+    """Lowest undiscounted return, `[B]`."""
     return_high: FloatArray = field(default_factory=_no_numbers)
-    """[B], the highest undiscounted return."""
+    """Highest undiscounted return, `[B]`."""
     length_mean: FloatArray = field(default_factory=_no_numbers)
-    """[B], the mean length in steps."""
+    """Mean length in steps, `[B]`."""
     samples: FloatArray = field(default_factory=_no_numbers)
-    """[S], the undiscounted returns of the first episode and of every so many-th after it, for quartiles."""
+    """Undiscounted returns of evenly spaced episodes, beginning with the first, `[S]`, for quartiles."""
     sample_every: int = 1
-    """The distance of two samples in episodes: a power of two, at most an eighth of a bin, or 1."""
+    """Distance between two samples in episodes: a power of two, at most an eighth of a bin, or 1."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,33 +46,32 @@ class Marks:
     """Exact evaluations of the greedy policy at M steps, which depend on the step number only."""
 
     step: IntArray = field(default_factory=_no_counts)
-    """[M], how many steps had been taken."""
+    """Steps taken, `[M]`."""
     episode: IntArray = field(default_factory=_no_counts)
-    """[M], how many episodes had ended."""
+    """Episodes finished, `[M]`."""
     expected_return: FloatArray = field(default_factory=_no_numbers)
-    """[M], the exact expected undiscounted return; NaN where the policy has none."""
+    """Exact expected undiscounted return, `[M]`, or NaN if the policy has none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunResults:
-    """What a run has achieved at one step."""
+    """Results of a run at one step."""
 
     curve: Curve = field(default_factory=Curve)
-    """Return and length of all finished episodes, in bins."""
+    """Returns and lengths of all finished episodes, in bins."""
     marks: Marks = field(default_factory=Marks)
-    """The exact returns of the greedy policy on the way."""
+    """Exact returns of the greedy policy at earlier steps."""
     return_last_100: float | None = None
-    """Mean return of the last 100 episodes, or of as many as there are; None before the first has ended."""
+    """Mean return of the last 100 episodes or fewer, or None before the first has ended."""
     length_last_100: float | None = None
-    """Mean length of the last 100 episodes in steps; None before the first has ended."""
+    """Mean length of the last 100 episodes or fewer, in steps, or None before the first has ended."""
     greedy_return: float | None = None
-    """Exact expected undiscounted return of the greedy policy of Q; None if it has none or it is too dear."""
+    """Exact expected undiscounted return of the greedy policy, or None if it has none or takes too long."""
     greedy_ends: float | None = None
-    """Where that policy has no return: the probability (0 to 1) that an episode of it ends; else None."""
+    """If the greedy policy has no return: the probability (0 to 1) that its episodes end, else None."""
     bandit: BanditFigures | None = None
-    """How the pulls of a bandit were spent; None where the world is no bandit."""
+    """Regret and pulls of a bandit, else None."""
     behaviour_return: float | None = None
-    """As ``greedy_return``, of the agent as it acts in this episode; None where it explores not by an ε.
-
-    None also in worlds in which it is not worked out quickly.
+    """Exact expected return of the agent in this episode. None if it does not explore by ε, or if the
+    evaluation is slow.
     """

@@ -1,4 +1,4 @@
-"""A run: a recipe, a journal, and all that they lead to."""
+"""A run: the state that follows from a recipe and a journal."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunState:
-    """A copy of all that a run knows at one step, for checkpoints; worlds are shared by many of them."""
+    """A copy of a run's state at one step, for checkpoints, which share their worlds."""
 
     step: int
     episodes: int
@@ -55,15 +55,14 @@ class RunState:
 
     @property
     def nbytes(self) -> int:
-        """How much memory it takes without its world."""
+        """Memory in bytes, without the world."""
         arrays = (*self.history, self.marks.episode, self.marks.value)
         return self.learner.nbytes + sum(array.nbytes for array in arrays)
 
 
 class WorldChanged(NamedTuple):
-    """The world of a run has become another one, after so many steps and finished episodes.
-
-    ``given_up`` says that the episode under way ended there, unfinished; it counts in no mean.
+    """An edit of the world after `step` steps and `episodes` finished episodes. `given_up` is True if it
+    ended an episode early. That episode counts in no mean.
     """
 
     step: int
@@ -72,13 +71,16 @@ class WorldChanged(NamedTuple):
 
 
 class Run:
-    """What one recipe and its journal come to, step by step: the same bits however the steps are chunked.
+    """A run of one recipe and its journal. The bits do not depend on how the steps are divided.
 
-    ``beginning`` is what :func:`begin` made of the recipe, if it is at hand; ``edited`` is its world, where
-    it shares with other runs what is edited in it. ``evaluate`` takes marks, which never influence learning.
-    ``episode_limit`` ends the run after so many episodes of an agent. ``on_episodes`` is called with
-    the returns and lengths of finished episodes and whether each took the best arm of a bandit, [n] each, in
-    order and each once.
+    Args:
+        recipe: Start of the run.
+        beginning: Result of `begin(recipe)`, if already built.
+        edited: World of `beginning`, to share its edits with other runs.
+        evaluate: Take marks of the greedy return. They never influence learning.
+        episode_limit: End the run after this many episodes of an agent.
+        on_episodes: Called once for each batch of finished episodes, in order, with returns, lengths, and
+            whether each took the best arm of a bandit, `[n]` each.
     """
 
     def __init__(
@@ -92,60 +94,60 @@ class Run:
         on_episodes: OnEpisodes | None = None,
     ) -> None:
         self.recipe = recipe
-        """What the run was made from."""
+        """Start of the run."""
         world, drawn = beginning or begin(recipe)
         self.edited = edited or EditedWorld(world)
-        """The world in force, and what was edited in it."""
+        """The current world with its edits."""
         self.ready: NextWorld | None = None
-        """What the next change of the world comes to, if that was worked out before it is made."""
+        """A result of the next edit that was computed in advance, or None."""
         self._settled = NOTHING_SETTLED
         self.world_changes: tuple[WorldChanged, ...] = ()
-        """Where on the way it became another one."""
+        """All edits so far."""
         mdp = world.mdp
         environment = world.new_environment() if world.new_environment else None
         self.learner = Learner(world.space, recipe.algorithm, recipe.hyperparameters, drawn, environment)
-        """The algorithm at work in the world."""
+        """The algorithm with its estimates."""
         self.history = History()
-        """The returns and lengths of finished episodes."""
+        """Returns and lengths of finished episodes."""
         self.episode_limit = UNLIMITED if episode_limit is None else episode_limit
-        """The number of episodes of an agent after which the run is over."""
+        """Number of an agent's episodes after which the run ends."""
         self.stop_reason = ""
-        """Why the run broke down, naming the step; empty if it did not."""
+        """Why the run broke down, with the step, empty if it did not."""
         self.timed_out = False
-        """Whether the last advance ended because its time was over: see :meth:`Learner.set_time_budget`."""
+        """True if the last advance reached its time limit. See `Learner.set_time_budget`."""
         self.noticed = False
-        """Whether the run came to rest after a step for which the learner watches."""
+        """True if the run stopped at a step that the learner watches for."""
         self._journal: list[JournalEntry] = []
         self.first_actions = world.space.action_names
-        """The names of the actions at first, which numbers in its journal mean."""
+        """Names of the actions at the start. Numbers in the journal refer to them."""
         self.greedy_return = GreedyReturn(lambda: self.learner.mdp)
-        """What the greedy policy of estimates earns here."""
+        """Evaluates the greedy policy of estimates."""
         self._evaluation = Evaluation(mdp if evaluate else None, self.greedy_return)
         self._on_episodes = on_episodes
 
     @property
     def world(self) -> World:
-        """The world in force."""
+        """The current world."""
         return self.edited.world
 
     @property
     def step(self) -> int:
-        """How many steps were taken."""
+        """Steps taken."""
         return self.learner.step
 
     @property
     def journal(self) -> tuple[JournalEntry, ...]:
-        """What was changed on the way: a copy, which takes long where that was much."""
+        """A copy of all changes so far; slow if there are many."""
         return tuple(self._journal)
 
     @property
     def changes(self) -> int:
-        """How many entries its journal has."""
+        """Number of entries in the journal."""
         return len(self._journal)
 
     @property
     def bandit(self) -> BanditFigures | None:
-        """How the pulls of a bandit were spent; None where the world is no bandit."""
+        """Regret and pulls of a bandit, else None."""
         if self.world.budget is None:
             return None
         total = self.history.total_return
@@ -153,18 +155,18 @@ class Run:
 
     @property
     def _pulled(self) -> IntArray:
-        """How often each arm was pulled: a planner's backup counts as a visit of each, but pulls none."""
+        """Pulls of each arm, `[P]`. Backups of a planner count as visits but not as pulls."""
         return self.learner.visits - self.learner.planned.steps
 
     @property
     def mean_return(self) -> float | None:
-        """The mean return of all finished episodes, sweeps of a planner left out; None before the first."""
+        """Mean return of all finished episodes, without a planner's sweeps, or None before the first."""
         episodes = self.learner.episodes - self.learner.planned.sweeps
         return self.history.total_return / episodes if episodes else None
 
     @property
     def results(self) -> RunResults:
-        """What it has achieved so far."""
+        """Results so far."""
         learner, values = self.learner, self.learner.hyperparameters
         mean_return, mean_length = self.history.last_100
         explores = not learner.plans and POLICY_BY_ID[values.policy].explores_by_epsilon
@@ -185,12 +187,12 @@ class Run:
 
     @property
     def spent(self) -> bool:
-        """Whether the episodes it may take are used up; sweeps of a planner are none."""
+        """True if all allowed episodes are used. A planner's sweeps do not count."""
         return self.learner.episodes >= self.episode_limit + self.learner.planned.sweeps
 
     @property
     def message(self) -> str:
-        """Why it goes no further, as a sentence; empty while it does."""
+        """Why the run has ended, as a sentence, empty if it has not."""
         if not self.learner.converged:
             return self.stop_reason
         sweeps, accuracy = self.learner.planned.sweeps, self.learner.hyperparameters.accuracy
@@ -198,11 +200,11 @@ class Run:
 
     @property
     def over(self) -> bool:
-        """Whether it takes no further step."""
+        """True if the run takes no further step."""
         return bool(self.stop_reason) or self.learner.converged or self.spent
 
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
-        """Take ``steps`` steps or finish ``episodes`` episodes, whichever is first, unless it is over."""
+        """Take at most `steps` steps and finish at most `episodes` episodes, unless the run is over."""
         learner = self.learner
         last_step = learner.step + steps
         last_episode = learner.episodes + episodes
@@ -218,7 +220,7 @@ class Run:
             try:
                 stop = learner.advance(until - learner.step, last_episode - learner.episodes)
             except KeyboardInterrupt:
-                self._take_in(Stop.DONE)  # what is finished is told before the end
+                self._take_in(Stop.DONE)  # record finished episodes before the interrupt
                 raise
             self._take_in(stop)
             is_there = learner.step >= until or learner.episodes >= last_episode
@@ -227,8 +229,10 @@ class Run:
                 return
 
     def apply(self, change: Change) -> None:
-        """Change something before the next step. Raises UserError, with the range, if it does not fit."""
-        # A mark of this step belongs to what was in force until now
+        """Make a change before the next step. Raises UserError if it does not fit. The message names the
+        range.
+        """
+        # a mark at this step belongs to the state before the change
         self._mark_if_due()
         entry = JournalEntry(self.step, change)
         if isinstance(change, TakeAction):
@@ -259,7 +263,7 @@ class Run:
             ready = next_world(self.edited, change, self.recipe)
         before, _, now, carried = ready
         mdp = now.world.mdp
-        assert mdp is not None  # what can be edited has a table
+        assert mdp is not None  # an editable world has a table
         pulled, drifted = self._pulled, self.learner.drifted
         given_up = self.learner.change_world(mdp, carried)
         if now.world.budget is not None and before.world.mdp is not None:
@@ -286,19 +290,23 @@ class Run:
         self._mark_if_due()
 
     def _order(self, change: OrderSweep) -> None:
-        if self.over and not self.learner.converged:  # a planner that was done goes on with what is ordered
+        if self.over and not self.learner.converged:  # a converged planner continues after an order
             raise UserError("the run is over: no sweep can be run")
         self.learner.order(change.phase)
 
     def follow(
         self, journal: Sequence[JournalEntry], last_step: int = UNLIMITED, last_episode: int = UNLIMITED
     ) -> None:
-        """Advance along ``journal``, of which this run has applied the beginning.
+        """Advance along `journal`, whose first entries this run has already applied. It stops at
+        `last_step` or after `last_episode` finished episodes (both counted from the start), or wherever
+        `advance` stops. An entry applies at its step, or at once if that is past. Settings and orders of
+        the last step apply too. Later entries and an action at the last step do not: the action would take
+        a further step.
 
-        It ends at ``last_step`` or when ``last_episode`` episodes are finished, both counted from the start
-        of the run, or earlier, where :meth:`advance` does. Each entry applies at its step, or at once where
-        the run is beyond that, and so do all settings and orders of the step that is reached; what lies
-        beyond is left out, and so is an action taken by a person at that step, since it is a step further.
+        Args:
+            journal: All changes.
+            last_step: Last step.
+            last_episode: Number of finished episodes at which to stop.
         """
         learner, stopped = self.learner, False
         while True:
@@ -319,7 +327,7 @@ class Run:
         self._mark_if_due()
 
     def checkpoint(self) -> RunState:
-        """Return a copy of where the run stands."""
+        """Return a copy of the state."""
         return RunState(
             self.step,
             self.learner.episodes,
@@ -335,7 +343,7 @@ class Run:
         )
 
     def restore(self, state: RunState) -> None:
-        """Go back to what :meth:`checkpoint` returned, be it from another run of the same recipe."""
+        """Restore the state that `checkpoint` returned, also from another run of the same recipe."""
         if state.edited.world is not self.world:
             mdp = state.edited.world.mdp
             assert mdp is not None  # a run without a table has one world and no checkpoints
@@ -355,7 +363,7 @@ class Run:
             self._evaluation.mark(self.learner.episodes, self.learner.q, ties)
 
     def _take_in(self, stop: Stop) -> None:
-        """Take in the episodes that ended, and why the learner came back."""
+        """Record finished episodes, and why the learner returned."""
         returns, lengths, optimal = self.learner.drain_episodes()
         if len(returns):
             self.history.add(returns, lengths)
@@ -367,7 +375,7 @@ class Run:
 
 
 def each_of(*listeners: OnEpisodes | None) -> OnEpisodes:
-    """Return what hands episodes on to each of ``listeners`` that is there."""
+    """Return a listener that calls each of `listeners` except None."""
     there = [listener for listener in listeners if listener is not None]
 
     def hand_on(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:

@@ -1,4 +1,4 @@
-"""Which settings change together for one of them to have a value, and whether that can work."""
+"""Settings that must change together, and the check that they work."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from rl_tui.worlds.mdp.space import FiniteSpace
 
 
 def settings_for(space: FiniteSpace, recipe: Recipe, setting: Setting) -> tuple[Setting, ...]:
-    """Return what to change of ``recipe`` for ``setting``: with it a step size, where that needs a number.
+    """Return the changes that make `setting` work in `recipe`. Some need a number as step size.
 
-    Raises UserError where the agent that comes of it cannot work in ``space``.
+    Raises:
+        UserError: The resulting agent cannot work in `space`.
     """
     number = _step_size(recipe.hyperparameters) if isinstance(setting, SetParameter) else ()
     if not number:
@@ -35,7 +36,7 @@ def _checked(space: FiniteSpace, recipe: Recipe, *settings: Setting) -> tuple[Se
 
 
 def _step_size(values: Hyperparameters) -> tuple[SetParameter, ...]:
-    """Return what makes the step size a number where it is the sample average."""
+    """Return the changes from a sample average to a number, empty if the step size is a number."""
     number = values.without_average()
     return tuple(
         SetParameter(name, number.value(name))

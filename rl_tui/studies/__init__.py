@@ -1,4 +1,3 @@
-"""What many runs say together: sweeps, statistics, pictures, figures of the book, checks of a world.
-
-It imports runs, and the rooms below. No study imports another but for what stands left of it.
+"""Studies of many runs: sweeps, statistics, pictures, figures of the book, world checks. May import runs
+and the packages below. A study imports only studies to its left.
 """

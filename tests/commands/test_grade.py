@@ -216,7 +216,7 @@ def test_what_cannot_be_read_fails_alone(tmp_path: Path, monkeypatch: pytest.Mon
     agent_in(tmp_path, UDACITY, "second.py")
     answer = document(tmp_path, "--scenario", "frozenlake", "--seeds", 1, "--episodes", 600)
     first, second = answer["submissions"]
-    assert first["runs"][0]["error"] == "what came of it cannot be read (IndexError: out of range)"
+    assert first["runs"][0]["error"] == "its result cannot be read (IndexError: out of range)"
     assert second["passed"]
 
 

@@ -297,7 +297,7 @@ to = "Work"
     ("limit", "reward", "epsilon", "warned"),
     [
         ("", -1.0, 0.0, "with what SARSA learns, at γ 0.99 and ε 0, an episode takes nearly for ever"),
-        ("", -1.0, 0.1, "the policy that is best for γ 0.99 may never come to an end"),
+        ("", -1.0, 0.1, "the optimal policy for γ 0.99 may never end an episode"),
         ("", 1.0, 0.0, ""),
         ("time_limit = 50", -1.0, 0.0, ""),
     ],

@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from rl_tui.commands.main import program
+from rl_tui.runs.answers.first_update_words import NOTHING_IN_THE_WAY
 
 
 def run(*args: str) -> tuple[int, str, str]:
@@ -55,7 +56,7 @@ def test_the_text_has_the_wait_the_cause_and_the_remedies() -> None:
     assert code == 0
     for words in ("5.41665e-6", "184,616", "127,966 or fewer", "ties first", "ties random", "71.7"):
         assert words in text
-    assert "nothing stands in the way" in run("cliff")[1]
+    assert NOTHING_IN_THE_WAY in run("cliff")[1]
 
 
 @pytest.mark.parametrize(

@@ -127,10 +127,10 @@ def test_another_value_is_not_so(value: str, by: str) -> None:
         ("1", "run('qq', steps=1)", "the name of a measure"),
         ("1", "run('reward')", "how far a run goes"),
         ("1", "run('reward', steps=1, changes=['0:epsilon=7'])", "epsilon"),
-        ("1", "run('regret', steps=1)", "no bandit"),
+        ("1", "run('regret', steps=1)", "not a bandit"),
         ("1", "mean('episodes', seeds=20, steps=9)", "50 to 10,000"),
         ("1", "share('episodes', steps=9)", "one of at_least"),
-        ("1", "share('policy_in', steps=9, state='Class', at_least=1)", "held against"),
+        ("1", "share('policy_in', steps=9, state='Class', at_least=1)", "compared with"),
         ("1", "mean('policy_in', steps=9, state='Class')", "a number under every seed"),
         ("1", "mean('first_reward_episode', steps=1)", "a number under every seed"),
         ("1", "ahead('steps', 1, {}, steps=9)", "a table of settings"),
@@ -143,7 +143,7 @@ def test_another_value_is_not_so(value: str, by: str) -> None:
         ("1", "tried + 1", "tried → tried, a circle"),
         ("1", "algorithm", '"q-learning"'),
         ("about one", "1", "a number, such as 1"),
-        ("1 ± 0.1", "1", "no mean over seeds"),
+        ("1 ± 0.1", "1", "not a mean over seeds"),
     ],
 )
 def test_what_is_told_of_a_figure(value: str, by: str, told: str) -> None:

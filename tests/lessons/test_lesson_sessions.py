@@ -160,7 +160,7 @@ REFUSED = {
     "evidence of a module": (lambda: changed(f"{EVIDENCE}.scenario", {"id": "gym:os:X-v0", "kind": "gymnasium", "title": "t"}), "without a module"),
     "evidence beyond its end": (lambda: changed(f"{EVIDENCE}.step", 0), "lesson.passed[0].journal: step 1 is out of order or beyond its end"),
     "evidence out of order": (lambda: changed(f"{EVIDENCE}.journal", [{"step": 1, "take": 0}, {"step": 0, "take": 0}]), "out of order"),
-    "evidence of no change": (lambda: changed(f"{EVIDENCE}.journal", [{"step": 1}]), "lesson.passed[0].journal[0] is no change"),
+    "evidence of no change": (lambda: changed(f"{EVIDENCE}.journal", [{"step": 1}]), "lesson.passed[0].journal[0]: not a change"),
     "evidence without end": (lambda: changed(f"{EVIDENCE}.journal", [{"step": 0, "take": 0}] * 200_001), "at most 200000"),
     "evidence of a far step": (lambda: changed(f"{EVIDENCE}.step", 10**18), "lesson.passed[0].step"),
     "a program without end": (lambda: changed(f"{EVIDENCE}.program", "x" * 200_001), "at most 200000"),

@@ -117,5 +117,5 @@ def test_a_default_of_its_own_stays_where_nothing_is_given() -> None:
 def test_a_method_that_wants_what_is_not_known_there() -> None:
     def get_action(state: int, reward: float) -> None: ...
 
-    with pytest.raises(UserError, match=re.escape("get_action: nothing is known that its parameter reward")):
+    with pytest.raises(UserError, match=re.escape("get_action: unknown parameter reward")):
         bind(get_action, "get_action", ("env", "state"))

@@ -1,1 +1,1 @@
-"""The numbers of a lesson's texts: what they are worked out by, and whether they are so."""
+"""The numbers in texts of lessons: their expressions, and the check of their values."""

@@ -1,4 +1,4 @@
-"""Figures that are exact: of the best policy, of any other, of flips, and of the first update."""
+"""Exact figures: values and returns of policies, flip points, and the first update."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 POLICIES: Final = ("uniform", "optimal", "soft", "first")
 ELSEWHERE: Final = "else"
 _PolicyText = Any
-"""A name of :data:`POLICIES`, or a table of states and what is done there."""
+"""A name in `POLICIES`, or a table from states to actions."""
 
 
 def optimal_value(subject: FigureSubject, state: object = None) -> float:
-    """Return V*(state) for the γ of the setup, without a time limit; at the start without a state."""
+    """Return V*(state) for the γ of the setup, without a time limit, or at the start without a state."""
     solution = subject.solution
     return solution.value_at_start if state is None else float(solution.v[subject.state(state)])
 
@@ -47,24 +47,24 @@ def optimal_q(subject: FigureSubject, state: object, action: object) -> float:
 
 
 def optimal_return(subject: FigureSubject) -> float:
-    """Return what the policy that is best for γ earns: undiscounted, within the time limit."""
+    """Return the undiscounted return of the optimal policy for γ, within the time limit."""
     return _there(subject.returns.expected_return, "optimal_return")
 
 
 def best_return(subject: FigureSubject) -> float:
-    """Return what the best policy that may look at the clock earns: undiscounted, within the time limit."""
+    """Return the undiscounted return, within the time limit, of the best time-dependent policy."""
     return _there(subject.returns.best_expected_return, "best_return")
 
 
 def unlimited_return(subject: FigureSubject) -> float:
-    """Return what the policy that is best for γ earns: undiscounted, without a time limit."""
+    """Return the undiscounted return of the optimal policy for γ, without a time limit."""
     return policy_unlimited_return(subject, "optimal")
 
 
 def policy_value(
     subject: FigureSubject, state: object = None, policy: _PolicyText = "uniform", epsilon: object = 0
 ) -> float:
-    """Return V of a policy in a state, or at the start: a random action ε of the time, no time limit."""
+    """Return V of a policy in a state, or at the start, with exploration ε and no time limit."""
     found = _figures(subject, subject.mdp, policy, epsilon)
     if state is None:
         return _there(found.value_at_start, "policy_value")
@@ -72,44 +72,44 @@ def policy_value(
 
 
 def policy_return(subject: FigureSubject, policy: _PolicyText, epsilon: object = 0) -> float:
-    """Return what a policy earns that takes a random action ε of the time: within the time limit."""
+    """Return the return of a policy with a random action ε of the time, within the time limit."""
     return _there(_figures(subject, subject.mdp, policy, epsilon).expected_return, "policy_return")
 
 
 def policy_steps(subject: FigureSubject, policy: _PolicyText, epsilon: object = 0) -> float:
-    """Return how many steps an episode of a policy lasts on average, a random action ε of the time."""
+    """Return the mean steps of an episode of a policy with a random action ε of the time."""
     return _there(_figures(subject, subject.mdp, policy, epsilon).steps, "policy_steps")
 
 
 def policy_ends(subject: FigureSubject, policy: _PolicyText, epsilon: object = 0) -> float:
-    """Return the chance that an episode of a policy ends, within the time limit if there is one."""
+    """Return the probability that an episode of a policy ends, within the time limit if there is one."""
     return _there(_figures(subject, subject.mdp, policy, epsilon).ends, "policy_ends")
 
 
 def policy_unlimited_return(subject: FigureSubject, policy: _PolicyText, epsilon: object = 0) -> float:
-    """Return what a policy earns that takes a random action ε of the time: without a time limit."""
+    """Return the return of a policy with a random action ε of the time, without a time limit."""
     found = _figures(subject, subject.unlimited, policy, epsilon).expected_return
     return _there(found, "policy_unlimited_return")
 
 
 def soft_return(subject: FigureSubject, planned: object, epsilon: object) -> float:
-    """Return what the policy that is best when exploring ``planned`` earns when it explores ε."""
+    """Return the return of the best policy for exploration `planned`, when it explores with ε."""
     found = _figures(subject, subject.mdp, "soft", epsilon, planned)
     return _there(found.expected_return, "soft_return")
 
 
 def soft_steps(subject: FigureSubject, planned: object, epsilon: object) -> float:
-    """Return the steps of an episode of the policy that is best when exploring ``planned``, exploring ε."""
+    """Return the mean steps of the best policy for exploration `planned`, when it explores with ε."""
     return _there(_figures(subject, subject.mdp, "soft", epsilon, planned).steps, "soft_steps")
 
 
 def flip(subject: FigureSubject, n: object) -> float:
-    """Return the n-th γ, counted from 1, at which the best actions change in some state."""
+    """Return the n-th γ, counted from 1, at which the optimal actions change in some state."""
     return _nth(_flips(subject), n)
 
 
 def way_flip(subject: FigureSubject, n: object) -> float:
-    """Return the n-th γ, counted from 1, at which they change on the way from the start."""
+    """Return the n-th γ, counted from 1, at which the optimal path from the start changes."""
     return _nth(tuple(each for each in _flips(subject) if each.turns_the_way), n)
 
 
@@ -120,22 +120,22 @@ def _nth(found: tuple[Flip, ...], n: object) -> float:
 
 
 def flips(subject: FigureSubject) -> int:
-    """Return how many γ between 0 and 1 there are at which the best actions change."""
+    """Return the number of γ between 0 and 1 at which the optimal actions change."""
     return len(_flips(subject))
 
 
 def first_update_chance(subject: FigureSubject) -> float:
-    """Return the chance that one episode moves an estimate while all are equal, as ``rl-tui why`` does."""
+    """Return the probability that an episode changes an estimate while all are equal, as in `rl-tui why`."""
     return _wait(subject).chance
 
 
 def mean_episodes(subject: FigureSubject) -> float:
-    """Return the mean number of episodes up to the first that moves an estimate."""
+    """Return the mean number of episodes until the first changes an estimate."""
     return _there(_wait(subject).mean_episodes, "mean_episodes")
 
 
 def median_episodes(subject: FigureSubject) -> int:
-    """Return in how many episodes it is as likely as not that an estimate has moved."""
+    """Return the median number of episodes until the first changes an estimate."""
     return int(_there(_wait(subject).median_episodes, "median_episodes"))
 
 
@@ -164,7 +164,7 @@ def _figures(
     aware = often if planned is None else share(planned, "planned")
     key = "policy", id(mdp), subject.values.gamma, repr(policy), often, aware
     if key not in subject.known:
-        # the world is kept with its figures: another one must not come to its address
+        # the cached world keeps its id from being reused
         chances = softened(mdp, _policy(subject, policy, aware), often)
         subject.known[key] = mdp, figures(mdp, chances, subject.values.gamma)
     found: PolicyFigures = subject.known[key][1]
@@ -172,7 +172,7 @@ def _figures(
 
 
 def _policy(subject: FigureSubject, policy: _PolicyText, planned: float) -> FloatArray:
-    """Return a policy, [P], by its name or by what it does in some states."""
+    """Return a policy, `[P]`, by its name or by its table."""
     mdp = subject.mdp
     if isinstance(policy, dict):
         return _drawn(subject, policy)
@@ -191,7 +191,7 @@ def _policy(subject: FigureSubject, policy: _PolicyText, planned: float) -> Floa
 
 
 def _drawn(subject: FigureSubject, table: dict[Any, Any]) -> FloatArray:
-    """Return the policy, [P], of a table; ``else`` is done in all states that are not in it."""
+    """Return the policy, `[P]`, of a table. `else` is the action in all other states."""
     mdp = subject.mdp
     named = {name_of(state): name_of(action) for state, action in table.items()}
     elsewhere = named.pop(ELSEWHERE, None)

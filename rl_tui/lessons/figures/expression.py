@@ -1,7 +1,5 @@
-"""The expressions by which figures are worked out: arithmetic over names and calls, and nothing else.
-
-An expression is a text of a lesson file, so it is data: it is read by Python's parser, and evaluated here
-node by node. What is not listed is refused.
+"""The expressions of figures: arithmetic with names and calls. Expressions are data from a lesson file,
+parsed by Python and evaluated here node by node. Anything not listed is refused.
 """
 
 from __future__ import annotations
@@ -19,14 +17,14 @@ from rl_tui.common.findings import shown
 MOST_NODES: Final = 300
 MOST_DEPTH: Final = 20
 LARGEST: Final = 1e15
-"""Of the numbers that are written out in an expression."""
+"""Largest number in an expression."""
 
 Value = Any
-"""What an expression comes to: a number, a text, true or false; an argument may be a list or a table."""
+"""The value of an expression: number, text or truth value. An argument may be a list or a table."""
 Call = Callable[[str, list[Value], dict[str, Value]], Value]
-"""Works out a function by its name, its arguments in order and those by name."""
+"""Computes a function from its name, arguments and named arguments."""
 Look = Callable[[str], Value]
-"""Returns what a name stands for."""
+"""Returns the value of a name."""
 
 FORM: Final = "numbers, texts in quotes, names, calls, + − * / ** and brackets"
 _BINARY: Final[Mapping[type[ast.operator], Callable[[float, float], Any]]] = {
@@ -39,7 +37,7 @@ _BINARY: Final[Mapping[type[ast.operator], Callable[[float, float], Any]]] = {
 
 
 class FigureError(UserError):
-    """A figure that cannot be worked out: what was found, and what was expected in its place."""
+    """A figure that cannot be computed, with the finding and the expectation."""
 
     def __init__(self, found: str, expected: str) -> None:
         self.found, self.expected = found, expected
@@ -47,22 +45,22 @@ class FigureError(UserError):
 
 
 class SeedMean(float):
-    """A mean over seeds: a number with its standard ``error``."""
+    """A mean over seeds with its standard `error`."""
 
     error: float
 
     def __new__(cls, value: float, error: float) -> SeedMean:
-        """Return the mean ``value`` with this ``error``."""
+        """Return the mean `value` with its `error`."""
         made = super().__new__(cls, value)
         made.error = error
         return made
 
 
 def read_expression(text: str) -> ast.expr:
-    """Return ``text`` as a tree of the kinds that are known, bounded in size. Raises FigureError."""
+    """Parse an expression of bounded size. Raises FigureError."""
     plain = text.replace("−", "-").strip()
     try:
-        with warnings.catch_warnings(action="ignore"):  # of a text that is no Python
+        with warnings.catch_warnings(action="ignore"):  # about text that is not Python
             tree = ast.parse(plain, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise FigureError(shown(text), f"an expression of {FORM}") from error
@@ -73,12 +71,12 @@ def read_expression(text: str) -> ast.expr:
 
 
 def evaluate(tree: ast.expr, look: Look, call: Call) -> Value:
-    """Return what ``tree`` comes to; ``look`` knows the names, ``call`` the functions. Raises FigureError."""
+    """Evaluate `tree` with the names of `look` and the functions of `call`. Raises FigureError."""
     return _Evaluation(look, call).value(tree)
 
 
 def _check(node: ast.expr, depth: int) -> None:
-    """Raise FigureError where there is anything that is not known."""
+    """Raise FigureError at an unknown node."""
     if depth > MOST_DEPTH:
         raise FigureError("brackets within brackets, too deep", f"at most {MOST_DEPTH} within each other")
     inner: list[ast.expr] = []
@@ -108,14 +106,13 @@ def _check(node: ast.expr, depth: int) -> None:
 
 
 class _Evaluation:
-    """One evaluation of a tree that was checked."""
+    """One evaluation of a checked tree."""
 
     def __init__(self, look: Look, call: Call) -> None:
         self._look = look
         self._call = call
 
     def value(self, node: ast.expr) -> Value:
-        """Return what ``node`` comes to."""
         match node:
             case ast.Constant(value=constant):
                 return constant
@@ -137,7 +134,7 @@ class _Evaluation:
             case ast.Call(func=ast.Name(id=name), args=arguments, keywords=by_name):
                 named = {each.arg: self.value(each.value) for each in by_name if each.arg is not None}
                 return self._call(name, [self.value(each) for each in arguments], named)
-        raise FigureError(shown(ast.unparse(node)), FORM)  # read_expression lets nothing else through
+        raise FigureError(shown(ast.unparse(node)), FORM)  # read_expression accepts nothing else
 
     def _number(self, node: ast.expr) -> float:
         value = self.value(node)
@@ -153,13 +150,13 @@ class _Evaluation:
         except OverflowError:
             result = math.inf
         if not isinstance(result, float) or not math.isfinite(result):
-            raise FigureError("a result that is no finite number", "numbers whose result can be written")
+            raise FigureError("a result that is not a finite number", "numbers whose result can be written")
         error = _error_of(op, left, right)
         return result if error is None else SeedMean(result, error)
 
 
 def _error_of(op: ast.operator, left: float, right: float) -> float | None:
-    """Return the standard error of what ``op`` makes of one mean over seeds and a number; else None."""
+    """Return the standard error of `op` on one mean over seeds and one number, else None."""
     if isinstance(left, SeedMean) == isinstance(right, SeedMean):
         return None
     error = left.error if isinstance(left, SeedMean) else getattr(right, "error", 0.0)

@@ -35,9 +35,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class FigureFunction:
-    """A function of expressions: ``work`` takes a FigureSubject first, but for one of plain mathematics.
-
-    ``more`` are arguments by name that it takes beside those of its signature.
+    """A function of expressions. `work` takes a FigureSubject first, unless it is mathematical. `more` are
+    further named arguments.
     """
 
     name: str
@@ -48,7 +47,7 @@ class FigureFunction:
 
     @property
     def signature(self) -> inspect.Signature:
-        """Its arguments, the subject left out."""
+        """Its arguments without the subject."""
         parameters = list(inspect.signature(self.work).parameters.values())
         named = [each for each in parameters if each.kind is not inspect.Parameter.VAR_KEYWORD]
         plain = [each.replace(annotation=inspect.Parameter.empty) for each in named]
@@ -56,7 +55,7 @@ class FigureFunction:
 
     @property
     def arguments(self) -> tuple[str, ...]:
-        """The names of all its arguments."""
+        """Names of all arguments."""
         return (*self.signature.parameters, *self.more)
 
 
@@ -65,7 +64,7 @@ def _rows(*functions: Callable[..., Any], more: tuple[str, ...] = ()) -> list[Fi
 
 
 def _meaning(function: Callable[..., Any]) -> str:
-    """Return what ``function`` is worth: the first line of its docstring, which begins with Return."""
+    """Return the description of `function`: the first line of its docstring without "Return"."""
     line = (inspect.getdoc(function) or "").partition("\n")[0].removeprefix("Return ")
     return line[:1].upper() + line[1:]
 
@@ -156,7 +155,7 @@ FUNCTIONS: Final[Mapping[str, FigureFunction]] = {
         _plain("log", _log, "The natural logarithm."),
         _plain("log10", _log10, "The logarithm to base 10."),
         _plain("exp", _exp, "The number e to that power."),
-        _plain("round", _round, "The number rounded to so many decimals."),
+        _plain("round", _round, "The number rounded to `digits` decimals."),
     )
 }
 
@@ -167,10 +166,13 @@ def called(
     by_name: Mapping[str, Any],
     subject_with: Callable[[dict[str, Any]], FigureSubject],
 ) -> Any:
-    """Return what the function of this ``name`` comes to.
+    """Call a function of expressions. Raises FigureError.
 
-    Of the arguments ``by_name`` those that are settings, and none of its own, make another subject:
-    ``subject_with`` returns it. Raises FigureError.
+    Args:
+        name: Name of the function.
+        arguments: Positional arguments.
+        by_name: Named arguments. Settings that are not its own change the subject.
+        subject_with: Returns the subject with other settings.
     """
     row = FUNCTIONS.get(name)
     if row is None:
@@ -211,11 +213,11 @@ def _mathematics(row: FigureFunction, arguments: list[Any], by_name: Mapping[str
 OVER_SEEDS: Final = frozenset(
     ("mean", "error_of_mean", "median", "least", "greatest", "share", "count", "ahead")
 )
-"""Functions whose work is many runs: what a quick check leaves out."""
+"""Functions that train many runs, skipped by a quick check."""
 
 
 class LessonFigures:
-    """Works out the figures of ``lesson``, each once, by runs that keep within ``budget``."""
+    """Computes the figures of `lesson`, each once, within the `budget` of steps."""
 
     def __init__(self, lesson: Lesson, budget: StepBudget | None = None) -> None:
         self._lesson = lesson
@@ -227,7 +229,7 @@ class LessonFigures:
         self._under_way: list[str] = []
 
     def value(self, name: str) -> Any:
-        """Return the figure of this name: a number or a text. Raises UserError where it has none."""
+        """Return the figure `name`, a number or a text. Raises UserError if it cannot be computed."""
         if name in self._faults:
             raise self._faults[name]
         if name not in self._values:
@@ -248,17 +250,17 @@ class LessonFigures:
         return self._values[name]
 
     def subject_of_page(self, page: str) -> FigureSubject:
-        """Return the subject of the setup that applies on a page. Raises UserError."""
+        """Return the subject of the setup on a page. Raises UserError."""
         return subject_of(self._lesson, self._lesson.setup_of(page), {}, self._known, self._budget)
 
     def needs_seeds(self, name: str) -> bool:
-        """Return whether a figure, or one that it asks for, takes runs over many seeds."""
+        """Return True if a figure, or one that it uses, needs runs over many seeds."""
         ahead, seen = [name], {name}
         while ahead:
             try:
                 tree = read_expression(self._lesson.figures[ahead.pop()].by)
             except FigureError:
-                continue  # told when it is worked out
+                continue  # reported when it is computed
             names = {each.id for each in ast.walk(tree) if isinstance(each, ast.Name)}
             if OVER_SEEDS & names:
                 return True
@@ -268,7 +270,7 @@ class LessonFigures:
         return False
 
     def finding(self, name: str) -> Finding | None:
-        """Return what is wrong with a figure; None where it is so."""
+        """Return the error of a figure, or None if its value is right."""
         figure = self._lesson.figures[name]
         if plain_name(name) in SETTINGS and figure.by.strip() != name:
             return Finding(
@@ -305,7 +307,7 @@ class LessonFigures:
 
 
 def _why_wrong(value: str, exact: Any) -> str | None:
-    """Return what was expected in place of the written ``value``; None where it is right."""
+    """Return the expected text instead of `value`, or None if it is right."""
     if isinstance(exact, str):
         return None if value == exact else shown(exact)
     if isinstance(exact, bool) or not isinstance(exact, int | float):
@@ -326,5 +328,5 @@ def _why_error_wrong(written: WrittenNumber, error: float | None, recomputed: st
     if written.error is None:
         return None
     if error is None:
-        return "a number without ±: this one is no mean over seeds"
+        return "a number without ±: this one is not a mean over seeds"
     return None if written.error.agrees_with(error) else recomputed

@@ -1,4 +1,4 @@
-"""Figures of runs: of one, of an attempt recorded in the lesson, of many that differ in their seed."""
+"""Figures from runs: a single run, a recorded attempt, or runs over many seeds."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from rl_tui.runs.recipe import JournalEntry
 
 LEAST_SEEDS: Final = 50
-"""Of what is said about learning: fewer may say anything."""
+"""Fewest seeds for statements about learning."""
 MOST_SEEDS: Final = 10_000
 MOST_STEPS: Final = 10**9
-"""Steps or episodes of one run. How many all of them may take, the budget says."""
+"""Limit of one run in steps or episodes. The budget limits all runs together."""
 MOST_KEPT: Final = 4
-"""Single runs that are kept, of which other measures may be asked. Of runs over seeds only measures are."""
+"""Number of single runs that are cached for further metrics. For runs over seeds only metrics are cached."""
 
 
 def run(
@@ -39,7 +39,7 @@ def run(
     changes: Sequence[object] = (),
     **arguments: Any,
 ) -> Value:
-    """Return a measure of one run under the setup's seed, after so many steps or episodes."""
+    """Return a metric of one run with the setup's seed, after so many steps or episodes."""
     goal, journal = _goal(steps, episodes), _journal(subject, changes)
 
     def trained() -> Run:
@@ -53,7 +53,7 @@ def run(
 
 
 def attempt(subject: FigureSubject, page: object, name: object, measure: object, **arguments: Any) -> Value:
-    """Return a measure at the end of an attempt, by its page and its name."""
+    """Return a metric at the end of an attempt, by its page and its name."""
     lesson = subject.lesson
     tasks = {each.id: each for each in lesson.tasks}
     wanted = name_of(page)
@@ -73,7 +73,6 @@ def attempt(subject: FigureSubject, page: object, name: object, measure: object,
 
 
 def _kept(subject: FigureSubject, key: object, make: Callable[[], Run]) -> Run:
-    """Return the run of this ``key``, made anew where it is not among the last few."""
     kept: dict[object, Run] = subject.known.setdefault("runs", {})
     if key not in kept:
         made = make()
@@ -84,7 +83,7 @@ def _kept(subject: FigureSubject, key: object, make: Callable[[], Run]) -> Run:
 
 
 def mean(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> SeedMean:
-    """Return the mean of a measure over seeds 0, 1, …, with its standard error: written ``m ± e``."""
+    """Return the mean of a metric over seeds 0, 1, …, with its standard error: written `m ± e`."""
     values = _values(subject, measure, _many(seeds), arguments)
     return SeedMean(statistics.fmean(values), statistics.stdev(values) / math.sqrt(len(values)))
 
@@ -97,28 +96,28 @@ def error_of_mean(
 
 
 def median(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
-    """Return the median of a measure over seeds 0, 1, …"""
+    """Return the median of a metric over seeds 0, 1, …"""
     return statistics.median(_values(subject, measure, _many(seeds), arguments))
 
 
 def least(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
-    """Return the least value of a measure over seeds 0, 1, …"""
+    """Return the smallest value of a metric over seeds 0, 1, …"""
     return min(_values(subject, measure, _many(seeds), arguments))
 
 
 def greatest(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
-    """Return the greatest value of a measure over seeds 0, 1, …"""
+    """Return the largest value of a metric over seeds 0, 1, …"""
     return max(_values(subject, measure, _many(seeds), arguments))
 
 
 def share(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
-    """Return the share of seeds 0, 1, … in which a measure is ``at_least``, ``equals`` … what is given."""
+    """Return the share of seeds 0, 1, … in which a metric is `at_least`, `equals` … a given value."""
     many = _many(seeds)
     return _holding(subject, measure, many, arguments) / many
 
 
 def count(subject: FigureSubject, measure: object, seeds: object, **arguments: Any) -> int:
-    """Return in how many of the seeds 0, 1, … that is so: of these seeds alone, be they few."""
+    """Return the number of seeds 0, 1, … in which that is true, for these seeds only."""
     return _holding(subject, measure, whole(seeds, "seeds", 1, MOST_SEEDS), arguments)
 
 
@@ -130,7 +129,7 @@ def ahead(
     seeds: object = LEAST_SEEDS,
     **arguments: Any,
 ) -> float:
-    """Return the share of seeds in which a measure is greater with settings ``these`` than with ``those``."""
+    """Return the share of seeds in which a metric is larger with settings `these` than with `those`."""
     many = _many(seeds)
     one, other = (
         _values(subject.changed(_settings(each)), measure, many, arguments) for each in (these, those)
@@ -155,7 +154,7 @@ TESTS: Final = tuple(_TESTS)
 
 
 def _holding(subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]) -> int:
-    """Return in how many seeds all the tests among ``arguments`` hold; what has no value passes none."""
+    """Return the number of seeds in which all given tests are true. A missing value fails."""
     bounds = {name: arguments.pop(name) for name in TESTS if name in arguments}
     if not bounds:
         raise FigureError("no test", f"one of {', '.join(TESTS)}")
@@ -165,9 +164,9 @@ def _holding(subject: FigureSubject, measure: object, seeds: int, arguments: dic
             value is not None and all(_TESTS[name](value, bound) for name, bound in bounds.items())
             for value in every
         )
-    except TypeError as fault:  # a word, held against a number
+    except TypeError as fault:  # a word compared with a number
         raise FigureError(
-            f"{name_of(measure)} held against {shown(list(bounds.values()))}", "its kind"
+            f"{name_of(measure)} compared with {shown(list(bounds.values()))}", "its kind"
         ) from fault
 
 
@@ -184,7 +183,7 @@ def _values(subject: FigureSubject, measure: object, seeds: int, arguments: dict
 def _measured(
     subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]
 ) -> list[Value | None]:
-    """Return the measure under each of the seeds 0 … seeds - 1."""
+    """Return the metric under the seeds 0 to `seeds` − 1."""
     rest = dict(arguments)
     goal = _goal(rest.pop("steps", None), rest.pop("episodes", None))
     journal = _journal(subject, rest.pop("changes", ()))
@@ -203,7 +202,7 @@ def _of_each_seed(
     seeds: int,
     measure: Callable[[Run], Value | None],
 ) -> list[Value | None]:
-    """Return what ``measure`` gives of the run of each seed, trained on all cores; no run is kept."""
+    """Return `measure` of the run of each seed, trained on all cores without storing runs."""
     seeded = SeededRuns(subject.with_seed(0), journal)
     with subject.budget.counted(seeded.first, journal, goal, seeds) as watch:
         seeded.get_machine_code(seeds, goal, no_compiling)

@@ -1,4 +1,4 @@
-"""How many steps the runs of a lesson file may take while it is checked."""
+"""The limit of steps for all runs in the check of a lesson file."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from rl_tui.runs.training.batched_runs import BatchedRuns
 from rl_tui.runs.training.seeded_runs import Goal, OnProgress
 
 FIGURE_STEPS: Final = 1_000_000_000
-"""Of all runs of a figure together."""
+"""Limit for all runs of one figure."""
 FILE_STEPS: Final = 4_000_000_000
-"""Of all runs of a file together, those that try its tasks included."""
+"""Limit for all runs of a file, including attempts at tasks."""
 STEPPED: Final = 100
-"""How many steps one step of an environment without a transition table counts as: it takes longer."""
+"""Weight of one step of a simulated environment, which takes longer."""
 _PLANNING: Final = "planning_steps"
 
 WatchRun = Callable[[Run | BatchedRuns], OnProgress]
-"""Returns the callback that counts the steps of a run under way."""
+"""Returns the callback that counts the steps of a current run."""
 
 
 class StepBudgetError(Exception):
-    """Too many steps: how many were asked for, and how many were expected at most."""
+    """Too many steps, with the requested number and the limit."""
 
     def __init__(self, found: str, expected: str) -> None:
         self.found, self.expected = found, expected
@@ -36,28 +36,26 @@ class StepBudgetError(Exception):
 
 
 class _SpentError(Exception):
-    """The runs under way have taken too many steps."""
+    """The current runs have exceeded the limit."""
 
 
 class StepBudget:
     """Counts the steps of all runs for one file, and ends runs above the limits for a figure or the file.
-
-    Which runs it ends depends on the file only, not on time or on the order of threads.
+    The result depends only on the file, not on time or the order of threads.
     """
 
     def __init__(self, figure: int = FIGURE_STEPS, file: int = FILE_STEPS) -> None:
         self._most_of_figure, self._most = figure, file
         self._under_way: list[str] = []
         self.of_figures = Counter[str]()
-        """Steps counted so far for each figure."""
+        """Steps so far for each figure."""
         self.taken = 0
-        """Steps counted so far in all."""
+        """Steps so far in all."""
 
     @contextmanager
     def of_figure(self, name: str) -> Iterator[None]:
-        """Count the runs in this context for a figure; a figure inside another counts for itself.
-
-        Raises FigureError at too many steps.
+        """Count the runs in this context for a figure. A figure inside another counts for itself. Raises
+        FigureError at too many steps.
         """
         self._under_way.append(name)
         try:
@@ -71,11 +69,20 @@ class StepBudget:
     def counted(
         self, first: Run, journal: Sequence[JournalEntry], goal: Goal, runs: int
     ) -> Iterator[WatchRun]:
-        """Count ``runs`` runs like ``first`` up to ``goal``; the yielded function has to watch each.
+        """Count runs like `first`. Failed runs count with all steps of their goal, or with the steps taken
+        for a goal in episodes.
 
-        Runs that fail count with all steps of their goal, or where that is a number of episodes with those
-        taken by then. Raises StepBudgetError at too many steps, before the first step where ``goal`` is a
-        number of steps.
+        Args:
+            first: A run with the recipe of all.
+            journal: Changes on the way.
+            goal: End of each run.
+            runs: Number of runs.
+
+        Yields:
+            A function that must watch each run.
+
+        Raises:
+            StepBudgetError: Too many steps. With a goal in steps, it is raised before the first step.
         """
         weight, left = _weight(first, journal), self._left
         asked = (goal.steps or 0) * runs * weight
@@ -106,7 +113,7 @@ class StepBudget:
             self._spend(min(total if is_whole else max(asked, total), left))
 
     def charge(self, run: Run, most: int) -> None:
-        """Count at most ``most`` steps of a finished run. Raises StepBudgetError at too many steps."""
+        """Count at most `most` steps of a finished run. Raises StepBudgetError at too many steps."""
         asked, left = min(run.step, most) * _weight(run, run.journal), self._left
         refusal = self._refusal(f"{asked:,}")
         self._spend(min(asked, left))
@@ -138,7 +145,7 @@ class StepBudget:
 
 
 def _weight(run: Run, journal: Sequence[JournalEntry]) -> int:
-    """Return the number of steps that one step of ``run`` counts as: each planning step is one more."""
+    """Return the weight of one step of `run`. Each planning step counts as one more."""
     algorithms, planning = [run.recipe.algorithm], [run.recipe.hyperparameters.planning_steps]
     for entry in journal:
         match entry.change:

@@ -40,9 +40,8 @@ SETTINGS: Final = ("algorithm", *PARAMETERS)
 
 
 class FigureSubject:
-    """A recipe of the lesson, and what is worked out of it once: its world and its exact answer.
-
-    ``known`` are results of runs, and ``budget`` counts their steps: all subjects of one check share both.
+    """A recipe of the lesson with cached results. All subjects of one check share `known` results and the
+    `budget` of steps.
     """
 
     def __init__(
@@ -58,16 +57,16 @@ class FigureSubject:
         self.known = known
         self.budget = budget
         self.changed = changed
-        """Returns the subject with other settings besides."""
+        """Returns the subject with further settings."""
 
     @property
     def values(self) -> Hyperparameters:
-        """The hyper-parameters of its setup."""
+        """Hyper-parameters of the setup."""
         return self.recipe.hyperparameters
 
     @cached_property
     def world(self) -> World:
-        """The world, as the seed makes it. Raises UserError where it cannot be built."""
+        """World of the setup's seed. Raises UserError if it cannot be built."""
         key = "world", self.recipe.scenario.text or self.recipe.scenario.id, self.recipe.seed
         if key not in self.known:
             self.known[key] = begin(self.recipe).world
@@ -76,19 +75,19 @@ class FigureSubject:
 
     @cached_property
     def mdp(self) -> TabularMDP:
-        """The table of the world. Raises FigureError where it has none."""
+        """Table of the world. Raises FigureError if it has none."""
         if self.world.mdp is None:
             raise FigureError(f"{self.recipe.scenario.id}: {NO_TABLE}", "a world with a transition table")
         return self.world.mdp
 
     @cached_property
     def solution(self) -> Solution:
-        """The exact answer for its γ. Raises UserError where there is none."""
+        """Solution for its γ. Raises UserError if there is none."""
         return solve(self.mdp, self.values.gamma)
 
     @cached_property
     def returns(self) -> Returns:
-        """What optimal policies earn in an episode. Raises UserError where there is no exact answer."""
+        """Returns of optimal policies. Raises UserError without a solution."""
         return returns(self.mdp, self.solution)
 
     @cached_property
@@ -97,7 +96,7 @@ class FigureSubject:
         return replace(self.mdp, time_limit=0)
 
     def with_seed(self, seed: int) -> Recipe:
-        """Return the recipe under another seed."""
+        """Return the recipe with another seed."""
         return replace(self.recipe, seed=seed)
 
     def setting(self, name: str) -> float | str:
@@ -105,15 +104,15 @@ class FigureSubject:
         return self.recipe.algorithm if name == "algorithm" else self.values.value(plain_name(name))
 
     def state(self, name: object) -> int:
-        """Return the number of the state of this name. Raises FigureError with near names."""
+        """Return the number of the named state. Raises FigureError with similar names."""
         return _place(name_of(name), self.world.space.state_names, "a state of this world")
 
     def action(self, name: object) -> int:
-        """Return the number of the action of this name. Raises FigureError with near names."""
+        """Return the number of the named action. Raises FigureError with similar names."""
         return _place(name_of(name), self.world.space.action_names, "an action of this world")
 
     def pair(self, state: object, action: object) -> int:
-        """Return the pair of state and action, by their names. Raises FigureError."""
+        """Return the pair of the named state and action. Raises FigureError."""
         space = self.world.space
         number = self.state(state)
         pair = space.pair_of(number, self.action(action))
@@ -127,9 +126,17 @@ class FigureSubject:
 def subject_of(
     lesson: Lesson, setup: str, overrides: Mapping[str, Any], known: dict[Any, Any], budget: StepBudget
 ) -> FigureSubject:
-    """Return the subject of a setup, with ``overrides``: setup or scenario, seed, and settings by name.
+    """Return the subject of a setup.
 
-    Raises UserError where a scenario cannot be found or a setting does not fit.
+    Args:
+        lesson: Lesson with the setup.
+        setup: Name of the setup.
+        overrides: Another setup or scenario, seed, and settings by name.
+        known: Shared results.
+        budget: Shared limit of steps.
+
+    Raises:
+        UserError: A scenario cannot be found, or a setting does not fit.
     """
     others = dict(overrides)
     setup = name_of(others.pop("setup", setup))
@@ -162,19 +169,19 @@ def subject_of(
 
 
 def plain_name(name: str) -> str:
-    """Return the name of a setting that was written as ``lambda_``, which is no word of Python."""
+    """Return the name of a setting, which Python needs as `lambda_`."""
     return "lambda" if name == "lambda_" else name
 
 
 def name_of(value: object) -> str:
-    """Return the name that an argument means: a text, or a whole number such as that of a cell."""
+    """Return the name given as an argument: a text, or a whole number such as a cell."""
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise FigureError(shown(value), "a name in quotes")
     return str(int(value)) if not isinstance(value, str) and value == int(value) else str(value)
 
 
 def whole(value: object, name: str, least: int, most: int) -> int:
-    """Return ``value`` as the whole number that it is. Raises FigureError with the range."""
+    """Return `value` as an integer. Raises FigureError with the range."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not is_number or value != int(value) or not least <= value <= most:  # type: ignore[call-overload, operator]
         raise FigureError(f"{name} = {shown(value)}", f"a whole number, {least:,} to {most:,}")
@@ -182,7 +189,7 @@ def whole(value: object, name: str, least: int, most: int) -> int:
 
 
 def share(value: object, name: str) -> float:
-    """Return ``value`` as a number from 0 to 1. Raises FigureError."""
+    """Return `value` as a number from 0 to 1. Raises FigureError."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= 1.0:
         raise FigureError(f"{name} = {shown(value)}", "a number from 0 to 1")
     return float(value)
@@ -199,11 +206,11 @@ def _place(name: str, names: Any, what: str) -> int:
 
 
 ARGUMENTS: Final = ("state", "action", "actions", "first", "last", "at")
-"""What some measures take besides."""
+"""Further arguments of some metrics."""
 
 
 def measured(run: Run, measure: str, arguments: Mapping[str, Any]) -> Value:
-    """Return a measure of ``run`` where it stands. Raises FigureError where it has no value."""
+    """Return a metric of `run` at its current step. Raises FigureError if it has no value."""
     condition = _condition(measure, arguments)
     try:
         return MEASURES[measure].of(JudgedMoment(run, run.recipe, Kept()), condition)
@@ -212,7 +219,7 @@ def measured(run: Run, measure: str, arguments: Mapping[str, Any]) -> Value:
 
 
 def measuring(measure: str, arguments: Mapping[str, Any]) -> Callable[[Run], Value | None]:
-    """Return what measures any run, from several threads if need be: None where there is no value."""
+    """Return a function that measures a run, or returns None without a value. Safe from several threads."""
     condition = _condition(measure, arguments)
     in_turn, kept = threading.Lock(), Kept()
 
@@ -227,7 +234,7 @@ def measuring(measure: str, arguments: Mapping[str, Any]) -> Callable[[Run], Val
 
 
 def _condition(measure: str, arguments: Mapping[str, Any]) -> Condition:
-    """Return a condition that measures so; what it asks for does not count."""
+    """Return a condition with this metric. Its test is irrelevant."""
     row = MEASURES.get(measure)
     if row is None:
         raise FigureError(shown(measure), f"the name of a measure{near(measure, MEASURES)}")
@@ -256,40 +263,40 @@ def _condition(measure: str, arguments: Mapping[str, Any]) -> Condition:
 
 
 def states(subject: FigureSubject) -> int:
-    """Return how many states there are, terminal ones and those that cannot be reached included."""
+    """Return the number of states, including terminal and unreachable ones."""
     return subject.world.space.states
 
 
 def live_states(subject: FigureSubject) -> int:
-    """Return how many states own actions: they can be reached, and the episode goes on there."""
+    """Return the number of states with actions: they can be reached, and the episode continues there."""
     return int(np.count_nonzero(np.diff(subject.world.space.first_pair)))
 
 
 def pairs(subject: FigureSubject) -> int:
-    """Return how many legal pairs of state and action there are: the cells of the table."""
+    """Return the number of state–action pairs, the cells of the table."""
     return subject.world.space.pairs
 
 
 def actions(subject: FigureSubject, state: object = None) -> int:
-    """Return how many actions there are in all, or are legal in a state."""
+    """Return the number of actions in all, or of those available in a state."""
     space = subject.world.space
     return len(space.action_names) if state is None else len(space.pairs_of(subject.state(state)))
 
 
 def time_limit(subject: FigureSubject) -> int:
-    """Return after how many steps an episode is cut short; 0 for never."""
+    """Return the largest number of steps in an episode, or 0 without a limit."""
     return subject.world.space.time_limit
 
 
 def budget(subject: FigureSubject) -> int:
-    """Return how many pulls of a bandit, or episodes, there are in all."""
+    """Return the budget of a bandit in pulls, or in episodes."""
     if subject.world.budget is None:
         raise FigureError("a world without a budget", "a bandit")
     return subject.world.budget
 
 
 def reward(subject: FigureSubject, state: object, action: object, next_state: object = None) -> float:
-    """Return the mean reward of an action in a state, or of that action where it leads to ``next_state``."""
+    """Return the mean reward of an action in a state, or of that action if it leads to `next_state`."""
     mdp = subject.mdp
     pair = subject.pair(state, action)
     if next_state is None:
@@ -304,7 +311,7 @@ def reward(subject: FigureSubject, state: object, action: object, next_state: ob
 
 
 def chance(subject: FigureSubject, state: object, action: object, next_state: object) -> float:
-    """Return the probability that an action in a state leads to ``next_state``."""
+    """Return the probability that an action in a state leads to `next_state`."""
     return float(subject.mdp.probability[_outcomes(subject, subject.pair(state, action), next_state)].sum())
 
 

@@ -1,4 +1,4 @@
-"""A number as a text writes it, and whether it is so to its last digit."""
+"""Numbers in texts, compared up to their last digit."""
 
 from __future__ import annotations
 
@@ -16,28 +16,26 @@ _NUMBER: Final = re.compile(
 _POWER_OF_TEN: Final = re.compile(r"(?P<sign>[-+]?)10(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]{1,2})")
 _FRACTION: Final = re.compile(r"([-+]?[0-9]{1,9})/([0-9]{1,9})")
 _EXACT: Final = 1e-9
-"""Relative: what floats may have lost of a number that is a fraction, or lies between two digits."""
+"""Relative tolerance for fractions and numbers between two digits."""
 
 
 @dataclass(frozen=True, slots=True)
 class WrittenNumber:
-    """A number of a text. ``unit`` is one of its last digit, 0 where it is exact; ``error`` follows a ±."""
+    """A number in a text. `unit` is one of its last digit, 0 if exact. `error` follows ±."""
 
     value: float
     unit: float
     error: WrittenNumber | None = None
 
     def agrees_with(self, exact: float) -> bool:
-        """Return whether ``exact``, rounded to the digits of this number, is it."""
+        """Return True if `exact`, rounded to the digits of this number, equals it."""
         slack = _EXACT * max(abs(exact), abs(self.value), self.unit)
         return math.isfinite(exact) and abs(exact - self.value) <= self.unit / 2 + slack
 
 
 def written_number(text: str) -> WrittenNumber | None:
-    """Return the number that ``text`` writes, None where it writes none.
-
-    ``−1.5``, ``+4.0``, ``184,616``, ``52 %``, ``14/17``, ``5.4·10⁻⁶``, ``70.9 ± 0.7``, ``⅓``. After ``≈`` the
-    zeros at the end of a whole number are no digits.
+    """Parse a number, such as `−1.5`, `+4.0`, `184,616`, `52 %`, `14/17`, `5.4·10⁻⁶`, `70.9 ± 0.7`, `⅓`.
+    After `≈`, trailing zeros of a whole number are not significant. Return None if `text` is not a number.
     """
     mean, plus_minus, error = text.partition("±")
     if not plus_minus:
@@ -79,7 +77,7 @@ def _single(text: str) -> WrittenNumber | None:
 
 
 def _last_digit(digits: str, *, is_rough: bool) -> float:
-    """Return what one of the last of these ``digits`` is worth."""
+    """Return one unit of the last digit."""
     whole, point, decimals = digits.partition(".")
     if point:
         return 10.0 ** -len(decimals)
@@ -88,7 +86,7 @@ def _last_digit(digits: str, *, is_rough: bool) -> float:
 
 
 def in_digits_of(exact: float, written: str) -> str:
-    """Return ``exact`` for people, six digits of it; as a share of a hundred where ``written`` is one."""
+    """Format `exact` with six digits, or as a percentage if `written` is one."""
     if not math.isfinite(exact):
         return str(exact)
     if "%" in written:

@@ -1,1 +1,1 @@
-"""Lessons: files that tell, ask and set tasks, and the judging of what was done."""
+"""Lesson files: schema, setups, variants, and a learner's progress."""

@@ -1,4 +1,4 @@
-"""A lesson file: what may stand in its tables."""
+"""The schema of a lesson file."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ MOST_SEEDS: Final = 1_000
 MOST_STEPS: Final = 10**9
 
 HIDEABLE: Final = ("answer", "policies", "why", "flips", "many seeds", "model", "run")
-"""What a page may keep back until its prediction is in; ``run`` is whatever takes a step."""
+"""What a page may hide until its prediction is given. `run` means everything that takes steps."""
 
 _WORD: Final = re.compile(r"[a-z][a-z0-9_-]*")
 _PYTHON_FILE: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*\.py")
 
 
 def is_word(value: object) -> bool:
-    """Return whether a value can name a page, a setup or a figure."""
+    """Return True if a value can name a page, a setup or a figure."""
     return isinstance(value, str) and len(value) <= 60 and _WORD.fullmatch(value) is not None
 
 
 def is_file_name(value: object) -> bool:
-    """Return whether a value can name the file of a program, in whatever folder."""
+    """Return True if a value can name a program file, in any folder."""
     return isinstance(value, str) and len(value) <= 60 and _PYTHON_FILE.fullmatch(value) is not None
 
 
@@ -54,7 +54,7 @@ def _list(what: str, least: int = 0) -> Expect:
     return Expect(f"a list of {least} to {MOST_IN_A_LIST} {what}", sized(list, MOST_IN_A_LIST, least))
 
 
-# made here: in a table with a key of that name, text would be the key
+# defined here because a field named `text` would shadow the function
 Line = Annotated[str, text(LONGEST_LINE)]
 ShortLine = Annotated[str, text(LONGEST_SHORT_LINE)]
 FileName = Annotated[str, text(400)]
@@ -70,9 +70,8 @@ Value = Annotated[
 
 
 class Figure(FileSection):
-    """A number of the lesson's texts: ``value`` as it stands there, and ``by`` what it is worked out.
-
-    ``by`` is an expression over the world of ``setup``, the first one where that is not given.
+    """A number in the texts: `value` as written, and `by`, the expression for it in the world of `setup`
+    (default the first).
     """
 
     value: ShortLine
@@ -81,10 +80,8 @@ class Figure(FileSection):
 
 
 class Setup(FileSection):
-    """How a run of the lesson begins: a scenario by its id or file, or a ``world`` written out as one.
-
-    ``settings`` are the algorithm and hyper-parameters where they are not the scenario's. ``speed`` is in
-    steps a second.
+    """The start of a run: a scenario by id or file, or a `world` as text. `settings` replace the
+    scenario's algorithm and hyper-parameters. `speed` is in steps per second.
     """
 
     scenario: FileName = ""
@@ -101,7 +98,7 @@ class Setup(FileSection):
 
 
 class AnswerChoice(FileSection):
-    """One answer to choose, and what is said to who chooses it."""
+    """A choice with the reply to it."""
 
     text: Line
     reply: Prose
@@ -109,17 +106,15 @@ class AnswerChoice(FileSection):
 
 
 class WrongAnswer(FileSection):
-    """A known wrong number, and what is said to who gives it: where it comes from."""
+    """A known wrong number with the reply that explains it."""
 
     answer: Number
     reply: Prose
 
 
 class Measured(FileSection):
-    """What is measured of a run: a name of ``judging/measures``, with its arguments.
-
-    These are ``state``, ``action``, ``actions`` and the like; ``at = "start"`` asks for the settings of the
-    first step, not of the last.
+    """A metric of a run with its arguments. `at = "start"` refers to the settings of the first step
+    instead of the last.
     """
 
     measure: Word
@@ -132,10 +127,9 @@ class Measured(FileSection):
 
 
 class Ask(FileSection):
-    """Something to answer: a number, right within ``tolerance``, or one of several ``choices``.
-
-    Of a prediction, the truth is shown once ``steps`` more steps were taken, by the ``keys`` that the page
-    asks for, in their order; ``shows`` is measured of the run at that very step, to stand beside it.
+    """A prediction or question: a number, right within `tolerance`, or several `choices`. For a
+    prediction, the answer is revealed after `steps` further steps with the `keys` on the page. `shows` is
+    a metric of the run at that step, displayed next to it.
     """
 
     ask: Prose
@@ -160,7 +154,7 @@ class Ask(FileSection):
         return self
 
     def is_right(self, answer: float) -> bool:
-        """Return whether ``answer`` is right: the number within the tolerance, or the place of a choice."""
+        """Return True if `answer` is right: a number within the tolerance, or the index of a choice."""
         if self.choices:
             return answer in range(len(self.choices)) and self.choices[int(answer)].right
         rounding = 1e-9 * max(1.0, abs(answer))
@@ -168,11 +162,9 @@ class Ask(FileSection):
 
 
 class Condition(Measured):
-    """One condition of a task: a ``measure`` of the run, and what it has to be.
-
-    With ``seeds`` the run is begun again under so many seeds, 0 first, with the settings that it began with,
-    for ``episodes`` (or ``steps``), and the measure has to hold in ``hold`` of them; with ``mean`` it is the
-    mean over all that has to.
+    """A condition of a task: a metric and its bounds. With `seeds`, the run is repeated under that many
+    seeds from 0 with its initial settings, for `episodes` or `steps`. The bounds must then be met in
+    `hold` of them, or by the mean with `mean`.
     """
 
     text: Line
@@ -203,10 +195,8 @@ class Condition(Measured):
 
 
 class Attempt(FileSection):
-    """What somebody did to solve a task, recorded: settings from the start, changes on the way, how far.
-
-    ``changes`` are written as for ``train --change``. ``claim`` says that it was called impossible,
-    ``program`` is the code that was handed in.
+    """A recorded attempt at a task: settings from the start, changes as for `train --change`, and its
+    length. `claim` means that it was called impossible, and `program` is the submitted code.
     """
 
     name: Line
@@ -219,25 +209,23 @@ class Attempt(FileSection):
 
 
 class ImpossibilityProof(FileSection):
-    """Why a task cannot be done: the best that there is of the condition's measure, a name of a figure."""
+    """A proof that a task is impossible: `best` is the figure of the best possible value in `condition`."""
 
     condition: Count
     best: Word
 
 
 class ProgramToWrite(FileSection):
-    """Code that a learner writes: the name of its file, and what stands in it at first."""
+    """A program for the learner to write: its file name and its initial code."""
 
     file: Annotated[str, Expect("the name of a Python file, such as my_agent.py", is_file_name)]
     skeleton: Annotated[str, markdown(LONGEST_WORLD)]
 
 
 class Task(FileSection):
-    """Something to do, judged from the replay of the run alone: all ``conditions`` at one step of it.
-
-    ``hints`` come one by one, then the ``solution``. ``accepts`` and ``rejects`` are attempts that it has to
-    pass and to refuse. With a ``proof`` it cannot be done, and to say so is right. With a ``program`` it is
-    judged by watching that.
+    """A task, judged by a replay of the run: all `conditions` at one step. `hints` come one by one, then
+    the `solution`. `accepts` and `rejects` are attempts that must pass and fail. With a `proof` the task
+    is impossible, and saying so is right. With a `program`, the program is watched.
     """
 
     do: Prose
@@ -251,12 +239,10 @@ class Task(FileSection):
 
 
 class Page(FileSection):
-    """One page: a text and at most one of a prediction, a question and a task.
-
-    ``setup`` begins another run than the page before, where it differs. ``spotlight`` is the id of the panel
-    to look at; ``panels`` are the ids of those in view, by default those of the page before, and all where no
-    page names any. ``hides`` is hidden until the page is done. The ``explanation`` is shown once it is.
-    ``guess`` marks a prediction that cannot be worked out: it does not count among the right ones.
+    """A page: a text and at most one prediction, question or task. `setup` begins another run if it
+    differs. `spotlight` is the panel to look at, and `panels` are the visible ones (default those of the
+    page before, or all). `hides` applies until the page is done, when the `explanation` appears. `guess`
+    marks a prediction that cannot be derived, and is not scored.
     """
 
     id: Word
@@ -291,17 +277,16 @@ class Page(FileSection):
 
     @property
     def asked(self) -> Ask | None:
-        """The prediction or the question, None where there is neither."""
+        """The prediction or the question, or None."""
         return self.prediction or self.question
 
 
 class LessonFile(FileSection):
-    """A whole lesson file. ``order`` places it among the others; ``minutes`` is about how long it takes.
+    """A lesson file.
 
-    ``core`` marks the lessons of the core course.
-
-    ``variants`` has for each name the values it may take: the file is read with ``${name}`` replaced by one
-    of them, the same place of each list for one variant.
+    `order` is its position among lessons, `minutes` its approximate duration. `core` marks the lessons of the
+    core course. `variants` lists the values for each name. For a variant, `${name}` is replaced by the value
+    at its position.
     """
 
     title: ShortLine

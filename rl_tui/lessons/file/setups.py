@@ -1,4 +1,4 @@
-"""How a run of a lesson begins."""
+"""The setups of a lesson, with which its runs begin."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ if TYPE_CHECKING:
 
 
 def recipe_of(lesson: Lesson, setup: str) -> Recipe:
-    """Return the recipe with which the setup of this name begins.
+    """Return the recipe of a setup.
 
-    Raises UserError where its scenario cannot be found or played, or a setting does not fit.
+    Raises:
+        UserError: The scenario cannot be found or played, or a setting does not fit.
     """
     table = lesson.setups[setup]
     return recipe_for(scenario_for(lesson, setup), table.settings, table.seed)
 
 
 def check_setups(lesson: Lesson) -> None:
-    """Raise UserError where the run of a setup cannot begin; worlds are not built for that."""
+    """Raise UserError if the run of a setup cannot begin, without building worlds."""
     for setup in lesson.setups:
         recipe_of(lesson, setup)
 
 
 def scenario_for(lesson: Lesson, setup: str) -> Scenario:
-    """Return the scenario of a setup: by its id, in a file beside the lesson's, or written out in it.
-
-    It is read once, so that all runs of the lesson are of the same.
+    """Return the scenario of a setup: by id, in a file next to the lesson, or from its text. It is read
+    once, so all runs share it.
     """
     known = _KNOWN.setdefault(lesson, {})
     if setup not in known:

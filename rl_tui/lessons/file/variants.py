@@ -1,4 +1,4 @@
-"""Variants of one lesson: the same file with other numbers, one for each learner of a class."""
+"""Variants of a lesson: one file with different numbers for each learner of a class."""
 
 from __future__ import annotations
 
@@ -15,9 +15,8 @@ MOST_VARIANTS: Final = 1_000
 
 
 def variants_of(raw: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the variants of a lesson file, "1" first; none where it has no table of them.
-
-    Raises UnreadableError where its lists are not of one length.
+    """Return the names of the variants, "1" first, or none without a table. Raises UnreadableError if its
+    lists differ in length.
     """
     table = raw.get("variants")
     if not isinstance(table, dict) or not table:
@@ -31,12 +30,12 @@ def variants_of(raw: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def readable(text: str) -> str:
-    """Return ``text`` with a number in place of each ``${name}``: TOML also where it stands for a number."""
+    """Replace each `${name}` in `text` by a number, so that it is valid TOML."""
     return _NAMED.sub("0", text)
 
 
 def variant_text(text: str, raw: Mapping[str, Any], variant: str) -> str:
-    """Return ``text`` with the values of ``variant`` put in. Raises UnreadableError where there is none."""
+    """Return `text` with the values of `variant`. Raises UnreadableError if there is no such variant."""
     known = variants_of(raw)
     if variant not in known:
         expected = f"a variant, 1 to {len(known)}"

@@ -18,10 +18,9 @@ NO_STEP: Final = -1
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """An answer to a prediction or a question, locked when it was given.
-
-    ``answer`` is the number, or the place of the choice from 0. ``step`` is where the run stood, and
-    ``digest`` that of the run until there (:func:`run_digest`); NO_STEP and empty where there was none.
+    """An answer to a prediction or question, locked when given. `answer` is the number, or the index of
+    the choice. `step` and `digest` identify the run at that time (see `run_digest`), NO_STEP and ""
+    without a run.
     """
 
     page: str
@@ -33,9 +32,8 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class Passed:
-    """A task that was passed, with its evidence: what the run began with, what was changed before ``step``.
-
-    ``claim`` says that the task was rightly called impossible, ``program`` is the code that passed.
+    """A passed task with its evidence: recipe, changes, and `step` of the run. `claim` means that it was
+    rightly called impossible, and `program` is the code that passed.
     """
 
     page: str
@@ -48,10 +46,9 @@ class Passed:
 
 @dataclass(frozen=True, slots=True)
 class LessonRecord:
-    """How far a learner has come in ``lesson``; ``page`` is the id of the one that is open.
-
-    ``given`` are the answers in their order, the first one of a page counting; ``passed`` the tasks;
-    ``skipped`` the pages left without; ``hints`` how many were asked for, by page.
+    """A learner's progress in `lesson`. `page` is the id of the open page. `given` has all answers in
+    order, of which the first on each page counts. `skipped` has pages left undone, and `hints` the number
+    of hints by page.
     """
 
     lesson: Lesson
@@ -63,23 +60,23 @@ class LessonRecord:
     finished: bool = False
 
     def given_on(self, page: str) -> Given | None:
-        """Return the first answer that was given on ``page``, None where there is none."""
+        """Return the first answer on `page`, or None."""
         return next((each for each in self.given if each.page == page), None)
 
     def last_given_on(self, page: str) -> Given | None:
-        """Return the last answer that was given on ``page``, None where there is none."""
+        """Return the last answer on `page`, or None."""
         return next((each for each in reversed(self.given) if each.page == page), None)
 
     def has_passed(self, page: str) -> bool:
-        """Return whether the task of ``page`` is passed."""
+        """Return True if the task of `page` is passed."""
         return any(each.page == page for each in self.passed)
 
     def hints_on(self, page: str) -> int:
-        """Return how many hints were asked for on ``page``."""
+        """Return the number of hints shown on `page`."""
         return dict(self.hints).get(page, 0)
 
     def is_done(self, page_id: str) -> bool:
-        """Return whether the prediction of ``page_id`` is given, its question right, its task passed."""
+        """Return True if the prediction is given, the question right, or the task passed."""
         page = self.lesson.page(page_id)
         if page.task is not None:
             return self.has_passed(page_id)
@@ -90,22 +87,21 @@ class LessonRecord:
 
     @property
     def is_begun(self) -> bool:
-        """Whether something was answered, passed or skipped, or another page than the first is open."""
+        """True if anything was done, or another page than the first is open."""
         is_elsewhere = self.page != self.lesson.pages[0].id
         return is_elsewhere or bool(self.given or self.passed or self.skipped)
 
     @property
     def predictions(self) -> tuple[int, int]:
-        """How many predictions were right, and how many were made. Guesses do not count."""
+        """Number of right predictions, and of all, without guesses."""
         pages = self.lesson.counted_predictions
         made = [given for page in pages if (given := self.given_on(page.id)) is not None]
         return sum(given.is_right for given in made), len(made)
 
     @property
     def hidden(self) -> frozenset[str]:
-        """What is kept back now: of this page and those behind it in its setup, until they are done.
-
-        Of a page that was skipped nothing is kept back any more.
+        """Names of what is hidden: by this page and later ones of its setup, until they are done. Skipped
+        pages hide nothing.
         """
         lesson = self.lesson
         here, setup = lesson.number_of(self.page), lesson.setup_of(self.page)
@@ -121,32 +117,32 @@ class LessonRecord:
         return frozenset(kept)
 
     def open(self, page: str) -> LessonRecord:
-        """Return it with ``page`` open."""
+        """Return a copy with `page` open."""
         is_last = page == self.lesson.pages[-1].id
         return replace(self, page=page, finished=self.finished or (is_last and self.is_done(page)))
 
     def give(self, given: Given) -> LessonRecord:
-        """Return it with another answer; of a prediction only the first is kept."""
+        """Return a copy with another answer; of a prediction only the first is kept."""
         is_prediction = self.lesson.page(given.page).prediction is not None
         if is_prediction and self.given_on(given.page) is not None:
             return self
         return replace(self, given=(*self.given, given))
 
     def passes(self, passed: Passed) -> LessonRecord:
-        """Return it with a task passed; the first evidence is kept."""
+        """Return a copy with a passed task. The first evidence is kept."""
         return self if self.has_passed(passed.page) else replace(self, passed=(*self.passed, passed))
 
     def skip(self, page: str) -> LessonRecord:
-        """Return it with ``page`` skipped."""
+        """Return a copy with `page` skipped."""
         return self if page in self.skipped else replace(self, skipped=(*self.skipped, page))
 
     def ask_hint(self, page: str) -> LessonRecord:
-        """Return it with one hint more on ``page``."""
+        """Return a copy with one more hint on `page`."""
         return replace(self, hints=tuple({**dict(self.hints), page: self.hints_on(page) + 1}.items()))
 
 
 def begun(lesson: Lesson) -> LessonRecord:
-    """Return the record of ``lesson`` at its first page."""
+    """Return the record of `lesson` at its first page."""
     return LessonRecord(lesson, lesson.pages[0].id)
 
 
@@ -154,7 +150,7 @@ def begun(lesson: Lesson) -> LessonRecord:
 
 
 class ConditionView(NamedTuple):
-    """One condition: ``holds`` is None while that is not known; ``found`` is the measure, in words."""
+    """A condition: `holds` is None while unknown, and `found` is the metric in words."""
 
     text: str
     holds: bool | None
@@ -163,30 +159,31 @@ class ConditionView(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class TaskView:
-    """How the task of the open page stands at this moment."""
+    """State of the open page's task."""
 
     conditions: tuple[ConditionView, ...]
-    """Each condition, in the order of the file."""
+    """The conditions in file order."""
     passed: Passed | None = None
-    """The evidence, where all hold now; None where they do not."""
+    """The evidence if all conditions are met now, else None."""
     waits: str = ""
-    """What is being worked out, in words; mostly empty."""
+    """The pending computation in words, usually empty."""
     awaited: Passed | None = None
-    """The evidence, where all hold now but for what is being worked out."""
+    """The evidence if all conditions are met except pending ones, else None."""
     remarks: tuple[str, ...] = ()
-    """What was found of a program that was watched, besides: sentences for who wrote it."""
+    """Remarks about a watched program for its author."""
 
 
 @dataclass(frozen=True, slots=True)
 class LessonView:
-    """A lesson beside the run."""
+    """A lesson next to the run."""
 
     record: LessonRecord
-    """How far the learner has come, the lesson itself in it."""
+    """Progress of the learner, with the lesson."""
     task: TaskView | None = None
-    """The task of the open page; None where that sets none."""
+    """State of the open page's task, or None."""
     digest: str = ""
-    """That of the run as it stands: what a prediction is locked with."""
+    """Digest of the run at its current step, which locks predictions."""
     in_run: float | str | bool | None = None
-    """What the open page's prediction shows of the run at the step where its truth is due, or in words why
-    there is nothing; None before that, and where it shows nothing."""
+    """Metric shown by the page's prediction, from the step at which the answer is revealed, or the reason
+    why there is none. None before that step, or if nothing is shown.
+    """

@@ -1,1 +1,1 @@
-"""Whether a task is solved: decided by the replay of a run alone."""
+"""The judging of tasks, by a replay of the run only."""

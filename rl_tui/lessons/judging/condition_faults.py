@@ -1,4 +1,4 @@
-"""What is wrong with a task that is well formed: names that mean nothing, keys that do not go together."""
+"""Errors in a well-formed task: unknown names, and keys that do not fit together."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
 
 ALGORITHM: Final = "algorithm"
 FIRST_EPISODES: Final = 100
-"""Of so many episodes, the first ones, the steps are known one by one."""
+"""Number of first episodes whose lengths are stored individually."""
 MOST_STEPS_OF_A_SEED: Final = 2_000_000
-"""Where many seeds decide, one that needs more steps than this for its episodes does not hold."""
+"""Limit of steps for a condition over seeds. A seed that needs more for its episodes fails."""
 
 _BOUNDS: Final = ("at_least", "at_most", "above", "below")
 _OF_SEEDS: Final = ("hold", "mean", "episodes", "steps")
 
 
 def task_findings(task: Task) -> Iterator[Finding]:
-    """Yield what is wrong with the conditions and the attempts of ``task``, seen from its table."""
+    """Yield errors in the conditions and attempts of `task`, without its world."""
     watches = task.program is not None
     for number, condition in enumerate(task.conditions):
         yield from (each.inside("conditions", number) for each in condition_findings(condition))
@@ -39,7 +39,7 @@ def task_findings(task: Task) -> Iterator[Finding]:
 
 
 def setting_findings(settings: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield which of ``settings`` are none, or have a value that does not fit."""
+    """Yield settings that are unknown or have a wrong value."""
     for name, value in settings.items():
         finding = _setting_finding(name, value)
         if finding is not None:
@@ -47,7 +47,7 @@ def setting_findings(settings: Mapping[str, Any]) -> Iterator[Finding]:
 
 
 def attempt_findings(attempt: Attempt) -> Iterator[Finding]:
-    """Yield which settings and changes of ``attempt`` cannot be."""
+    """Yield settings and changes of `attempt` that are impossible."""
     yield from (each.inside("settings") for each in setting_findings(attempt.settings))
     if attempt.steps is not None and attempt.episodes is not None:
         yield Finding(("episodes",), shown(attempt.episodes), "either steps or episodes: how far it goes")
@@ -60,7 +60,7 @@ def attempt_findings(attempt: Attempt) -> Iterator[Finding]:
 
 
 def prediction_findings(ask: Ask) -> Iterator[Finding]:
-    """Yield what is wrong with what a prediction shows of the run, seen from its table."""
+    """Yield errors in the metric that a prediction shows, without its world."""
     if ask.shows is None:
         return
     yield from (each.inside("shows") for each in _measure_findings(ask.shows))
@@ -75,7 +75,7 @@ def prediction_findings(ask: Ask) -> Iterator[Finding]:
 
 
 def condition_findings(condition: Condition) -> Iterator[Finding]:
-    """Yield what is wrong with ``condition``, seen from its table."""
+    """Yield errors of `condition`, without its world."""
     yield from _measure_findings(condition)
     measure = MEASURES.get(condition.measure)
     if measure is not None:
@@ -84,7 +84,6 @@ def condition_findings(condition: Condition) -> Iterator[Finding]:
 
 
 def _measure_findings(measured: Measured) -> Iterator[Finding]:
-    """Yield that there is no such measure, or that it takes other arguments."""
     measure = MEASURES.get(measured.measure)
     if measure is None:
         expected = f"the name of a measure{_near_measure(measured.measure)}"
@@ -92,7 +91,7 @@ def _measure_findings(measured: Measured) -> Iterator[Finding]:
         return
     yield from _argument_findings(measured, measure)
     if measured.at == "start" and measure.kind is not MeasureKind.SETTING:
-        expected = f"no at: {measure.name} is no setting"
+        expected = f"no at: {measure.name} is not a setting"
         yield Finding(("at",), shown(measured.at), expected)
 
 
@@ -101,7 +100,6 @@ def _near_measure(name: str) -> str:
 
 
 def _argument_findings(condition: Measured, measure: TaskMeasure) -> Iterator[Finding]:
-    """Yield which of the keys that measures need are missing or too many."""
     takes = " and ".join(measure.needs) or "none of them"
     for name in ARGUMENTS:
         value = getattr(condition, name)
@@ -122,7 +120,7 @@ def _argument_findings(condition: Measured, measure: TaskMeasure) -> Iterator[Fi
 
 
 def _wanted_findings(condition: Condition, measure: TaskMeasure) -> Iterator[Finding]:
-    """Yield what ``measure`` can never be."""
+    """Yield values that `measure` cannot have."""
     if measure.gives in (Gives.TEXT, Gives.TRUTH):
         for name in _BOUNDS:
             if getattr(condition, name) is not None:
@@ -136,7 +134,7 @@ def _wanted_findings(condition: Condition, measure: TaskMeasure) -> Iterator[Fin
 
 
 def _refused(measure: TaskMeasure, value: float | str | bool) -> str:
-    """Return what ``measure`` can be in place of ``value``; empty where it can be that."""
+    """Return the possible values of `measure` instead of `value`, or "" if it is possible."""
     if measure.kind is MeasureKind.SETTING:
         finding = _setting_finding(measure.name, value)
         return "" if finding is None else finding.expected
@@ -150,7 +148,7 @@ def _refused(measure: TaskMeasure, value: float | str | bool) -> str:
 
 
 def _seed_findings(condition: Condition, measure: TaskMeasure) -> Iterator[Finding]:
-    """Yield what makes no sense of many seeds, or without them."""
+    """Yield keys that do not fit with seeds, or without them."""
     if not condition.seeds:
         for name in _OF_SEEDS:
             if name in condition.model_fields_set:

@@ -1,4 +1,4 @@
-"""Whether the conditions of a task hold at one step of a run: exact, and the same for run and replay."""
+"""The check of a task's conditions at one step, exact and equal for run and replay."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JudgedTask:
-    """The task of a page, and the recipe with which its run begins."""
+    """The task of a page with the recipe of its run."""
 
     page: str
     task: Task
@@ -31,10 +31,17 @@ class JudgedTask:
 
 
 def judged_task(lesson: Lesson, page: str, seed: int | None = None) -> JudgedTask:
-    """Return the task of a page, with another ``seed`` than its setup's if one is given.
+    """Return the task of a page.
 
-    Raises KeyError where there is no such page, ValueError where it sets no task, UserError where its setup
-    cannot be played.
+    Args:
+        lesson: The lesson.
+        page: Id of the page.
+        seed: Seed instead of the setup's, if given.
+
+    Raises:
+        KeyError: There is no such page.
+        ValueError: The page has no task.
+        UserError: The setup cannot be played.
     """
     task = lesson.page(page).task
     if task is None:
@@ -44,10 +51,13 @@ def judged_task(lesson: Lesson, page: str, seed: int | None = None) -> JudgedTas
 
 
 def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = None) -> TaskView:
-    """Return how the task stands at the step where ``run`` is, as the replay that ends there would show it.
+    """Judge a task at the current step of `run`, as a replay to this step would.
 
-    Conditions that many seeds decide are worked out once all others hold, by ``panels``.
-    ``kept`` makes the next verdict on the same run cheaper.
+    Args:
+        judged: The task.
+        run: Run of the learner.
+        panels: Decides conditions over many seeds, once all others are met.
+        kept: Cache for repeated verdicts on a run.
     """
     from rl_tui.lessons.judging.moment import JudgedMoment, Kept
 
@@ -83,10 +93,8 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
 
 
 def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
-    """Return whether ``condition`` holds at ``moment``, the seeds that it may ask for left aside.
-
-    What only a step can tell is not known before the first one, nor what only the end of an episode can
-    before there is one.
+    """Check `condition` at `moment`, ignoring its seeds. A condition about a step is unknown before the
+    first one, and one about the end of an episode is unknown before an end.
     """
     try:
         value = MEASURES[condition.measure].of(moment, condition)
@@ -100,9 +108,12 @@ def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
 
 
 def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> TaskView:
-    """Return how a task that asks for a program stands, by what was ``seen`` of it up to its end.
+    """Judge a task that needs a program.
 
-    ``program`` is the code.
+    Args:
+        judged: The task.
+        program: Code of the program.
+        seen: Result of watching it.
     """
     conditions = judged.task.conditions
     verdicts = program_verdicts(conditions, seen)
@@ -114,14 +125,14 @@ def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> Task
 
 
 def program_verdicts(conditions: Sequence[Condition], seen: SeenProgram) -> list[ConditionVerdict]:
-    """Return the verdict on each of ``conditions``; of a program with an error none holds."""
+    """Check each condition. A program with an error meets none."""
     if seen.error:
         return [ConditionVerdict(False) for _ in conditions]
     return [_of_program(each, seen) for each in conditions]
 
 
 def remarks_on(seen: SeenProgram) -> tuple[str, ...]:
-    """Return what is to be said of a program besides: first what kept it from its end."""
+    """Return remarks about a program, its error first."""
     return (seen.error, *seen.remarks) if seen.error else seen.remarks
 
 
@@ -137,7 +148,7 @@ def _of_program(condition: Condition, seen: SeenProgram) -> ConditionVerdict:
 
 
 def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
-    """Return why a run of ``recipe`` is not one that the task is about; empty where it is."""
+    """Return the reason why a run of `recipe` does not fit the task, or ""."""
     from rl_tui.lessons.judging.moment import Kept
 
     if not (kept or Kept()).is_same_world(setup.scenario, recipe.scenario):
@@ -148,7 +159,7 @@ def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
 
 
 def _spoilt(moment: JudgedMoment) -> str:
-    """Return why nothing that many seeds decide can hold; empty where it can."""
+    """Return the reason why no condition over seeds can be met, or ""."""
     journal = moment.journal
     if journal.taken:
         return "you took steps yourself on the way: r r starts again"

@@ -1,4 +1,4 @@
-"""What a journal says of how a run was made, read entry by entry."""
+"""Facts from a journal: how a run was made, read entry by entry."""
 
 from __future__ import annotations
 
@@ -13,9 +13,8 @@ from rl_tui.runs.recipe import JournalEntry, Recipe, Setting, SwitchAlgorithm, T
 
 
 class JournalReader:
-    """Reads what was changed before a step of a run: whatever is later, or still waits, does not count.
-
-    What was read is kept, so that of a journal that grows only what is new is gone through.
+    """Reads the changes before a step of a run. Later or pending ones do not count. A growing journal is
+    read incrementally.
     """
 
     def __init__(self) -> None:
@@ -25,20 +24,27 @@ class JournalReader:
         self.step = 0
         """The step that was read last."""
         self.count = 0
-        """How many entries the journal has before it."""
+        """Number of entries before that step."""
         self.taken = 0
-        """How many steps of them a person took."""
+        """Number of the user's actions among them."""
         self.changes = 0
-        """How many settings were changed after the first step."""
+        """Settings changed after the first step."""
         self.orders = 0
-        """How many sweeps were ordered."""
+        """Sweeps ordered."""
         self.start: Recipe
         """The recipe with the settings of the first step."""
         self.switch_waits = False
-        """Whether another algorithm is set that has taken no step yet."""
+        """True if another algorithm is set but has taken no step."""
 
     def read(self, recipe: Recipe, journal: Sequence[JournalEntry], step: int, names: Sequence[str]) -> None:
-        """Take in the entries of ``journal`` before ``step``; ``names`` are the actions'."""
+        """Read the entries of `journal` before `step`.
+
+        Args:
+            recipe: Start of the run.
+            journal: All changes.
+            step: Current step.
+            names: Names of the actions.
+        """
         count = bisect_left(journal, step, key=attrgetter("step"))
         goes_on = recipe is self._recipe and self.count <= count
         if not goes_on or (self.count and journal[self.count - 1] is not self._last):
@@ -50,12 +56,12 @@ class JournalReader:
 
     @property
     def is_as_begun(self) -> bool:
-        """Whether nothing was done after the first step, and no step was taken by a person."""
+        """True if nothing was changed after the first step, and the user took no action."""
         return not (self.taken or self.changes or self.orders)
 
     @property
     def digest(self) -> str:
-        """That of the run as it stood at the step."""
+        """Digest of the run at this step."""
         return self._digest.at(self.step)
 
     def _begin(self, recipe: Recipe) -> None:
@@ -78,12 +84,12 @@ class JournalReader:
 
 
 def entries_before(journal: Sequence[JournalEntry], step: int) -> tuple[JournalEntry, ...]:
-    """Return the changes with which the first ``step`` steps were taken."""
+    """Return the changes that affect the first `step` steps."""
     return tuple(journal[: bisect_left(journal, step, key=attrgetter("step"))])
 
 
 def run_digest(recipe: Recipe, journal: Sequence[JournalEntry], step: int, names: Sequence[str]) -> str:
-    """Return what tells a run as it stood after ``step`` steps from any other; ``names`` are its actions'."""
+    """Return a digest that identifies a run after `step` steps. `names` are those of its actions."""
     digest = RunDigest(recipe)
     for entry in entries_before(journal, step):
         digest.add(entry, names)
@@ -91,7 +97,7 @@ def run_digest(recipe: Recipe, journal: Sequence[JournalEntry], step: int, names
 
 
 class RunDigest:
-    """Works out :func:`run_digest` entry by entry, so that a long journal is gone through once."""
+    """Computes `run_digest` incrementally, for long journals."""
 
     def __init__(self, recipe: Recipe) -> None:
         document = {
@@ -103,11 +109,11 @@ class RunDigest:
         self._hash = hashlib.sha256(_line(document))
 
     def add(self, entry: JournalEntry, names: Sequence[str]) -> None:
-        """Take in the next change; ``names`` are the actions'."""
+        """Add the next change. `names` are those of the actions."""
         self._hash.update(_line([entry.step, *name_and_value(entry.change, names)]))
 
     def at(self, step: int) -> str:
-        """Return the digest after ``step`` steps, all changes before that taken in."""
+        """Return the digest after `step` steps, once all earlier changes are added."""
         whole = self._hash.copy()
         whole.update(_line(step))
         return whole.hexdigest()

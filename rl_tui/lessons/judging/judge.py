@@ -1,7 +1,4 @@
-"""The judge of the open page, beside a live run.
-
-It reaches the same verdict as a replay of the run.
-"""
+"""The judge of the open page, beside a live run. It reaches the same verdict as a replay of the run."""
 
 from __future__ import annotations
 
@@ -40,13 +37,13 @@ if TYPE_CHECKING:
 
 _PROGRAM_WORK: Final = "rl_tui.lessons.judging.judge:work"
 _MOST_SECONDS: Final = 300
-"""Of a processor, for judging what was seen; the program has limits of its own."""
+"""CPU-time limit of the diagnosis in seconds. The program has its own limits."""
 _TELLS_EVERY: Final = 0.25  # seconds
 
 
 @dataclass(frozen=True, slots=True)
 class ProgramTask:
-    """What is asked: the program in the file ``path``, held to ``conditions``."""
+    """A program file with the `conditions` to check."""
 
     path: Path
     conditions: tuple[Condition, ...]
@@ -54,22 +51,20 @@ class ProgramTask:
 
 @dataclass(frozen=True, slots=True)
 class FoundProgram:
-    """What is known of the program: its ``progress``, at the end the ``verdicts``, or a ``fault``."""
+    """The state of a watched program: `progress`, finally `verdicts`, or a `fault`."""
 
     progress: str = "it begins"
     fault: str = ""
-    """Why it cannot be judged; empty where it can."""
+    """Reason why it cannot be judged, else empty."""
     verdicts: tuple[ConditionVerdict, ...] | None = None
-    """One for each condition, None before its end."""
+    """A verdict for each condition, or None before its end."""
     code: str = ""
     remarks: tuple[str, ...] = ()
 
 
 class LiveProgram:
-    """Has a program watched and judged in a process of its own, and tells how it stands.
-
-    ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`begin`
-    watches it itself to its end, so that what is known does not depend on the time.
+    """Watches and judges a program in a background process. `on_news` is called from any thread when there
+    is news. With `automatic` off, `begin` watches it to its end, so that results do not depend on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -79,7 +74,7 @@ class LiveProgram:
         self._name = ""
 
     def begin(self, path: Path, judged: JudgedTask) -> None:
-        """Watch the program in the file ``path`` for a task, in place of any other."""
+        """Watch the program in the file `path` for a task, replacing any other."""
         self.end()
         task = ProgramTask(path, judged.task.conditions)
         self._name = path.name
@@ -92,7 +87,7 @@ class LiveProgram:
             self._found = FoundProgram(fault=f"no process can be started to watch it ({error})")
 
     def view(self, judged: JudgedTask, *, has_passed: bool) -> TaskView:
-        """Return how the task stands by what is known of the program; ``has_passed`` says that one has."""
+        """Return the state of the task. `has_passed` is True if a program has passed before."""
         conditions, process = judged.task.conditions, self._background.process
         found = self._found if process is None else process.known
         if found.verdicts is not None:
@@ -105,7 +100,9 @@ class LiveProgram:
                 passed = Passed(judged.page, judged.setup, program=found.code)
             return TaskView(views, passed, remarks=found.remarks)
         holds = True if has_passed else None
-        fault = found.fault or (process.why_failed("what watches it ended by itself") if process else "")
+        fault = found.fault or (
+            process.why_failed("the process that watched it ended too early") if process else ""
+        )
         remarks = (fault,) if fault else ()
         waits = ""
         if process is not None and not fault:
@@ -115,17 +112,17 @@ class LiveProgram:
         return TaskView(views, waits=waits, remarks=remarks)
 
     def end(self) -> None:
-        """End it, and forget what is known of it."""
+        """Stop and forget it."""
         self._background.end()
         self._found = FoundProgram()
 
     def close(self) -> None:
-        """End it, from any thread, and begin nothing any more."""
+        """Stop it, and begin no other. Safe from any thread."""
         self._background.close()
 
 
 def work(task: ProgramTask, tell: Callable[[FoundProgram, float], None]) -> None:
-    """Tell how many steps are seen, and how the program is judged; what a process of its own does."""
+    """Watch and judge a program, reporting its steps. This is the work of a background process."""
     bound_processor_time(_MOST_SECONDS)
     last = 0.0
 
@@ -141,10 +138,7 @@ def work(task: ProgramTask, tell: Callable[[FoundProgram, float], None]) -> None
 def judged_file(
     task: ProgramTask, on_steps: Callable[[int, int], None] = lambda steps, episodes: None
 ) -> FoundProgram:
-    """Return how the program of ``task`` is judged.
-
-    ``on_steps`` is called with the steps and episodes that were seen, as they come.
-    """
+    """Judge the program of `task`. `on_steps` is called with steps and episodes as they arrive."""
     from rl_tui.common.errors import UserError
     from rl_tui.lessons.judging.conditions import program_verdicts, remarks_on
     from rl_tui.lessons.judging.seen_program import read_code, watched_code
@@ -162,7 +156,7 @@ def judged_file(
 
 
 FARTHEST: Final = 20_000
-"""A run that has gone past a step beyond this one is not replayed to it."""
+"""A run beyond this step is not replayed to an earlier one."""
 
 
 class _Known(NamedTuple):
@@ -173,16 +167,17 @@ class _Known(NamedTuple):
 
 
 class InRun:
-    """Measures it at that very step: of the run where it stands there, else of a replay of its branch.
-
-    What was measured is kept while the run stands earlier on, until it comes there by another way.
+    """Computes the metric at that step, from the run when it gets there, or from a replay of its branch.
+    The result is cached until the run reaches the step in another way.
     """
 
     def __init__(self) -> None:
         self._known: _Known | None = None
 
     def of(self, record: LessonRecord, run: Run, kept: Kept) -> Value | None:
-        """Return the measure, in words why it has no value, or None: not due, not known, none asked for."""
+        """Return the metric or the reason why it has no value. None if it is not due, unknown or not
+        requested.
+        """
         ask, given = record.lesson.page(record.page).prediction, record.given_on(record.page)
         if ask is None or ask.shows is None or given is None or given.step == NO_STEP:
             return None
@@ -232,10 +227,9 @@ _PANEL_WORK: Final = "rl_tui.lessons.judging.seed_panel:work"
 
 
 class LivePanels:
-    """Has them worked out in a process of its own, and remembers what came of it, be it of some seeds only.
-
-    ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`of`
-    works them out itself, so that what is known does not depend on the time; a process takes longer to begin.
+    """Computes conditions over seeds in a background process, and caches results, also of some seeds only.
+    `on_news` is called from any thread when there is news. With `automatic` off, `of` computes them, so
+    that results do not depend on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -244,7 +238,7 @@ class LivePanels:
         self._known = KnownPanels()
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
-        """Return what is known by now of ``conditions`` for runs of ``recipe``, and see to the rest."""
+        """Return the known verdicts on `conditions` for runs of `recipe`, and compute the others."""
         found = self._known.of(recipe, conditions)
         if found is not None:
             return found
@@ -263,7 +257,7 @@ class LivePanels:
 
     @property
     def waits(self) -> str:
-        """How many seeds are done of those under way, and how long the rest takes; empty where none are."""
+        """Progress of the current seeds with the time left, or ""."""
         process = self._background.process
         if process is None or (known := process.known).verdicts is not None or process.failed:
             return ""
@@ -272,7 +266,7 @@ class LivePanels:
         return " · ".join(filter(None, (f"judging: {said}", process.how_long)))
 
     def end(self) -> None:
-        """End what is being worked out; what is known is remembered, so that it may go on from there."""
+        """Stop the computation. Results are cached, so that it can continue."""
         process = self._background.process
         self._background.end()
         if process is not None and (verdicts := process.known.verdicts) is not None:
@@ -281,7 +275,7 @@ class LivePanels:
             self._known.keep_seeds(*_panel(process), process.known.seeds)
 
     def close(self) -> None:
-        """End it, from any thread, and begin nothing any more."""
+        """Stop it, and begin no other. Safe from any thread."""
         self._background.close()
 
     def _worked_out_here(
@@ -313,11 +307,9 @@ def _panel(process: _Process) -> tuple[Recipe, tuple[Condition, ...]]:
 
 
 class TaskJudge:
-    """Judges the open page's task at each snapshot; ``on_news`` is called when what takes long is known.
-
-    Once all its conditions held at a step that was judged, the task stays passed, by the evidence of that
-    step, wherever the run goes; also where it went on while many seeds were still being worked out. With
-    ``automatic`` off no answer depends on the time.
+    """Judges the open page's task at each snapshot. Once all conditions are met at a judged step, the task
+    stays passed with this evidence, also while seeds are pending. `on_news` is called when a slow result
+    is known. With `automatic` off, no answer depends on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -332,17 +324,17 @@ class TaskJudge:
         self._judged: JudgedTask | None = None
         self._refused = ""
         self._passed: Passed | None = None
-        self._awaited: tuple[Passed, Recipe] | None = None  # and the settings of its first step
+        self._awaited: tuple[Passed, Recipe] | None = None  # with the settings of its first step
 
     def view(self, record: LessonRecord, run: Run) -> LessonView:
-        """Return how the lesson of ``record`` stands beside ``run`` at this step."""
+        """Return the state of the lesson next to `run` at this step."""
         kept = self._kept = self._kept or self._new_kept()
         kept.journal.read(run.recipe, run.journal, run.step, run.world.space.action_names)
         task, digest = self._task(record, run, kept), kept.journal.digest
         return LessonView(record, task, digest, self._in_run.of(record, run, kept))
 
     def watch(self, record: LessonRecord, path: Path) -> None:
-        """Watch the program in the file ``path`` for the open page's task, if that asks for one."""
+        """Watch the program in the file `path`, if the open page's task needs one."""
         task = record.lesson.page(record.page).task
         if task is None or task.program is None:
             return
@@ -351,7 +343,7 @@ class TaskJudge:
             self._program.begin(path, self._judged)
 
     def close(self) -> None:
-        """End what is worked out in processes of their own, from any thread."""
+        """Stop background processes. Safe from any thread."""
         self._panels.close()
         self._program.close()
 
@@ -383,7 +375,7 @@ class TaskJudge:
         return replace(view, passed=self._passed)
 
     def _with_awaited(self, view: TaskView, task: Task, evidence: Passed, start: Recipe) -> TaskView:
-        """Return ``view`` of a run that has gone on, with what is known of the seeds asked for before."""
+        """Return `view` of a run that has moved on, with the results of seeds requested before."""
         found = self._panels.of(start, tuple(each for each in task.conditions if each.seeds))
         if all(each.holds for each in found):
             self._passed = evidence
@@ -393,7 +385,6 @@ class TaskJudge:
         return replace(view, waits=f"{self._panels.waits}, as of step {evidence.step:,}")
 
     def _open_page_of(self, record: LessonRecord) -> None:
-        """Judge the task of the open page from here on, if that is another one."""
         lesson, page = record.lesson, record.page
         if lesson is self._lesson and page == self._page:
             return

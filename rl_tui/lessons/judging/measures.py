@@ -1,4 +1,4 @@
-"""What can be measured of a run for the condition of a task: a row a measure."""
+"""The table of metrics for the conditions of tasks."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ Value = float | str | bool
 
 
 class MissingError(Exception):
-    """A measure has no value at this moment; the text says why."""
+    """A metric has no value at this moment, with the reason."""
 
 
 class NoMomentError(MissingError):
-    """A measure has no value yet: its moment has not come, or is over; the text says why."""
+    """A metric has no value yet, or no longer, with the reason."""
 
 
 class NoStepError(NoMomentError):
-    """A measure has no value before the first step."""
+    """A metric has no value before the first step."""
 
     def __init__(self) -> None:
         super().__init__("no step is taken yet")
 
 
 class NotYetError(Exception):
-    """A measure is being worked out elsewhere."""
+    """A metric is pending."""
 
 
 class MeasureKind(StrEnum):
-    """What a measure tells of."""
+    """The subject of a metric."""
 
     SETTING = "settings"
     COUNT = "counts"
@@ -54,7 +54,7 @@ class MeasureKind(StrEnum):
 
 
 class Gives(StrEnum):
-    """What values a measure has."""
+    """The type of a metric's values."""
 
     NUMBER = "a number"
     TEXT = "a text"
@@ -64,11 +64,9 @@ class Gives(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class TaskMeasure:
-    """One measure: ``of`` works it out. ``needs`` are the keys of a condition that it takes, all of them.
-
-    ``accepts`` are the words that its text may be; empty: any. ``differs_by_seed`` says that another seed
-    may come to another value, so that it makes sense to ask many. ``of_program`` measures a program in place
-    of a run.
+    """A metric, computed by `of`. `needs` are its arguments, all required. `accepts` lists the words that
+    it may be, empty for any. `differs_by_seed` is True if it makes sense over many seeds. `of_program`
+    measures a program instead of a run.
     """
 
     name: str
@@ -83,11 +81,11 @@ class TaskMeasure:
 
 
 ARGUMENTS: Final = ("state", "action", "actions", "first", "last")
-"""The keys of a condition that some measures need."""
+"""Arguments of some metrics."""
 
 
 def settings_of(recipe: Recipe) -> dict[str, float | str]:
-    """Return all settings of ``recipe`` by their names."""
+    """Return all settings of `recipe` by name."""
     hyperparameters = recipe.hyperparameters
     values = {name: hyperparameters.value(name) for name in PARAMETERS}
     if hyperparameters.sample_average:
@@ -269,7 +267,7 @@ def _exact() -> Iterable[TaskMeasure]:
 
     yield row("expected_return", "what the greedy policy earns, undiscounted", lambda m, c: m.expected_return)
     yield row("greedy_ends", "the chance that its episode ends", lambda m, c: m.greedy_ends)
-    yield row("value_at_start", "what it is worth at the start", lambda m, c: m.value_at_start)
+    yield row("value_at_start", "its value at the start", lambda m, c: m.value_at_start)
     yield row("max_error", "max |Q − Q*|", _max_error)
     yield row("optimal_value", "V* of a state", _optimal_value, "state")
     yield row(
@@ -281,14 +279,14 @@ _NOT_YET: Final = {
     "first_reward_episode": "there was no reward yet",
     "best_arm_rate": "no arm is pulled yet",
 }
-"""Why measures of the record have no value yet, where the reason is another than a missing episode."""
+"""Reasons why recorded metrics have no value yet, if it is not a missing episode."""
 
 
 def _recorded(moment: JudgedMoment, condition: Measured) -> float:
-    """Return what ``train --json`` prints under the name of the measure."""
+    """Return the value that `train --json` prints under this name."""
     name, run = condition.measure, measured_run(moment.run)
     if name in BANDIT_FIGURES and run.bandit is None:
-        raise MissingError("this world is no bandit")
+        raise MissingError("this world is not a bandit")
     value = RUN_MEASURES[name].of(run)
     if value is None:
         raise NoMomentError(_NOT_YET.get(name, "no episode is finished yet"))
@@ -319,7 +317,7 @@ def _record() -> Iterable[TaskMeasure]:
 
 
 _OF_NO_RULE: Final = ("Q(s′, a)", "max Q(s)", "argmax Q(s′)")
-"""What a target may take for the value of the next state, and should not."""
+"""Targets with a wrong value of the next state."""
 
 
 def _no_program(moment: JudgedMoment, condition: Measured) -> Value:
@@ -333,7 +331,7 @@ def _found(value: float | None, seen: SeenProgram, what: str) -> float:
 
 
 def _rule(seen: SeenProgram) -> str:
-    """Return the rule, and what its target takes where no rule of the book takes that."""
+    """Return the rule with its target, if no rule of the book has that target."""
     update = seen.verdict.update
     takes_another = update.target.value in _OF_NO_RULE and update.rule.value != "unknown"
     return f"{update.rule.value} with {update.target.value}" if takes_another else update.rule.value
@@ -383,4 +381,4 @@ MEASURES: Final[Mapping[str, TaskMeasure]] = {
     for group in (_settings, _counts, _steps, _learned, _exact, _record, _programs)
     for measure in group()
 }
-"""All measures by their names."""
+"""All metrics by name."""

@@ -1,4 +1,4 @@
-"""A run at one step, as its replay would show it: what conditions are held against."""
+"""A run at one step, as its replay would show it, for the check of conditions."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 ExactAnswer = Callable[[TabularMDP, float], Answer]
-"""Gives the exact answer of a world for a γ; neither a solution nor a reason while it is worked out."""
+"""Returns the exact answer of a world for a γ, empty while pending."""
 
 
 def exact_at_once(mdp: TabularMDP, gamma: float) -> Answer:
-    """Work out the exact answer of ``mdp`` for ``gamma``."""
+    """Solve `mdp` for `gamma` at once."""
     try:
         return Answer(solve(mdp, gamma), "")
     except NoExactAnswer as reason:
@@ -38,9 +38,8 @@ def exact_at_once(mdp: TabularMDP, gamma: float) -> Answer:
 
 
 def why_too_dear(mdp: TabularMDP, *, value_of_policy: bool = False) -> str:
-    """Return why exact figures of a world are not worked out beside a run; empty where they are.
-
-    The discounted ``value_of_policy`` takes longer than what one episode earns.
+    """Return the reason why exact results are too slow next to a run, or "". The discounted
+    `value_of_policy` takes longer than a return.
     """
     if mdp.states > LIVE_STATES or visits_of(mdp) > DEAREST_LIVE:
         return "this world is too large for exact figures beside a run"
@@ -50,12 +49,12 @@ def why_too_dear(mdp: TabularMDP, *, value_of_policy: bool = False) -> str:
 
 
 class Kept:
-    """What is kept from one moment to the next, of whatever runs: names, a journal, exact figures."""
+    """Results cached between moments of any runs: names, a journal, exact results."""
 
     def __init__(self, exact: ExactAnswer = exact_at_once) -> None:
         self.exact = exact
         self.journal = JournalReader()
-        """What the journal says."""
+        """Facts from the journal."""
         self._space: FiniteSpace | None = None
         self._states: dict[str, int | None] = {}
         self._policy: tuple[TabularMDP, FloatArray] | None = None
@@ -64,7 +63,7 @@ class Kept:
         self._compared: tuple[Scenario, Scenario, bool] | None = None
 
     def is_same_world(self, one: Scenario, other: Scenario) -> bool:
-        """Return whether two scenarios describe the same world, be they read from other files."""
+        """Return True if two scenarios describe the same world, even from different files."""
         known = self._compared
         if known is None or known[0] is not one or known[1] is not other:
             is_same = one is other or (one.kind, one.section) == (other.kind, other.section)
@@ -72,7 +71,7 @@ class Kept:
         return known[2]
 
     def state(self, space: FiniteSpace, name: str) -> int | None:
-        """Return the number of the state of this name, None where there is none."""
+        """Return the number of the named state, or None."""
         if space is not self._space:
             self._space, self._states = space, {}
         if name not in self._states:
@@ -83,7 +82,7 @@ class Kept:
     def of_policy(
         self, mdp: TabularMDP, policy: FloatArray, name: str | float, work_out: Callable[[], float | None]
     ) -> float | None:
-        """Return a figure of ``policy``, [P], by its name: worked out once while policy and world stay."""
+        """Return a result for `policy`, `[P]`, by name, computed once while policy and world stay."""
         known = self._policy
         if known is None or known[0] is not mdp or not np.array_equal(known[1], policy):
             self._policy, self._figures = (mdp, policy), {}
@@ -92,7 +91,7 @@ class Kept:
         return self._figures[name]
 
     def optimum(self, mdp: TabularMDP, gamma: float) -> Answer:
-        """Return the exact answer for ``gamma``, as far as it is known."""
+        """Return the exact answer for `gamma`, as far as known."""
         known = self._optimum
         if known is None or known[0] is not mdp or known[1] != gamma or not any(known[2]):
             self._optimum = mdp, gamma, self.exact(mdp, gamma)
@@ -101,10 +100,8 @@ class Kept:
 
 
 class JudgedMoment:
-    """``run`` where it stands, with the settings by which its last step was taken; ``setup`` is the task's.
-
-    What was set since then is not in force yet: it would not be in a replay that ends here. Its members raise
-    MissingError, with the reason, where there is no such thing.
+    """`run` at its current step with the settings of its last step, and the `setup` of the task. Later
+    settings do not apply yet, as in a replay that ends here. Members raise MissingError with a reason.
     """
 
     def __init__(self, run: Run, setup: Recipe, kept: Kept) -> None:
@@ -116,7 +113,7 @@ class JudgedMoment:
 
     @property
     def author(self) -> Author:
-        """Who took the last step."""
+        """Algorithm and settings of the last step."""
         return self.run.learner.author
 
     @property
@@ -134,14 +131,14 @@ class JudgedMoment:
 
     @property
     def last_episode(self) -> tuple[float, int]:
-        """Return and length of the episode that ended with the very step that was last."""
+        """Return and length of the episode that ended with the last step."""
         newest = self.run.history.newest
         if newest is None or not (self.last.terminated or self.last.truncated):
             raise NoMomentError("no episode ends with this step")
         return newest
 
     def taken_since(self, step: int) -> int:
-        """Return how many steps a person has taken after ``step``."""
+        """Return the number of the user's actions after `step`."""
         count = 0
         for entry in reversed(self.run.journal):
             if entry.step < step:
@@ -150,14 +147,14 @@ class JudgedMoment:
         return count
 
     def state(self, name: str | None) -> int:
-        """Return the number of the state of this name."""
+        """Return the number of the named state."""
         state = self._kept.state(self.run.world.space, name or "")
         if state is None:
             raise MissingError(f"there is no state {name} here")
         return state
 
     def pair(self, state: str | None, action: str | None) -> int:
-        """Return the number of a pair, by the names of its state and its action."""
+        """Return the number of the pair of the named state and action."""
         space, names = self.run.world.space, self.run.world.space.action_names
         number = self.state(state)
         if action not in names:
@@ -168,7 +165,7 @@ class JudgedMoment:
         return pair
 
     def actions_in(self, state: str | None, best: Callable[[range], list[int]]) -> str:
-        """Return the names of the actions of the pairs that ``best`` chooses of those of ``state``."""
+        """Return the names of the actions that `best` chooses from the pairs of `state`."""
         space = self.run.world.space
         own = space.pairs_of(self.state(state))
         if not own:
@@ -177,20 +174,20 @@ class JudgedMoment:
 
     @property
     def planned_values(self) -> FloatArray | None:
-        """V, [S], of the planner that took the last step; None where that is the greatest Q."""
+        """V, `[S]`, of the planner that took the last step, or None for an agent."""
         learner = self.run.learner
         if not self.journal.switch_waits:
             return next(iter(learner.remembered("v")), None) if learner.plans else None
         if not BY_ID[self.author.algorithm].planner:
             return None
-        # the memory of the algorithm that took the last step is gone
+        # the memory of the last step's algorithm is gone
         again = Run(self.run.recipe, evaluate=False)
         again.follow(self.run.journal[: self.journal.count], self.run.step)
         return next(iter(again.learner.remembered("v")), None)
 
     @cached_property
     def mdp(self) -> TabularMDP:
-        """The table of the world as it is now, where exact figures of it are worked out in each picture."""
+        """The current table of the world, if it is small enough for exact results."""
         mdp = self.run.learner.mdp
         if mdp is None:
             raise MissingError(NO_TABLE)
@@ -201,26 +198,26 @@ class JudgedMoment:
 
     @cached_property
     def greedy(self) -> FloatArray:
-        """The greedy policy, [P], with the ties of the last step."""
+        """The greedy policy, `[P]`, with the ties of the last step."""
         return greedy_policy(self.mdp, self.run.learner.q, self.author.hyperparameters.ties)
 
     @property
     def expected_return(self) -> float:
-        """The exact expected undiscounted return of the greedy policy."""
+        """Exact expected undiscounted return of the greedy policy."""
         mdp, ties = self.mdp, self.author.hyperparameters.ties
         value = self.run.greedy_return(self.run.learner.q, ties) if mdp is not None else None
         return _known(value, "the greedy policy has no return: it may never end")
 
     @property
     def greedy_ends(self) -> float:
-        """The probability that an episode of the greedy policy ends."""
+        """Probability that an episode of the greedy policy ends."""
         mdp, greedy = self.mdp, self.greedy
         ends = self._kept.of_policy(mdp, greedy, "ends", lambda: chance_of_ending(mdp, greedy))
         return _known(ends, "rounding would spoil it")
 
     @property
     def value_at_start(self) -> float:
-        """The exact value of the greedy policy at the start, for the γ of the last step."""
+        """Exact value of the greedy policy at the start, for the γ of the last step."""
         mdp, greedy, gamma = self.mdp, self.greedy, self.author.hyperparameters.gamma
         refused = why_too_dear(mdp, value_of_policy=True)
         if refused:
@@ -237,7 +234,7 @@ class JudgedMoment:
 
     @property
     def optimum(self) -> Solution:
-        """The exact answer for the γ of the last step."""
+        """Solution for the γ of the last step."""
         answer = self._kept.optimum(self.mdp, self.author.hyperparameters.gamma)
         if answer.solution is None:
             raise MissingError(answer.refused) if answer.refused else NotYetError

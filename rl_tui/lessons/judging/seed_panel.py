@@ -41,24 +41,31 @@ if TYPE_CHECKING:
 
 
 MOST_STEPS: Final = 20_000_000
-"""Of an attempt, of evidence or of a branch: what goes further is not replayed."""
+"""Most steps of a replay, for attempts, evidence and branches."""
 
 
 OnEnd = Callable[[Run, int], None]
-"""Hears of a run that went as far as it does, and how many steps of it count at most."""
+"""Called with a finished run, and the number of its steps that count at most."""
 
 
 def ignore_end(run: Run, most: int) -> None:
-    """Ignore how far a run went."""
+    """Ignore a finished run."""
 
 
 def attempted_run(
     lesson: Lesson, page: str, attempt: Attempt, seed: int | None = None, on_end: OnEnd = ignore_end
 ) -> Run:
-    """Return the run that ``attempt`` comes to: as far as it says, else until all its changes are made.
+    """Replay an attempt, to its given length or until all its changes are made.
 
-    ``on_end`` hears of it even if it fails, and may raise. Raises UserError where a setting or a change does
-    not fit, a step breaks the run down, or it goes too far.
+    Args:
+        lesson: The lesson.
+        page: Id of the page with the task.
+        attempt: Recorded attempt.
+        seed: Seed instead of the setup's, if given.
+        on_end: Called with the run even if it fails, and may raise.
+
+    Raises:
+        UserError: A setting or change does not fit, the run breaks down, or it is too long.
     """
     name = lesson.setup_of(page)
     setup = lesson.setups[name]
@@ -90,7 +97,7 @@ def attempted_run(
 
 
 def replayed(recipe: Recipe, journal: tuple[JournalEntry, ...], step: int) -> Run:
-    """Return the run of ``recipe`` and ``journal`` at ``step``; raises UserError where that breaks it."""
+    """Replay a run of `recipe` and `journal` to `step`. Raises UserError if it breaks down."""
     check_world_stays(journal)
     run = _new_run(recipe)
     train(run, Goal(steps=step), journal=journal)
@@ -98,9 +105,9 @@ def replayed(recipe: Recipe, journal: tuple[JournalEntry, ...], step: int) -> Ru
 
 
 def check_world_stays(journal: Iterable[JournalEntry]) -> None:
-    """Raise UserError where ``journal`` changes the world: a task is about the one that its lesson gives."""
+    """Raise UserError if `journal` changes the world: a task is about its lesson's world."""
     if any(isinstance(entry.change, WorldChange) for entry in journal):
-        raise UserError("a lesson's world stays as it is, and here it was changed")
+        raise UserError("the world of a lesson must not change, and here it was changed")
 
 
 def _new_run(recipe: Recipe) -> Run:
@@ -109,7 +116,7 @@ def _new_run(recipe: Recipe) -> Run:
 
 
 def _step_after(entry: JournalEntry) -> int:
-    """Return the step at which ``entry`` has had its effect."""
+    """Return the step at which `entry` has had its effect."""
     return entry.step + isinstance(entry.change, TakeAction | OrderSweep)
 
 
@@ -117,26 +124,26 @@ def _step_after(entry: JournalEntry) -> int:
 
 
 MOST_SECONDS: Final = 300
-"""Of a processor, in a process of its own."""
+"""CPU-time limit of the process in seconds."""
 OnSeed = Callable[[int, int, SeedValues], None]
 
 
 def no_news(done: int, wanted: int, values: SeedValues) -> None:
-    """Ignore how many seeds are done."""
+    """Ignore progress."""
 
 
 class _TooLongError(Exception):
-    """A seed has come to more steps than it may take."""
+    """A seed has exceeded its limit of steps."""
 
 
 def work(request: PanelRequest, tell: Callable[[PanelProgress, float], None]) -> None:
-    """Tell what came of each seed, and the verdicts at the end; what a process of its own does."""
+    """Report each seed, and finally the verdicts. This is the work of a background process."""
     bound_processor_time(MOST_SECONDS)
     known = len(request.known)
     seeds = list(request.known)
 
     def on_seed(done: int, wanted: int, values: SeedValues) -> None:
-        if done == known + 1:  # until then it may have waited for machine code
+        if done == known + 1:  # before that, it may have waited for machine code
             let_others_go_first()
         seeds.append(values)
         tell(PanelProgress(tuple(seeds), wanted), (done - known) / (wanted - known))
@@ -152,11 +159,20 @@ def worked_out(
     known: Sequence[SeedValues] = (),
     on_end: OnEnd = ignore_end,
 ) -> tuple[ConditionVerdict, ...]:
-    """Return the verdict on each of ``conditions`` for runs of ``recipe`` under the seeds from 0.
+    """Check conditions over seeds, beginning with 0. Conditions of equal length share their runs.
 
-    Those that go equally far share their runs. ``on_seed`` hears how many seeds of how many are done, and
-    what came of the last one; ``known`` is what it heard of the first ones before, which are not run again.
-    ``on_end`` hears of each run, and may raise. Raises UserError where the world cannot be built.
+    Args:
+        recipe: Start of the runs.
+        conditions: Conditions to check.
+        on_seed: Called with (seeds done, seeds wanted, values of the last seed).
+        known: Values of the first seeds from an earlier call, which are not repeated.
+        on_end: Called with each run, and may raise.
+
+    Returns:
+        A verdict for each condition.
+
+    Raises:
+        UserError: The world cannot be built.
     """
     begun = replace(recipe, seed=0)
     order = sorted(range(len(conditions)), key=lambda place: _extent(conditions[place]))
@@ -188,7 +204,7 @@ def _extent(condition: Condition) -> tuple[int, int, int]:
 def _of_seed(
     runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition], on_end: OnEnd
 ) -> SeedValues:
-    """Return what each of ``conditions`` measures of one seed; None where that has no value."""
+    """Return the metric of each condition for one seed, None without a value."""
     run = runs.new_run(seed)
 
     def on_progress(done: int, wanted: int) -> None:
@@ -203,7 +219,7 @@ def _of_seed(
         on_end(run, MOST_STEPS_OF_A_SEED)
     if (
         run.step > MOST_STEPS_OF_A_SEED
-    ):  # it depends on how the work was cut whether that was noticed on the way
+    ):  # checked again, because the chunks of work decide if it was noticed on the way
         return [None] * len(conditions)
     kept = Kept()
     return [_measured(run, condition, kept) for condition in conditions]
@@ -234,7 +250,7 @@ def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> Conditi
 
 
 class PanelsAtOnce:
-    """Works them out where they are asked for, and remembers them; ``on_end`` hears of each run for that."""
+    """Computes conditions over seeds on request, and caches them. `on_end` is called with each run."""
 
     def __init__(self, on_end: OnEnd = ignore_end) -> None:
         self._known = KnownPanels()
@@ -243,7 +259,7 @@ class PanelsAtOnce:
     waits = ""
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
-        """Return the verdict on each of ``conditions`` for runs of ``recipe``."""
+        """Return the verdict on each of `conditions` for runs of `recipe`."""
         known = self._known.of(recipe, conditions)
         if known is None:
             known = worked_out(recipe, conditions, on_end=self._on_end)
@@ -257,10 +273,18 @@ class PanelsAtOnce:
 def passes(
     lesson: Lesson, page: str, attempt: Attempt, seed: int | None = None, panels: Panels | None = None
 ) -> TaskView:
-    """Return how ``attempt`` at the task of ``page`` is judged; ``passed`` of it is None where it fails.
+    """Judge `attempt` at the task of `page`; `passed` of the result is None if it fails. A program is
+    watched, without a sandbox.
 
-    ``seed`` is another one than the setup's, for attempt and task. Raises UserError where it cannot be
-    replayed: its settings or changes do not fit. A program is watched, whatever it may do.
+    Args:
+        lesson: The lesson.
+        page: Id of the page with the task.
+        attempt: Recorded attempt.
+        seed: Seed for attempt and task instead of the setup's, if given.
+        panels: Decides conditions over seeds.
+
+    Raises:
+        UserError: The attempt cannot be replayed.
     """
     judged = judged_task(lesson, page, seed)
     if judged.task.program is not None and not attempt.claim:
@@ -272,7 +296,7 @@ def passes(
 
 
 def judged_program(judged: JudgedTask, code: str) -> TaskView:
-    """Return how ``code``, which is run for it, is judged by a task that asks for a program."""
+    """Run `code`, and judge it by a task that needs a program."""
     from rl_tui.lessons.judging.seen_program import watched_code
 
     name = "" if judged.task.program is None else judged.task.program.file
@@ -280,7 +304,7 @@ def judged_program(judged: JudgedTask, code: str) -> TaskView:
 
 
 def judged_claim(judged: JudgedTask, run: Run, panels: Panels | None = None) -> TaskView:
-    """Return how the claim that the task cannot be done is judged, made where ``run`` stands."""
+    """Judge the claim, made at the current step of `run`, that the task is impossible."""
     view = verdict(judged, run, panels or PanelsAtOnce())
     is_right = judged.task.proof is not None
     return replace(view, passed=Passed(judged.page, judged.setup, claim=True) if is_right else None)
@@ -289,10 +313,7 @@ def judged_claim(judged: JudgedTask, run: Run, panels: Panels | None = None) -> 
 def evidence_holds(
     lesson: Lesson, evidence: Passed, seed: int | None = None, panels: Panels | None = None
 ) -> TaskView:
-    """Return how the task of ``evidence`` stands when what it says was done is done again.
-
-    Raises as :func:`passes` and :func:`~rl_tui.lessons.judging.conditions.judged_task` do.
-    """
+    """Judge the task of `evidence` by repeating the evidence. Raises as `passes` and `judged_task` do."""
     judged = judged_task(lesson, evidence.page, seed)
     if evidence.claim:
         return judged_claim(judged, Run(judged.setup, evaluate=False), panels)

@@ -31,12 +31,16 @@ _MOST_REMARKS: Final = 8
 
 @dataclass(frozen=True, slots=True)
 class SeenProgram:
-    """What was seen of a program: the ``verdict`` of the diagnosis, and how far it went.
+    """The result of watching a program.
 
-    ``environment`` is the id of the one that its table belongs to, empty without one. ``expected_return`` is
-    what the greedy policy of its table earns, undiscounted; None where that is not known. ``error`` is what
-    kept it from its end, in a line; empty where nothing did. ``remarks`` are sentences for its author: where
-    it departs from its rule, what is wrong and how to mend it, each with its line.
+    Attributes:
+        verdict: Result of the diagnosis.
+        steps: Steps taken.
+        episodes: Episodes finished.
+        environment: Id of the environment of its table, or "".
+        expected_return: Undiscounted return of its greedy policy, or None if unknown.
+        error: The error that stopped it in one line, or "".
+        remarks: Sentences for its author, with lines: departures from the rule, findings and corrections.
     """
 
     verdict: ProgramVerdict = field(default_factory=ProgramVerdict)
@@ -49,10 +53,10 @@ class SeenProgram:
 
 
 def seen_program(log: ProgramLog, verdict: ProgramVerdict) -> SeenProgram:
-    """Return what the program that told ``log`` has come to."""
+    """Summarize the program of `log`."""
     environment, error = environment_of(log), error_of(log)
     remarks = [*_departure(log, verdict), *(_of_finding(each) for each in verdict.findings)]
-    if error is None:  # what is not known of half a program is no news
+    if error is None:  # half a program naturally leaves facts unknown
         remarks += verdict.notes
     remarks += log.notes
     return SeenProgram(
@@ -73,11 +77,11 @@ def _in_a_line(error: ProgramError) -> str:
 
 def _of_finding(finding: CodeFinding) -> str:
     place = "" if finding.line is None else f"line {finding.line}: "
-    return f"{place}{finding.text.rstrip('.')}. Mend it: {finding.correction.rstrip('.')}."
+    return f"{place}{finding.text.rstrip('.')}. Fix: {finding.correction.rstrip('.')}."
 
 
 def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
-    """Return, as one sentence if any, the first step that the rule found does not explain."""
+    """Return a sentence about the first step that the rule does not explain, if any."""
     update = verdict.update
     if update.rule is Rule.UNKNOWN or update.departs_at is None:
         return []
@@ -86,7 +90,7 @@ def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
     step = step_number(update.departs_at)
     try:
         moved = update_of_step(log.recording, update, update.departs_at).moved
-    except ValueError:  # the step is kept no more
+    except ValueError:  # the step is no longer stored
         moved = ()
     actions = max(1, log.recording.actions)
     cells = ", ".join(
@@ -102,16 +106,16 @@ def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
 
 MOST_SECONDS: Final = 60.0
 MOST_STEPS: Final = 500_000
-"""After so many it is ended, and judged by them."""
+"""Steps after which it is ended and judged."""
 MOST_MEMORY: Final = 2048 * 2**20
 _LONGEST_ERROR: Final = 400
 
 OnSteps = Callable[[int, int], None]
-"""Hears how many steps were taken, and how many episodes are begun."""
+"""Called with the number of steps taken and episodes begun."""
 
 
 def read_code(path: Path) -> str:
-    """Return the program in a file. Raises UserError, in one line, where there is none."""
+    """Read the program in a file. Raises UserError, in one line, if there is none."""
     try:
         code = read_text(path, "a Python file")
     except UnreadableError as reason:
@@ -127,10 +131,16 @@ def read_code(path: Path) -> str:
 def watched_code(
     code: str, name: str, on_steps: OnSteps = lambda steps, episodes: None, seconds: float = MOST_SECONDS
 ) -> SeenProgram:
-    """Return what ``code`` comes to, run from a file called ``name`` in a temporary folder, alone.
+    """Run `code` in a temporary folder and watch it.
 
-    It is ended after ``seconds``, after 500,000 steps, and where it asks for more than 2 GB. What keeps it
-    from its end is said in the result.
+    Args:
+        code: Source of the program.
+        name: Name of its file.
+        on_steps: Called with (steps, episodes).
+        seconds: Time limit, besides 500,000 steps and 2 GB of memory.
+
+    Returns:
+        The result, with the error that stopped the program, if any.
     """
     with tempfile.TemporaryDirectory(prefix="rl-tui-") as folder:
         path = Path(folder) / Path(name).name
@@ -146,6 +156,6 @@ def watched_code(
         except (UserError, OSError) as fault:
             text = str(fault).replace(f"{folder}{os.sep}", "")
             return SeenProgram(error=one_line(text, _LONGEST_ERROR))
-        except Exception as fault:  # what a program sends may be anything
-            text = f"what came of it cannot be read ({type(fault).__name__}: {fault})"
+        except Exception as fault:  # a program may send anything
+            text = f"its result cannot be read ({type(fault).__name__}: {fault})"
             return SeenProgram(error=one_line(text, _LONGEST_ERROR))

@@ -1,4 +1,4 @@
-"""Verdicts on conditions: whether each one holds, and its measure in words."""
+"""Verdicts on conditions: whether each one is met, and its metric in words."""
 
 from __future__ import annotations
 
@@ -16,18 +16,17 @@ if TYPE_CHECKING:
 
 
 KEPT: Final = 64
-"""Settings of which the verdicts are remembered."""
+"""Number of settings with cached verdicts."""
 SeedValues = list[float | str | bool | None]
-"""What each of the conditions that share a run measures of one seed; None where that has no value."""
+"""The metric of each condition that shares a run, None without a value."""
 _Panel = tuple["Recipe", tuple["Condition", ...]]
 _Of = TypeVar("_Of")
 
 
 @dataclass(frozen=True, slots=True)
 class PanelRequest:
-    """What is to be worked out: ``conditions`` for runs of ``recipe`` under the seeds from 0.
-
-    ``known`` is what came of the first seeds.
+    """A request for `conditions` on runs of `recipe`, with seeds from 0. `known` are the results of the
+    first seeds.
     """
 
     recipe: Recipe
@@ -37,39 +36,39 @@ class PanelRequest:
 
 @dataclass(frozen=True, slots=True)
 class PanelProgress:
-    """What is known by now: what came of the ``seeds`` that are done, at the end the ``verdicts``."""
+    """Results of finished seeds, and finally the `verdicts`."""
 
     seeds: tuple[SeedValues, ...]
     wanted: int = 0
-    """How many seeds there are to be; 0 before the first that was not known."""
+    """Number of seeds in all, 0 before the first new one."""
     verdicts: tuple[ConditionVerdict, ...] | None = None
 
 
 class KnownPanels:
-    """The verdicts of the last settings that were asked for, and the seeds that are done where they lack."""
+    """A cache of verdicts, and of seeds without a verdict."""
 
     def __init__(self) -> None:
         self._verdicts: list[tuple[_Panel, tuple[ConditionVerdict, ...]]] = []
         self._seeds: list[tuple[_Panel, tuple[SeedValues, ...]]] = []
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[ConditionVerdict, ...] | None:
-        """Return what is known of ``conditions`` for runs of ``recipe``, None where that is nothing."""
+        """Return the verdicts on `conditions` for runs of `recipe`, or None if unknown."""
         return _of(self._verdicts, (recipe, conditions))
 
     def keep(
         self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[ConditionVerdict, ...]
     ) -> None:
-        """Remember ``verdicts``; of very many, the oldest are forgotten."""
+        """Store `verdicts`, dropping the oldest if there are too many."""
         self._verdicts = [*self._verdicts, ((recipe, conditions), verdicts)][-KEPT:]
 
     def seeds_of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[SeedValues, ...]:
-        """Return what came of the seeds that were done when the work on them ended."""
+        """Return the results of the seeds that were finished when the work ended."""
         return _of(self._seeds, (recipe, conditions)) or ()
 
     def keep_seeds(
         self, recipe: Recipe, conditions: tuple[Condition, ...], seeds: tuple[SeedValues, ...]
     ) -> None:
-        """Remember what came of the first seeds."""
+        """Store the results of the first seeds."""
         others = [each for each in self._seeds if not same_panel(*each[0], recipe, conditions)]
         self._seeds = [*others, ((recipe, conditions), seeds)][-KEPT:]
 
@@ -79,7 +78,7 @@ def _of(kept: Sequence[tuple[_Panel, _Of]], panel: _Panel) -> _Of | None:
 
 
 def same_panel(one: Recipe, its: tuple[Condition, ...], other: Recipe, others: tuple[Condition, ...]) -> bool:
-    """Return whether both ask for the same runs and the same conditions, whatever seed the recipes have."""
+    """Return True if both need the same runs and conditions, ignoring the seeds of the recipes."""
     return (
         one.algorithm == other.algorithm
         and one.hyperparameters == other.hyperparameters
@@ -92,32 +91,34 @@ def same_panel(one: Recipe, its: tuple[Condition, ...], other: Recipe, others: t
 
 
 TOLERANCE: Final = 1e-9
-"""Numbers no further apart are equal."""
+"""Numbers this close are equal."""
 
 _DIGITS: Final = 4
 _MOST_DIGITS: Final = 12
 
 
 class ConditionVerdict(NamedTuple):
-    """Whether a condition holds, None while that is not known, and the measure in words."""
+    """True if a condition is met, None while unknown, and the metric in words."""
 
     holds: bool | None
     found: str = ""
 
 
 class Panels(Protocol):
-    """What works out conditions that many seeds decide."""
+    """Decides conditions over many seeds."""
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
-        """Return the verdict on each of ``conditions`` for runs of ``recipe``, whatever seed that has."""
+        """Return the verdict on each of `conditions` for runs of `recipe`, whatever its seed."""
+        ...
 
     @property
     def waits(self) -> str:
-        """What is being worked out, in words; empty where nothing is."""
+        """The pending computation in words, or ""."""
+        ...
 
 
 def is_met(condition: Condition, value: Value) -> bool:
-    """Return whether ``value`` is what ``condition`` asks for."""
+    """Return True if `value` meets `condition`."""
     if condition.equals is not None and not _equal(value, condition.equals):
         return False
     if condition.one_of and not any(_equal(value, each) for each in condition.one_of):
@@ -137,7 +138,7 @@ def is_met(condition: Condition, value: Value) -> bool:
 
 
 def in_words(value: Value, digits: int = _DIGITS) -> str:
-    """Return a value as people read it: a number that is not whole with so many significant ``digits``."""
+    """Format a value, with `digits` significant digits unless it is whole."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, str):
@@ -148,7 +149,7 @@ def in_words(value: Value, digits: int = _DIGITS) -> str:
 
 
 def found_in_words(condition: Condition, value: Value) -> str:
-    """Return ``value`` in words: exact enough that whoever reads it comes to the same verdict."""
+    """Format `value` with enough digits to lead readers to the same verdict."""
     if isinstance(value, str | bool):
         return in_words(value)
     same = (

@@ -1,4 +1,4 @@
-"""What the tasks of a lesson name that is not there in the worlds they are set in."""
+"""Errors of tasks against their worlds: names that do not exist there."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _OF_BANDITS = ("winnings", "regret", "best_arm_rate")
 
 
 def reference_faults(lesson: Lesson) -> list[Fault]:
-    """Return what of setups, conditions and attempts does not fit their worlds, which are built for it."""
+    """Build the worlds of a lesson, and return errors of setups, conditions and attempts."""
     worlds: dict[str, tuple[Recipe, World]] = {}
     findings: list[Finding] = []
     for name in lesson.setups:
@@ -66,7 +66,7 @@ def _of_condition(condition: Measured, world: World) -> Iterator[Finding]:
     for where, action in _actions_named(condition):
         yield from _of_action(where, action, state, world)
     if measure.name in _OF_BANDITS and world.budget is None:
-        yield Finding(("measure",), shown(measure.name), "a measure of this world: it is no bandit")
+        yield Finding(("measure",), shown(measure.name), "a measure of this world, which is not a bandit")
     if measure.kind is MeasureKind.EXACT and world.mdp is None:
         yield Finding(("measure",), shown(measure.name), "a measure without a table: this world has none")
     elif measure.kind is MeasureKind.EXACT and world.mdp is not None:
@@ -76,7 +76,6 @@ def _of_condition(condition: Measured, world: World) -> Iterator[Finding]:
 
 
 def _actions_named(condition: Measured) -> Iterator[tuple[Location, str]]:
-    """Yield every action that ``condition`` names, and where."""
     from rl_tui.lessons.file.schema import Condition
 
     if condition.action is not None:

@@ -21,10 +21,8 @@ from rl_tui.worlds.world import World
 
 @dataclass(frozen=True, slots=True)
 class EstimatesBefore:
-    """What ``agent`` estimated before its ``last`` step taught it, for the pairs of one state at a time.
-
-    ``terms`` say what the update looks up. Only the estimate that the step names is put back: where it made
-    further updates, the others are as they are now.
+    """The estimates of `agent` before its `last` step. Only the updated pair is restored; after further
+    updates in the same step, other estimates are current ones. `terms` describes the lookup of the update.
     """
 
     world: World
@@ -33,16 +31,13 @@ class EstimatesBefore:
     terms: UpdateTerms
 
     def of(self, pairs: range) -> FloatArray | None:
-        """Return the estimates of ``pairs``, None where there are none or the snapshot does not have them."""
+        """Return the estimates of the `pairs` of a state, or None if the snapshot lacks them."""
         if not len(pairs) or not self.agent.holds(pairs.start):
             return None
         return self._put_back(self.agent.q, pairs, moved=not self.last.table)
 
     def looked_up(self, pairs: range) -> tuple[FloatArray, FloatArray] | None:
-        """Return how much each of ``pairs`` counts in the value of their state, and their estimates.
-
-        None where that is not known.
-        """
+        """Return the weight of each pair in the value of its state, and the estimates, or None if unknown."""
         if self.terms.lookup is Lookup.OTHER:
             return self._judged(pairs)
         estimates = self.of(pairs)
@@ -55,8 +50,8 @@ class EstimatesBefore:
         return None if policy is None else (policy, estimates)
 
     def value(self, state: int) -> float | None:
-        """Return what the update took ``state`` to be worth, as far as that is known."""
-        if self.last.planned:  # of the state itself it has just changed
+        """Return the value of `state` in the update, or None if unknown."""
+        if self.last.planned:  # a planner has just changed the value of the state itself
             is_known = state != self.last.state and len(self.agent.values)
             return float(self.agent.values[state]) if is_known else None
         pairs = self.world.space.pairs_of(state)
@@ -69,7 +64,7 @@ class EstimatesBefore:
         return float(estimates.max() if self.terms.lookup is Lookup.BEST else weights @ estimates)
 
     def _judged(self, pairs: range) -> tuple[FloatArray, FloatArray] | None:
-        """Return which pairs are best in the table that learns, as shares, and the estimates of the other."""
+        """Return the best pairs of the updated table as shares, and the estimates of the other table."""
         if len(self.agent.tables) != 2 or not self.last.table:
             return None
         own = self._put_back(self.agent.tables[self.last.table - 1], pairs, moved=True)
@@ -80,7 +75,7 @@ class EstimatesBefore:
         return equal_shares(best), other
 
     def _put_back(self, table: FloatArray, pairs: range, *, moved: bool) -> FloatArray:
-        """Return what ``table`` had for ``pairs``; ``moved`` says that it is the one that was updated."""
+        """Return the entries of `table` for `pairs`. `moved` is True for the updated table."""
         estimates = table[pairs.start : pairs.stop].copy()
         if moved and self.last.updated_pair in pairs:
             estimates[self.last.updated_pair - pairs.start] = self.last.before
@@ -88,7 +83,7 @@ class EstimatesBefore:
 
 
 def equal_shares(chosen: BoolArray) -> FloatArray:
-    """Return the same share for each of those ``chosen``, 0 for the others."""
+    """Return equal shares for the pairs in `chosen`, 0 for others."""
     return np.asarray(chosen / chosen.sum())
 
 
@@ -97,12 +92,17 @@ def equal_shares(chosen: BoolArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """One thing that may follow a pair: the end of one line of a backup diagram.
+    """A possible outcome of a pair: one leaf of a backup diagram.
 
-    ``probability`` is None where nobody knows it. ``action`` is what really happens where the world slips, −1
-    if not known; ``noise`` the standard deviation of the reward around ``reward``. ``value`` is what the
-    algorithm takes the next state to be worth: 0 after an end, None where it is not known. ``happened`` marks
-    what the environment drew.
+    Attributes:
+        probability: Probability of the outcome, or None if unknown.
+        action: Action that happens if the world slips, or −1 if unknown.
+        reward: Mean reward.
+        noise: Standard deviation of the reward.
+        next_state: State after the outcome.
+        terminated: True if the outcome ends the episode.
+        value: Value of the next state for the algorithm: 0 after a terminal outcome, None if unknown.
+        happened: True for the outcome that was drawn.
     """
 
     probability: float | None
@@ -117,12 +117,18 @@ class Leaf:
 
 @dataclass(frozen=True, slots=True)
 class Backup:
-    """The backup of ``pair`` in ``state``, a leaf an outcome, with γ as it was.
+    """The backup of `pair` in `state`, with one leaf for each outcome.
 
-    ``sampled`` is the target of the update, None where it waits or spans several steps; ``expected`` is
-    Σ p (r + γ V(s′)) over the leaves, with the same estimates, None where it is not known. ``is_current``
-    says that these are the estimates that the update saw: further updates of the same step may have moved
-    them since.
+    Attributes:
+        state: State of the pair.
+        pair: Number of the pair.
+        leaves: All outcomes.
+        gamma: Discount at the time of the update.
+        sampled: Target of the update, or None if it waits or spans several steps.
+        expected: Σ p (r + γ V(s′)) with the same estimates, or None if unknown.
+        lookup: How the algorithm values the next state.
+        is_current: True if the leaves have the estimates of the update; further updates of the step may
+            have changed them.
     """
 
     state: int
@@ -136,12 +142,12 @@ class Backup:
 
     @property
     def is_certain(self) -> bool:
-        """Whether nothing but this could have followed."""
+        """True if this was the only possible outcome."""
         return len(self.leaves) == 1 and self.leaves[0].probability is not None and not self.leaves[0].noise
 
 
 def expected_target(leaves: tuple[Leaf, ...], gamma: float) -> float | None:
-    """Return Σ p (r + γ V(s′)) over ``leaves``, None where one of their numbers is not known."""
+    """Return Σ p (r + γ V(s′)) over `leaves`, or None if a number is unknown."""
     terms = []
     for leaf in leaves:
         if leaf.probability is None or leaf.value is None:
@@ -151,9 +157,11 @@ def expected_target(leaves: tuple[Leaf, ...], gamma: float) -> float | None:
 
 
 def backup_of(before: EstimatesBefore, mean: FloatArray | None) -> Backup | None:
-    """Return the backup of the step that found the estimates ``before``, None where a planner changed none.
+    """Return the backup of the last step, or None if a planner changed no estimate.
 
-    ``mean`` are the mean rewards of the pairs as they are now, None where those of the model still hold.
+    Args:
+        before: Estimates before the update.
+        mean: Current mean rewards, `[P]`, if they drift, else None.
     """
     last, terms = before.last, before.terms
     if last.planned and not last.learned:
@@ -206,7 +214,7 @@ def _leaves(before: EstimatesBefore, pair: int) -> tuple[Leaf, ...]:
 
 
 def _value(before: EstimatesBefore, state: int, *, terminated: bool) -> float | None:
-    """Return what the update took ``state`` to be worth, as far as that is known: 0 after an end."""
+    """Return the value of `state` in the update: 0 if terminal, None if unknown."""
     if terminated:
         return 0.0
     is_bootstrap = state == before.last.bootstrap_state and before.terms.one_step
@@ -216,7 +224,7 @@ def _value(before: EstimatesBefore, state: int, *, terminated: bool) -> float | 
 
 
 def _solved(leaves: tuple[Leaf, ...], bootstrap: float) -> tuple[Leaf, ...]:
-    """Return a planner's leaves with the value that follows from Σ p V(s′) where one alone is not known."""
+    """Fill in the one unknown value of a planner's leaves from Σ p V(s′)."""
     unknown = [leaf for leaf in leaves if leaf.value is None]
     if len({leaf.next_state for leaf in unknown}) != 1:
         return leaves
@@ -227,15 +235,13 @@ def _solved(leaves: tuple[Leaf, ...], bootstrap: float) -> tuple[Leaf, ...]:
 
 
 def sources(before: EstimatesBefore) -> dict[int, float]:
-    """Return the pairs that the bootstrap of the last update was read from, each with its weight in it.
-
-    Of several equal ones that may have been it each has an equal share. Nothing where the update looked up
-    nothing, or where it is not known any more what it saw.
+    """Return the pairs that the bootstrap was read from, with their weights. Equal candidates share the
+    weight. Empty if the update looked up nothing, or if its estimates are unknown.
     """
     last, lookup = before.last, before.terms.lookup
     if last.planned:
         return _planned_sources(before)
-    if last.bootstrap_state != last.next_state:  # none, or that of a remembered pair that led elsewhere
+    if last.bootstrap_state != last.next_state:  # no bootstrap, or that of a remembered pair
         return {}
     pairs = before.world.space.pairs_of(last.bootstrap_state)
     estimates = before.of(pairs)
@@ -248,7 +254,7 @@ def sources(before: EstimatesBefore) -> dict[int, float]:
 
 
 def _planned_sources(before: EstimatesBefore) -> dict[int, float]:
-    """Return the best pairs of all next states: what value iteration looks up."""
+    """Return the best pairs of all next states, which value iteration looks up."""
     mdp, last = before.world.mdp, before.last
     found: dict[int, float] = defaultdict(float)
     if mdp is None or not last.learned or before.terms.lookup is not Lookup.BEST:

@@ -1,4 +1,4 @@
-"""The wind that moved the agent on its last step."""
+"""The effect of wind on the last step."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from rl_tui.worlds.world import World
 
 
 class LastGust(NamedTuple):
-    """The wind that moved the agent: in which ``column``, and by how many cells up, below 0 down."""
+    """A gust in `column` that moved the agent by `pushed` cells, positive upwards."""
 
     column: int
     pushed: int
 
 
 def gust_of(world: World, last: LastStep | None) -> LastGust | None:
-    """Return the wind that moved the agent on the step ``last`` in ``world``, None where none did."""
+    """Return the gust on the step `last` in `world`, or None."""
     grid, mdp = world.drawing, world.mdp
     if last is None or last.planned or mdp is None or last.outcome == UNKNOWN_ACTION:
         return None

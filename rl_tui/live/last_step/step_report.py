@@ -1,7 +1,4 @@
-"""The last step of a snapshot in numbers, computed once for all panels.
-
-The panels put these numbers into words.
-"""
+"""The last step of a snapshot in numbers, computed once for all panels, which write the words."""
 
 from __future__ import annotations
 
@@ -53,7 +50,7 @@ _OTHERWISE: Final = {
 
 
 def program_terms(terms: UpdateTerms, program: ProgramView) -> UpdateTerms:
-    """Return ``terms``, those of the algorithm meant, with what ``program`` puts in their place."""
+    """Return `terms` of the assumed algorithm, corrected by the update found in `program`."""
     update = program.verdict.update
     gathered = "r before" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
     return replace(
@@ -65,9 +62,8 @@ def program_terms(terms: UpdateTerms, program: ProgramView) -> UpdateTerms:
 
 
 def reads_by_the_book(terms: UpdateTerms, update: UpdateFound, last: LastStep) -> bool:
-    """Return whether the program's target looks up what ``terms`` say, in a way that is known.
-
-    A mean over actions is known where it is that of one ε, which the step names.
+    """Return True if the program's target uses the lookup in `terms`. An expected value counts only if its
+    ε is known.
     """
     if _OF_THE_BOOK.get(terms.lookup) is not update.target:
         return False
@@ -82,12 +78,19 @@ _STATE_BACKUP_TOLERANCE: Final = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StateBackup:
-    """The backup of ``state`` (Sutton & Barto, 2nd ed., equations 4.5, 4.9 and 4.10).
+    """The planner's backup of a state (Sutton & Barto, 2nd ed., equations 4.5, 4.9 and 4.10).
 
-    ``phase`` is None in value iteration. ``pairs`` are those of the state, and all arrays [n], one number
-    each: ``q`` = Σ p [r + γ V(s′)], which is ``reward`` + ``gamma`` · ``bootstrap``, and ``chance``, π(a|s)
-    as it is after the backup; of value iteration it is shared among the best. ``value`` is V(s) after it.
-    ``is_split`` says that reward and bootstrap are known: not where rewards drift.
+    Attributes:
+        state: Number of the state.
+        phase: Kind of sweep, or None for value iteration.
+        pairs: Pairs of the state, n in number.
+        q: Σ p [r + γ V(s′)] = `reward` + `gamma` · `bootstrap`, `[n]`.
+        reward: Expected reward, `[n]`.
+        bootstrap: Expected next value, `[n]`.
+        gamma: Discount in [0, 1].
+        chance: π(a|s) after the backup, `[n]`, uniform over the best for value iteration.
+        value: V(s) after the backup.
+        is_split: True if reward and bootstrap are known, or False if rewards drift.
     """
 
     state: int
@@ -103,7 +106,7 @@ class StateBackup:
 
 
 def state_backup_of(world: World, agent: AgentView, last: LastStep) -> StateBackup | None:
-    """Return the backup that ``last`` was; None where it was none, or its numbers are not known any more."""
+    """Return the backup of the step `last`, or None if it was none, or its numbers are lost."""
     mdp, algorithm = world.mdp, agent.row
     pairs = world.space.pairs_of(last.state)
     if not last.planned or not last.learned or mdp is None or agent.learned_by[0] != algorithm.id:
@@ -154,62 +157,61 @@ _TOLERANCE: Final = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class StepStory:
-    """One turn of the agent–environment loop, or one backup of a planner, with all that led to its numbers.
-
-    What only the microscope tells is worked out when it is asked for.
+    """One step of the agent, or one backup of a planner, with all numbers that explain it. Parts for the
+    microscope are computed on request.
     """
 
     world: World
-    """The world of the run."""
+    """World of the run."""
     last: LastStep
-    """State, action, reward, next state, the end of the episode, and the terms of the update."""
+    """State, action, reward, next state, and the terms of the update."""
     algorithm: Algorithm
-    """The algorithm that took the step."""
+    """Algorithm that took the step."""
     hyperparameters: Hyperparameters
-    """The hyper-parameters in force at the step; which ε a schedule had come to is in ``last``."""
+    """Hyper-parameters at the step. `last` has the ε of a schedule."""
     policy: Policy
-    """The policy that chose the action."""
+    """Policy that chose the action."""
     before: EstimatesBefore
-    """The estimates as the update found them."""
+    """Estimates before the update."""
     greedy: Sequence[int]
-    """The pairs that were greedy when the action was chosen; empty where that is not known any more."""
+    """Pairs that were greedy when the action was chosen, empty if unknown."""
     chance: float | None
-    """The probability of what the environment drew; None where it is not known."""
+    """Probability of the drawn outcome, or None if unknown."""
     meant: int | None
-    """The action chosen, where the world may slip and what happened is known; else None."""
+    """Chosen action if the world may slip and the result is known, else None."""
     went: int | None
-    """The action that really happened; None where ``meant`` is."""
+    """Action that happened, or None if `meant` is None."""
     wind: int
-    """By how many cells the wind blew the agent up, below 0 down; 0 where it did not."""
+    """Cells that the wind moved the agent, positive upwards."""
     visits: int
-    """How often the pair taken was taken or updated; 0 for a planner."""
+    """Visits of the pair (updates, for some algorithms), or 0 for a planner."""
     planning: str
-    """How a planner's sweep is getting on, in words; empty for an agent that learns."""
+    """Progress of a planner's sweep, in words, empty for an agent."""
     rewards: Sequence[float]
-    """The rewards of the episode, oldest first; of a long one the last of them; none for a planner."""
+    """Rewards of the episode, oldest first, only the last ones of a long episode, none for a planner."""
     discounted_return: float
-    """The return of the episode so far, each reward discounted by the γ in force at its step."""
+    """Discounted return of the episode so far, with the γ of each step."""
     ends_episode: bool
-    """Whether it was the last step of its episode, of a planner the last backup of its sweep."""
+    """True for the last step of an episode, or the last backup of a sweep."""
     mean: FloatArray | None
-    """[P], the mean rewards as they are now, where they drift and are known."""
+    """Current mean rewards, `[P]`, if they drift and are known."""
     program: ProgramView | None = None
-    """The program of somebody's own that took the step; None for an agent of ours."""
+    """The watched program that took the step, or None for a built-in agent."""
 
     @property
     def has_equation(self) -> bool:
-        """Whether the terms of the update are known: else only the estimate before it and after it are."""
+        """True if the terms of the update are known. Otherwise only the estimates before and after it are."""
         return self.algorithm is not OWN_PROGRAM
 
     @property
     def terms(self) -> UpdateTerms:
-        """The symbols and words of the algorithm's update, or of what a program makes of it."""
+        """Symbols and words of the update, corrected for a watched program."""
         terms, program = self.algorithm.update, self.program
         return terms if program is None else program_terms(terms, program)
 
     @property
     def reads_by_the_book(self) -> bool:
-        """Whether which estimates the update looked up is what its algorithm says."""
+        """True if the update looks up estimates as its algorithm says."""
         program = self.program
         return program is None or (
             self.has_equation and reads_by_the_book(self.terms, program.verdict.update, self.last)
@@ -217,17 +219,17 @@ class StepStory:
 
     @property
     def is_bandit(self) -> bool:
-        """Whether every step is a pull of an arm, and an episode of its own."""
+        """True if every step is a pull, and so an episode."""
         return isinstance(self.world.drawing, Arms)
 
     @property
     def bootstraps(self) -> bool:
-        """Whether the target has an estimate in it."""
+        """True if the target contains an estimate."""
         return self.last.planned or self.last.bootstrap_state != NOTHING
 
     @property
     def step_size(self) -> float | str:
-        """The step size that is no fraction 1/N: the one in force, which a schedule may move."""
+        """Step size of the step, or the word for a sample average."""
         values = self.hyperparameters
         if values.sample_average:
             return SAMPLE_AVERAGE
@@ -236,27 +238,27 @@ class StepStory:
 
     @property
     def has_trace(self) -> bool:
-        """Whether the step size is α times the trace of the pair."""
+        """True if the step size is α times the trace of the pair."""
         return "traces" in self.algorithm.parameters and self.last.step_size != self.hyperparameters.alpha
 
     @cached_property
     def backup(self) -> Backup | None:
-        """The update as a tree over all that might have followed; None where there is none, or not known."""
+        """The update as a tree of outcomes, or None if unknown."""
         return backup_of(self.before, self.mean) if self.reads_by_the_book else None
 
     @cached_property
     def state_backup(self) -> StateBackup | None:
-        """A planner's backup of a state: its value or its policy; None for an agent, and where not known."""
+        """The planner's backup of a state, or None for an agent, or if unknown."""
         return state_backup_of(self.world, self.before.agent, self.last)
 
     @cached_property
     def sources(self) -> dict[int, float]:
-        """The pairs that the bootstrap was read from, each with its weight in it; none where not known."""
+        """Pairs that the bootstrap was read from, with weights, empty if unknown."""
         return sources(self.before) if self.reads_by_the_book else {}
 
     @property
     def looked_up(self) -> list[tuple[float, float]]:
-        """The weights of ``sources``, each with the estimate as the update found it."""
+        """The weights of `sources`, each with its estimate at the update."""
         last, q = self.last, self.before.agent.q
         return [
             (weight, last.before if pair == last.updated_pair else float(q[pair]))
@@ -265,20 +267,19 @@ class StepStory:
 
     @property
     def steps(self) -> int:
-        """How many steps the episode has had, this one included."""
+        """Steps of the episode, including this one."""
         return max(self.last.episode_step, len(self.rewards))
 
     @property
     def has_one_gamma(self) -> bool:
-        """Whether the return is that of all rewards with the γ in force, as far as they are known."""
+        """True if the known rewards, discounted by one γ, give the return."""
         is_whole = len(self.rewards) == self.steps
         return not is_whole or self._comes_to(self.rewards, self.discounted_return)
 
     @property
     def gathered_rewards(self) -> Sequence[float]:
-        """The rewards, oldest first, whose discounted sum is the target of several steps.
-
-        Nothing for methods of one step, and where they are not known any more.
+        """The rewards in the target of a multi-step method, oldest first, empty for one-step methods, or
+        if unknown.
         """
         last, parameters = self.last, self.algorithm.parameters
         if self.terms.one_step or not last.learned or not self.rewards:
@@ -295,15 +296,14 @@ class StepStory:
 
 
 def discounted_sum(rewards: Sequence[float], gamma: float) -> float:
-    """Return Σ γᵏ r of ``rewards``, oldest first."""
+    """Return Σ γᵏ r of `rewards`, oldest first."""
     return sum(reward * gamma**place for place, reward in enumerate(rewards))
 
 
 @lru_cache(maxsize=1)
 def story_of(snapshot: Snapshot) -> StepStory | None:
-    """Return the story of the last step of ``snapshot``, None before the first.
-
-    It is kept until that of another snapshot is asked for: every panel of a frame tells the same one.
+    """Return the story of the last step of `snapshot`, or None before the first step. The last result is
+    cached, so all panels of a frame share it.
     """
     last, agent, world = snapshot.counters.last_step, snapshot.agent, snapshot.world
     if last is None:
@@ -341,7 +341,7 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
 
 
 def _drawn(world: World, last: LastStep) -> tuple[float | None, int | None, int | None]:
-    """Return the chance of what was drawn and, where the world may slip, what was meant and what happened."""
+    """Return the probability of the outcome, and the chosen and actual action if the world may slip."""
     mdp = world.mdp
     if mdp is None or last.outcome == UNKNOWN_ACTION:
         return None, None, None
@@ -353,9 +353,8 @@ def _drawn(world: World, last: LastStep) -> tuple[float | None, int | None, int 
 
 
 def _algorithm_of(snapshot: Snapshot) -> Algorithm:
-    """Return the algorithm that took the last step.
-
-    Of a program whose step size is not constant it is still the one whose update explains the step.
+    """Return the algorithm that took the last step. For a program with an unknown step size, it is the one
+    whose update explains the step.
     """
     agent, program = snapshot.agent, snapshot.program
     row = algorithm_row(agent.learned_by[0])
@@ -366,9 +365,8 @@ def _algorithm_of(snapshot: Snapshot) -> Algorithm:
 
 
 def _knows_others(snapshot: Snapshot, algorithm: Algorithm) -> bool:
-    """Return whether an action that was not greedy before the update was not greedy when it was chosen.
-
-    Of a program that is so where it chooses after it has learned: nobody knows how it explores.
+    """Return True if an action that is not greedy before the update was not greedy when chosen. For a
+    program, it is true only if it chooses after learning, because its exploration is unknown.
     """
     last = snapshot.counters.last_step
     if snapshot.program is None:
@@ -377,10 +375,9 @@ def _knows_others(snapshot: Snapshot, algorithm: Algorithm) -> bool:
 
 
 def _greedy_before(before: EstimatesBefore, *, knows_others: bool) -> list[int]:
-    """Return the pairs that were greedy when the action was chosen, that is before the update.
-
-    None are known where the step changed more than one estimate, or one of two tables. The action may have
-    been chosen before the last update but one: unless ``knows_others`` it is one of them, or none is known.
+    """Return the pairs that were greedy when the action was chosen, empty if unknown. Unknown after a step
+    with several changed estimates or two tables. The choice may precede the last update, so unless
+    `knows_others` the chosen pair must be among them.
     """
     last = before.last
     pairs = before.world.space.pairs_of(last.state)

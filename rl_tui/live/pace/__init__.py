@@ -1,1 +1,1 @@
-"""How fast a run moves on."""
+"""The speed of a run."""

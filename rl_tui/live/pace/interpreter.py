@@ -1,4 +1,4 @@
-"""What playing asks of the interpreter, so that neither the learner nor a key waits for it."""
+"""Interpreter settings that keep the learner and the keys responsive."""
 
 from __future__ import annotations
 
@@ -6,36 +6,35 @@ import gc
 import sys
 from typing import Final
 
-# Whoever draws holds the interpreter for up to 5 ms before the learner, back from a kernel, may have it
-# again. With less it loses less: measured, 5 % more steps a second beside a screen that draws a fifth of the
+# A drawing thread holds the interpreter for up to 5 ms before the learner, back from a kernel, gets it
+# again.
+# With this value, 5 % more steps per second were measured beside a screen that draws a fifth of the
 # time.
 SWITCH_INTERVAL: Final = 0.0005
 USUAL_SWITCH_INTERVAL: Final = sys.getswitchinterval()
 
 
-# Whoever plays: of two players, one that is left may close after the next has begun
+# with two players, one may close after the other has begun
 _PLAYERS: Final = set[int]()
 
 
 def switch_often(player: object) -> None:
-    """Let threads take turns ten times as often as usual, as long as ``player`` or another one plays."""
+    """Let threads switch ten times as often as by default, while a player exists."""
     _PLAYERS.add(id(player))
     sys.setswitchinterval(SWITCH_INTERVAL)
 
 
 def leave_out_of_collections() -> None:
-    """Spare the garbage collector all that is loaded by now.
-
-    The libraries are some 200,000 objects. Looking through them stops every thread: measured, for up to
-    88 ms, once a second beside a screen at full speed.
+    """Exclude all loaded objects from garbage collection. The libraries are about 200,000 objects;
+    scanning them stops every thread for up to 88 ms, once a second at full speed (measured).
     """
-    gc.unfreeze()  # what a player before left behind is to be found
+    gc.unfreeze()  # collect what an earlier player left behind
     gc.collect()
     gc.freeze()
 
 
 def as_usual(player: object) -> bool:
-    """Undo both when the last player has ended; ``player`` has. Return whether it was the last."""
+    """Remove `player`, and restore both settings if it was the last one and return True in this case."""
     _PLAYERS.discard(id(player))
     if _PLAYERS:
         return False

@@ -1,4 +1,4 @@
-"""How many steps to take now, and how fast that is. Times are in seconds."""
+"""How many steps are due, and the measured speed. Times are in seconds."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 START_SPEED: Final = 10.0
-"""Steps a second at which a playground begins."""
+"""Initial speed of a playground in steps per second."""
 TICK: Final = 1 / 60
 MOST_DEBT: Final = 0.25
 CHUNK: Final = 0.015
 AT_ONCE: Final = 0.015
-# A step of Dyna-Q may take as long as 30,000 of Q-learning, and one in an environment any time
+# a step of Dyna-Q may take as long as 30,000 of Q-learning, and a step of an environment any time
 FIRST_CHUNK: Final = 1
 LARGEST_CHUNK: Final = 4_000_000
 WINDOW: Final = 1.0
@@ -20,7 +20,7 @@ SHORTEST_MEASURE: Final = 0.2
 
 
 class Pace:
-    """When the next steps are due at a wanted speed of so many steps a second."""
+    """Timing of steps at a constant speed."""
 
     def __init__(self) -> None:
         self._speed = 1.0
@@ -28,14 +28,14 @@ class Pace:
         self._taken = 0
 
     def start(self, speed: float, now: float, at_once: bool) -> None:
-        """Aim at ``speed`` from ``now`` on; ``at_once`` makes the first step due immediately."""
+        """Aim at `speed` steps per second from `now` on; `at_once` makes the first step due immediately."""
         self._speed = speed
         self._origin = now - 1 / speed if at_once else now
         self._taken = 0
 
     def due(self, now: float) -> int:
-        """Return how many steps are due; a debt of more than a quarter of a second is let go."""
-        # A clock read a hair early must not put a step off by a whole wait
+        """Return the number of steps due. A delay of more than a quarter of a second is forgotten."""
+        # a clock read slightly early must not delay a step by a whole wait
         due = int((now - self._origin) * self._speed + 1e-6) - self._taken
         if due > 1 and due / self._speed > MOST_DEBT:
             due = max(1, int(MOST_DEBT * self._speed))
@@ -43,43 +43,44 @@ class Pace:
         return due
 
     def took(self, steps: int) -> None:
-        """Note that ``steps`` were taken."""
+        """Record that `steps` were taken."""
         self._taken += steps
 
     def wait(self, now: float) -> float:
-        """Return how long to wait for the next step; at high speeds, for a sixtieth of a second of them."""
+        """Return the time until the next step, or until the next sixtieth of a second at high speeds."""
         ahead = self._origin + (self._taken + 1) / self._speed - now
         if self._speed <= 1 / TICK:
             return max(ahead, 0.0)
-        # steps that fell due while the last ones were taken are no debt yet: without a rest between two
-        # helpings the player's thread would never let go of its lock
+        # Steps that became due during the last ones do not count yet: without a pause the player's thread
+        # would
+        # never release its lock
         return 0.0 if ahead < -TICK else max(ahead, TICK)
 
 
 @dataclass(slots=True)
 class ChunkSize:
-    """How many steps fit into one chunk, as measured, so that commands never wait long."""
+    """Number of steps in one chunk, adapted so that commands never wait long."""
 
     steps: int = FIRST_CHUNK
 
     def measured(self, steps: int, seconds: float) -> None:
-        """Learn from a full chunk of ``steps`` that took ``seconds``."""
+        """Adapt to a full chunk of `steps` that took `seconds`."""
         fitting = steps * CHUNK / seconds if seconds > 0.0 else float(LARGEST_CHUNK)
         self.steps = int(min(max(fitting, 1.0), 4.0 * self.steps, LARGEST_CHUNK))
 
 
 class SpeedMeter:
-    """Steps a second over about the last second, or the last three steps at slow speeds."""
+    """Steps per second over about the last second, or the last three steps at low speeds."""
 
     def __init__(self) -> None:
         self._readings: deque[tuple[float, int]] = deque()
 
     def clear(self) -> None:
-        """Forget everything: the run stood still or was changed."""
+        """Forget all readings, after a pause or a change."""
         self._readings.clear()
 
     def note(self, now: float, step: int, speed: float | None) -> None:
-        """Note that the run stands at ``step``; ``speed`` is the wanted one."""
+        """Record that the run is at `step`. `speed` is the chosen one."""
         readings = self._readings
         if len(readings) > 1 and now - readings[-2][0] < WINDOW / 20:
             readings.pop()
@@ -90,7 +91,7 @@ class SpeedMeter:
 
     @property
     def steps_per_second(self) -> float | None:
-        """The measured speed; None until there is enough to measure."""
+        """Measured speed, or None until there is enough to measure."""
         if len(self._readings) < 2:
             return None
         (first, first_step), (last, last_step) = self._readings[0], self._readings[-1]

@@ -1,4 +1,4 @@
-"""What a run is to stop at: what the learner watches for, and whether that was it."""
+"""Conditions that stop a run, and their check."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def watching_for(until: Until | None, breakpoints: Breakpoints) -> Watching | None:
-    """Return what the learner has to watch for; None for nothing."""
+    """Return what the learner has to watch for, or None."""
     watching = Watching(states=breakpoints.states, pairs=breakpoints.pairs)
     match until:
         case Until(event=Event.REWARD):
@@ -39,20 +39,21 @@ def watching_for(until: Until | None, breakpoints: Breakpoints) -> Watching | No
 
 
 class StopCondition:
-    """Waits for ``until`` in ``run``, which stands where the waiting begins.
+    """Waits for `until` in `run`, from its current position. `exact_answer` returns the current solution
+    of the run.
 
-    ``exact_answer`` is asked for that of the run as it is. Raises UserError where it cannot happen: it lies
-    behind, the pair or the exact answer is not there.
+    Raises:
+        UserError: The event is in the past, or the pair or the exact answer does not exist.
     """
 
     def __init__(self, until: Until, run: Run, exact_answer: Callable[[], Answer]) -> None:
         self.until = until
         self.stride: int | None = None
-        """After how many steps to look, None where the learner itself stops for what is waited for."""
+        """Steps between two checks, or None if the learner itself stops."""
         self._exact_answer = exact_answer
-        self._optimum: Solution | None = None  # the answer by which it was looked at last
+        self._optimum: Solution | None = None  # the solution of the last check
         self.steps, self.episodes = UNLIMITED, UNLIMITED
-        """After how many steps or episodes, counted from the start of the run, it is over."""
+        """Step and episode, counted from the start, at which it is over."""
         match until.event:
             case Event.STEP:
                 self.steps = until.number
@@ -72,17 +73,17 @@ class StopCondition:
             case Event.OPTIMAL:
                 answer = exact_answer()
                 if answer.refused:
-                    raise UserError(f"no policy can be told to be optimal: {answer.refused}")
+                    raise UserError(f"the optimal policy is unknown: {answer.refused}")
                 if answer.solution is None:
                     raise UserError("the exact answer is still being worked out: try again in a moment")
                 self._optimum = answer.solution
                 if run.learner.drifted:
-                    self.stride = 1  # what is best changes with every step, whatever the policy does
+                    self.stride = 1  # the optimal policy changes with every step
                 if self._is_optimal(run):
                     raise UserError("the greedy policy is optimal already")
 
     def is_over(self, run: Run) -> bool:
-        """Tell whether it has happened with the last step of ``run``."""
+        """Return True if the last step of `run` caused the event."""
         learner = run.learner
         match self.until.event:
             case Event.STEP | Event.EPISODE | Event.EPISODE_END:
@@ -96,18 +97,18 @@ class StopCondition:
         before, answer = self._optimum, self._exact_answer()
         self._optimum = answer.solution
         if learner.drifted is None and answer != PENDING:
-            self.stride = None  # until the answer is another one, only another policy can be optimal
+            self.stride = None  # with an unchanged solution, only a changed policy can become optimal
         return (learner.noticed.policy or self._optimum is not before) and self._is_optimal(run)
 
     @property
     def pair(self) -> int | None:
-        """The pair whose estimate it waits for, None where it waits for something else."""
+        """The pair whose estimate is awaited, or None."""
         return self.until.pair if self.until.event is Event.VALUE else None
 
     def goes_on_with(self, pair: int | None) -> bool:
-        """Go on in another world, where ``pair`` is the one that it waits for; False where that is gone."""
+        """Continue in another world, in which the awaited pair is `pair` and return False if it is gone."""
         if self.until.event is Event.OPTIMAL:
-            self.stride = 1  # the policy may be optimal there as it is
+            self.stride = 1  # the policy may already be optimal there
         if self.pair is None:
             return True
         if pair is not None:
@@ -122,11 +123,15 @@ class StopCondition:
 
 
 def is_optimal(mdp: TabularMDP, q: FloatArray, ties: Ties, optimum: Solution) -> bool:
-    """Tell whether the greedy policy of ``q``, [P], is optimal from the start of an episode.
+    """Return True if the greedy policy is optimal from the start. In every reachable state it must take
+    only optimal actions. At γ = 1 it must also end with probability 1, because otherwise it never earns
+    the value of these actions.
 
-    It is if in every state it can come to it takes, of the pairs that ``optimum`` has for the best, one or
-    some, and no other. At γ = 1 it has to end with probability 1 too, since otherwise it never earns what
-    these promise.
+    Args:
+        mdp: World.
+        q: Estimates, `[P]`.
+        ties: How equal estimates are resolved.
+        optimum: Solution for the current γ.
     """
     from rl_tui.agents.exact.policy_evaluation import always_ends
     from rl_tui.agents.exact.policy_figures import greedy_policy
@@ -139,7 +144,7 @@ def is_optimal(mdp: TabularMDP, q: FloatArray, ties: Ties, optimum: Solution) ->
 
 
 def _takes_the_best(mdp: TabularMDP, policy: FloatArray, optimum: Solution) -> bool:
-    """Tell whether ``policy``, [P], takes nothing but best pairs from the start of an episode."""
+    """Return True if `policy`, `[P]`, takes only optimal actions in reachable states."""
     wrong = (policy > 0.0) & ~optimum.best
     if not wrong.any():
         return True
@@ -157,7 +162,7 @@ def _takes_the_best(mdp: TabularMDP, policy: FloatArray, optimum: Solution) -> b
 
 
 def until_in_words(until: Until, world: World) -> str:
-    """Return what ``until`` waits for, as it follows the word "until"."""
+    """Describe `until` in words that follow "until"."""
     is_bandit = isinstance(world.drawing, Arms)
     match until.event:
         case Event.STEP:
@@ -176,7 +181,7 @@ def until_in_words(until: Until, world: World) -> str:
 
 
 def breakpoint_in_words(run: Run) -> str:
-    """Return the breakpoint that the last step of ``run`` met; empty if none."""
+    """Describe the breakpoint met by the last step of `run`, or "" if none."""
     noticed, space = run.learner.noticed, run.world.space
     if noticed.pair is not None:
         arm = "arm " if isinstance(run.world.drawing, Arms) else ""
@@ -185,7 +190,7 @@ def breakpoint_in_words(run: Run) -> str:
 
 
 def _pair_in_words(space: FiniteSpace, pair: int) -> str:
-    """Return the names of state and action of ``pair``; an only state goes without saying."""
+    """Return the names of state and action, or only the action if there is one state."""
     return space.action_names[int(space.pair_action[pair])] if space.states == 1 else space.pair_name(pair)
 
 

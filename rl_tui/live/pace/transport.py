@@ -1,6 +1,5 @@
-"""The pace of a group of runs: how many steps they take, and when.
-
-The pace never changes which steps are taken. Times are in seconds, speeds in steps a second.
+"""The number and time of steps of a group of runs. The pace never changes which steps are taken. Times are
+in seconds, speeds in steps per second.
 """
 
 from __future__ import annotations
@@ -28,31 +27,29 @@ if TYPE_CHECKING:
 
 
 # Speed that follows learning
-#
-# Only when steps are taken depends on it, never which. Times are in seconds, speeds in steps a second.
 
 
 QUIET: Final = 1.5
-"""After so long without anything new it gets faster."""
+"""Time without news before the speed rises."""
 REST: Final = 0.3
-"""So long it stands still where a state has its first value."""
+"""Pause when a state gets its first value."""
 _LONG_RESTS: Final = 10
-_SHORTER: Final = 0.9  # each rest after those, than the one before
+_SHORTER: Final = 0.9  # factor between further pauses
 _LOOKS_A_SECOND: Final = 1_000
 _JUDGED_EVERY: Final = 0.1
 
 
 class Stage(Enum):
-    """What there is to see."""
+    """The phase of learning that sets the speed."""
 
     FIRST_REWARD = auto()
     """No estimate has changed yet."""
     SPREADING = auto()
     """States get their first values."""
     OPTIMAL = auto()
-    """The greedy policy came to be optimal."""
+    """The greedy policy has become optimal."""
     PULLS = auto()
-    """The pulls of a bandit."""
+    """Pulls of a bandit."""
 
 
 SPEEDS: Final = {
@@ -61,18 +58,16 @@ SPEEDS: Final = {
     Stage.OPTIMAL: (100.0, 300.0, 1_000.0, 30.0),
     Stage.PULLS: (3.0, 10.0, 30.0, 100.0, 300.0),
 }
-"""The speeds that follow one another while nothing new is seen."""
+"""Successive speeds while there is no news."""
 _ENDING: Final = (Stage.OPTIMAL, Stage.PULLS)
 
 
 class LearningPace:
-    """Paces runs; ``answer`` gives the exact answer for the one shown, if there is one.
-
-    It is quick until the first reward has changed an estimate, and gets quicker while none does. Then it
-    stands still for a moment whenever a state gets a value: whenever its V, the largest of its estimates, is
-    for the first time another than at the start. Once the greedy policy is optimal from the start of an
-    episode, it goes on slowly and gets quicker; the last of these speeds stays. In a bandit there is nothing
-    to spread: pulls get quicker.
+    """Adapts the speed to learning. It runs fast until the first reward changes an estimate, and
+    accelerates meanwhile. Then it pauses briefly whenever V of a state (its largest estimate) first
+    differs from the initial value. Once the greedy policy is optimal from the start, it runs slowly and
+    accelerates. The last speed remains. In a bandit, pulls accelerate. `answer` returns the solution of
+    the visible run, if any.
     """
 
     def __init__(self, answer: Callable[[], Answer]) -> None:
@@ -85,7 +80,7 @@ class LearningPace:
         self._stage, self._rise = Stage.PULLS, 0
 
     def start(self, run: Run, now: float) -> None:
-        """Begin with what ``run`` has learned so far."""
+        """Begin with the current estimates of `run`."""
         self._rests = 0
         self._judged_at = now
         self._count(run)
@@ -98,12 +93,12 @@ class LearningPace:
 
     @property
     def speed(self) -> float:
-        """The wanted speed."""
+        """Chosen speed."""
         return SPEEDS[self._stage][self._rise]
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing is waited for any more: its speed stays."""
+        """True if no further news is expected. The speed remains."""
         if self._rise < len(SPEEDS[self._stage]) - 1:
             return False
         if self._stage is Stage.SPREADING:
@@ -111,13 +106,13 @@ class LearningPace:
         return self._stage in _ENDING
 
     def stride(self, run: Run, due: int) -> int:
-        """Return how many of the steps that are ``due`` to take before looking at ``run`` again."""
+        """Return how many of the `due` steps to take before the next check of `run`."""
         if self._stage in _ENDING or is_large(run.world):
             return due
         return min(due, max(1, int(self.speed) // _LOOKS_A_SECOND))
 
     def look(self, run: Run, now: float) -> float | None:
-        """Look what the last steps of ``run`` changed; return for how long to rest, None if not at all."""
+        """Check what the last steps of `run` changed and return the length of a pause, or None."""
         if self._stage in _ENDING:
             return None
         before = self._with_value
@@ -137,12 +132,12 @@ class LearningPace:
         return REST * _SHORTER ** max(0, self._rests - _LONG_RESTS)
 
     def hasten(self, now: float) -> None:
-        """Get faster if there was nothing new for a while."""
+        """Accelerate if there was no news for a while."""
         if now - self._since >= QUIET and self._rise < len(SPEEDS[self._stage]) - 1:
             self._rise, self._since = self._rise + 1, now
 
     def in_words(self, *, hides_answer: bool) -> str:
-        """Return what is waited for; while the answer is hidden nothing of it is told."""
+        """Describe the awaited event, with `hides_answer`, without revealing optimality."""
         match self._stage:
             case Stage.FIRST_REWARD:
                 return "until the first reward"
@@ -156,7 +151,6 @@ class LearningPace:
         self._stage, self._rise, self._since = stage, 0, now
 
     def _count(self, run: Run) -> None:
-        """Count the states that have a value."""
         if self._world is not run.world:
             self._world, first = run.world, run.world.space.first_pair
             self._first_pairs = first[:-1][first[:-1] < first[1:]]
@@ -169,7 +163,7 @@ class LearningPace:
         return not self._with_value and bool((run.learner.q == run.learner.hyperparameters.initial_q).all())
 
     def _has_optimal_policy(self, run: Run) -> bool:
-        """Return whether an optimal policy was learned: not if there is none to learn, or nothing was yet."""
+        """Return True if a nontrivial optimal policy was learned."""
         learner, optimum = run.learner, self._answer().solution
         if learner.mdp is None or optimum is None or not (self._has_choices and self._with_value):
             return False
@@ -183,56 +177,56 @@ NEWS_EVERY: Final = 0.25
 WAITING: Final = "{steps:,} steps to replay: waiting for the compiler, which takes some seconds"
 _WORTH_A_FORECAST: Final = 0.5  # seconds at full speed
 _ALIKE: Final = 2.0
-"""A chunk is alike that is less than so many times as large as the one before."""
+"""Chunks are similar if they grow by less than this factor."""
 _SETTLED: Final = 3
-"""So many alike in a row have the size that fits; the first call of machine code alone takes long."""
+"""Similar chunks in a row before their size counts as settled. The first call of machine code takes
+longer.
+"""
 
 
 class Transport:
-    """Moves ``group`` on in chunks of about 15 ms, and measures how long they take.
-
-    ``clock`` gives seconds. With ``automatic`` off no speed is measured.
+    """Advances `group` in chunks of about 15 ms and measures the speed. With `automatic` off it measures
+    nothing. `clock` returns seconds.
     """
 
     def __init__(
         self, group: RunGroup, *, speed: float | None, automatic: bool, clock: Callable[[], float]
     ) -> None:
         self.group = group
-        """The runs that are moved."""
+        """The runs."""
         self.speed = speed
-        """The wanted steps a second, None for as fast as it goes."""
+        """Chosen speed in steps per second, or None for full speed."""
         self.learning: LearningPace | None = None
-        """What sets the speed while a person watches it learn; once that is over, its last speed stays."""
+        """Sets the speed from learning; once over, its last speed remains."""
         self.meter = SpeedMeter()
-        """What measures the steps a second."""
+        """Measures the speed."""
         self._automatic = automatic
         self._clock = clock
         self._pace = Pace()
         self._chunk = ChunkSize()
-        self._loops: list[Loop] = []  # those that were interpreted when it was measured
+        self._loops: list[Loop] = []  # interpreted loops at the last measurement
         self._last_news = 0.0
         self._sought = 0
         self._seek_meter = SpeedMeter()
         self._alike = 0
-        """How many chunks in a row were of about the same size."""
+        """Number of similar chunks in a row."""
         self._settled_at: float | None = None
-        """When a seek came to full speed: at first its chunks are small, which tells nothing of the rest."""
+        """Time at which a seek reached full speed. Earlier chunks are small and give no forecast."""
 
     def set_speed(self, speed: float | None) -> None:
-        """Aim at another speed, from now on whatever is learned."""
+        """Set a fixed speed."""
         self.learning = None
         self.speed = speed
         self.start(at_once=False)
 
     def go_by_learning(self, answer: Callable[[], Answer]) -> None:
-        """Let what is learned set the speed from now on; ``answer`` gives the exact answer, if any."""
+        """Let learning set the speed from now on. `answer` returns the solution, if any."""
         self.learning = LearningPace(answer)
         self.start(at_once=False)
 
     def watching(self, *, hides_answer: bool) -> str:
-        """Return what the speed goes by, in words; empty where it is the wanted one.
-
-        With ``hides_answer`` the words do not tell whether an optimal policy was found.
+        """Describe what the speed follows, empty for a fixed speed. With `hides_answer`, without revealing
+        optimality.
         """
         learning, run = self.learning, self.group.current.run
         if learning is None or learning.is_over:
@@ -242,7 +236,7 @@ class Transport:
         return learning.in_words(hides_answer=hides_answer)
 
     def start(self, *, at_once: bool) -> None:
-        """Aim at the wanted speed from now on; ``at_once`` makes the first step due immediately."""
+        """Aim at the chosen speed from now on; `at_once` makes the first step due immediately."""
         self.meter.clear()
         if self.learning is not None and not self.learning.is_over:
             self.learning.start(self.group.current.run, self._clock())
@@ -251,7 +245,7 @@ class Transport:
             self._pace.start(self.speed, self._clock(), at_once)
 
     def measure_anew(self) -> None:
-        """Forget how long a step takes: a seek begins, or one takes a thousand times as long, or as short."""
+        """Forget measured times, because the duration of a step may have changed a thousandfold."""
         self._chunk = ChunkSize()
         self.meter.clear()
         self._seek_meter.clear()
@@ -259,7 +253,7 @@ class Transport:
         self._last_news = self._clock()
 
     def keep_pace(self) -> float:
-        """Take the steps that are due at the wanted speed; return in how many seconds the next ones are."""
+        """Take the steps that are due and return the seconds until the next ones."""
         if self.speed is None:
             self.take_steps(self._chunk.steps)
             return 0.0
@@ -271,7 +265,7 @@ class Transport:
         return self._pace.wait(self._clock())
 
     def _take_and_look(self, learning: LearningPace, due: int) -> None:
-        """Take steps that are ``due`` as far as there is nothing new, and go on at the speed for what is."""
+        """Take `due` steps until there is news, and adapt the speed."""
         run, until, rest = self.group.current.run, self._clock() + CHUNK, None
         while due > 0 and rest is None and self._clock() < until and not run.over:
             taken = self.take_steps(learning.stride(run, due))
@@ -287,7 +281,9 @@ class Transport:
             self._pace.start(self.speed, now + (rest or 0.0), at_once=False)
 
     def take_steps(self, steps: int, episodes: int = UNLIMITED) -> int:
-        """Take at most ``steps`` steps, or ``episodes`` episodes, within a chunk; return how many steps."""
+        """Take at most `steps` steps and `episodes` episodes within a chunk and return the number of
+        steps.
+        """
         loops = self.group.interpreted_loops
         if loops != self._loops:
             self._loops, self._chunk = loops, ChunkSize()
@@ -305,7 +301,7 @@ class Transport:
         return taken
 
     def continue_seek(self, seconds: float) -> bool:
-        """Seek for about so many seconds; return whether all are where they have to be."""
+        """Seek for about `seconds` and return True if all runs have arrived."""
         now = self._clock()
         until = now + seconds
         while self.group.seeking:
@@ -328,7 +324,7 @@ class Transport:
         return True
 
     def has_news(self) -> bool:
-        """Return True if it is time to show how far a seek has come."""
+        """Return True if it is time to show the progress of a seek."""
         now = self._clock()
         if now - self._last_news < NEWS_EVERY:
             return False
@@ -337,14 +333,13 @@ class Transport:
 
     @property
     def steps_to_seek(self) -> int:
-        """How many steps are left until the run that is seeking now is where it has to be."""
+        """Steps left for the run that is seeking."""
         done, steps = self.group.progress
         return steps - done
 
     def seek_message(self, *, waits: bool) -> str:
-        """Return how far a seek has come and how long it will take, as far as that is known.
-
-        Where it ``waits`` for machine code it says so.
+        """Describe the progress of a seek with the time left, if known. `waits` is True while it waits for
+        machine code.
         """
         if waits:
             return WAITING.format(steps=self.steps_to_seek)

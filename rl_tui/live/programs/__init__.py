@@ -1,1 +1,1 @@
-"""Programs of other people on screen: what a playback is for our own runs."""
+"""Watched programs on screen: what the playback is for built-in runs."""

@@ -1,4 +1,4 @@
-"""Runs of ours beside a program: in the same world, from the same seed, as far as the program has come."""
+"""Built-in runs for comparison with a program: same world, seed and step."""
 
 from __future__ import annotations
 
@@ -23,26 +23,26 @@ _UNHURRIED: Final = math.inf
 
 
 class RunsBeside:
-    """Up to three runs of ours, each of which comes to the step at which the program is shown."""
+    """Up to three built-in runs that follow the shown step of the program."""
 
     def __init__(self, world: World, *, automatic: bool) -> None:
         self.world = world
-        """The world of the program, and of all of them."""
+        """World of the program and the runs."""
         self.runs: list[BranchingRun] = []
         self.names: list[str] = []
         self.marked = 0
-        """The place of the one that stands beside the program."""
+        """Index of the run compared with the program."""
         self._automatic = automatic
 
     @property
     def beside(self) -> BranchingRun | None:
-        """The run that stands beside the program, None where there is none."""
+        """The run compared with the program, or None."""
         return self.runs[min(self.marked, len(self.runs) - 1)] if self.runs else None
 
     def add(self, recipe: Recipe, changes: Sequence[Setting]) -> None:
-        """Add a run of ``recipe`` with ``changes``. Raises UserError where it cannot work."""
+        """Add a run of `recipe` with `changes`. Raises UserError if it cannot work."""
         if len(self.runs) == MOST:
-            raise UserError(f"there are {MOST} runs beside your program already; end one first")
+            raise UserError(f"your program already has {MOST} other runs; end one first")
         if self.world.mdp is None and self.world.new_environment is None:
             raise UserError("only your program can make this environment: ours cannot learn in it")
         recipe = changed_recipe(recipe, *changes)
@@ -52,17 +52,17 @@ class RunsBeside:
         self.marked = len(self.runs) - 1
 
     def drop(self, place: int) -> None:
-        """End the run at ``place``, from 0."""
+        """End the run at index `place`."""
         if 0 <= place < len(self.runs):
             del self.runs[place], self.names[place]
             self.marked = max(0, min(self.marked, len(self.runs) - 1))
 
     def is_behind(self, step: int) -> bool:
-        """Return whether one of them is not where the program is."""
+        """Return True if a run is at another step."""
         return any(self._has_to_move(run, step) for run in self.runs)
 
     def follow(self, step: int, seconds: float) -> bool:
-        """Bring them to ``step`` for about ``seconds``; return whether one moved."""
+        """Move the runs to `step` for about `seconds` and return True if one moved."""
         until, has_moved = time.perf_counter() + seconds, False
         for run in self.runs:
             while self._has_to_move(run, step) and (
@@ -92,6 +92,5 @@ class RunsBeside:
 
 
 def _name(recipe: Recipe, changes: Sequence[Setting]) -> str:
-    """Return what a run is called beside a program."""
     values = [f"{each.name} {each.value}" for each in changes if isinstance(each, SetParameter)]
     return " ".join([f"ours: {algorithm_row(recipe.algorithm).name}", *values])

@@ -1,4 +1,4 @@
-"""What each command does to a watched program, and what cannot be done to it."""
+"""The function for each command to a watched program, and the refusals."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NAMES: Final = {"alpha": "α", "gamma": "γ", "epsilon": "ε"}
 
 
 def refusal_of(command: commands.Command, file: str) -> str:
-    """Return why ``command`` cannot be done to somebody's program, which stands in ``file``."""
+    """Return the reason why `command` does not apply to the program in `file`."""
     match command:
         case commands.Apply(SetParameter(name)):
             return f"your program decides that: change {_NAMES.get(name, name)} in {file}, and save it"
@@ -34,7 +34,7 @@ def refusal_of(command: commands.Command, file: str) -> str:
         case commands.ChooseBranch() | commands.AddBranch():
             return "a program has one past, and no branches"
         case commands.ChooseLane():
-            return "your program is the run in view; c o shows the other run beside it"
+            return "your program is the run in view; c o compares it with the other run"
         case commands.StudySeeds():
             return "rl-tui grade runs your program with many seeds"
     return "this cannot be done to a program that is watched"
@@ -57,7 +57,7 @@ def _episode_back(playback: ProgramPlayback, _: commands.EpisodeBack) -> None:
     playback.transport.rest()
     history = playback.history
     began = history.begin_of_episode(history.shown.episodes + 1)
-    if began >= history.shown.step:  # one has just ended: it is the one before
+    if began >= history.shown.step:  # at the end of an episode, return to its beginning
         began = history.begin_of_episode(max(1, history.shown.episodes))
     _show_beginning(playback, began)
 
@@ -138,7 +138,7 @@ def _mark_lane(playback: ProgramPlayback, command: commands.MarkLane) -> None:
 
 
 def _nothing(_: ProgramPlayback, __: commands.Command) -> None:
-    """Do nothing: what the command is about is not there for a program."""
+    """Ignore a command that does not concern a program."""
 
 
 HANDLERS: Final[Mapping[type, Callable[[ProgramPlayback, Any], None]]] = {
@@ -169,4 +169,4 @@ HANDLERS: Final[Mapping[type, Callable[[ProgramPlayback, Any], None]]] = {
     commands.EndStudy: _nothing,
     commands.AskWhy: _nothing,
 }
-"""What a playback of a program does with a command of each type; all others are refused."""
+"""Handler for each type of command. Other types are refused."""

@@ -1,4 +1,4 @@
-"""The playback of a watched program, the counterpart of ``Playback`` for built-in agents."""
+"""The playback of a watched program, the counterpart of `Playback` for built-in agents."""
 
 from __future__ import annotations
 
@@ -35,16 +35,17 @@ from rl_tui.runs.timeline.branches import RunRecord
 
 
 class Reload:
-    """The program of ``request``, started again; ``before`` is what the run until now had achieved.
+    """A restart of the program of `request`. `before` is the history of the previous run. `is_saved` is
+    True if the file was saved, so that the results are to be compared.
 
-    ``is_saved`` says that its file was saved, so that a person wants to know what became better. Raises
-    UserError where no process can be started.
+    Raises:
+        UserError: No process can be started.
     """
 
     def __init__(self, request: ProgramRequest, before: ProgramHistory, *, is_saved: bool) -> None:
         self.is_saved = is_saved
         self.is_watched = False
-        """Whether it has taken the place of the run until now."""
+        """True once it has replaced the previous run."""
         self._program = WatchedProgram(request)
         results = before.newest.results
         self._step, self._episodes = before.newest.step, before.newest.episodes
@@ -52,25 +53,25 @@ class Reload:
         self._mean = results.return_last_100
 
     def is_ready(self) -> bool:
-        """Return whether it stands before its first step. Raises UserError where it came to nothing."""
+        """Return True if it is ready for its first step. Raises UserError if it failed."""
         self._program.listen()
         self._program.check()
         is_there = bool(self._program.log.environments) and self._program.is_settled
         return is_there and self._program.world is not None  # a world that is too large is refused here
 
     def wait(self) -> None:
-        """Wait until it stands there. Raises UserError where it came to nothing."""
+        """Wait until it is ready. Raises UserError if it failed."""
         self._program.wait_for_environment()
 
     def taken(self) -> WatchedProgram:
-        """Return the program, which is somebody else's from now on."""
+        """Return the program, which the caller owns from now on."""
         self.is_watched = True
         return self._program
 
     def compared(self, now: ProgramHistory, *, is_over: bool) -> str:
-        """Return what became better or worse; empty as long as it has not come as far as before.
-
-        That is as many episodes, since a better agent takes fewer steps; as many steps where none had ended.
+        """Compare the results with the previous run; "" until it is as long. The comparison is after
+        equally many episodes, because a better agent takes fewer steps; or after equally many steps if no
+        episode had ended.
         """
         newest, episodes = now.newest, self._episodes
         has_come_as_far = newest.episodes >= episodes if episodes else newest.step >= self._step
@@ -94,35 +95,37 @@ class Reload:
         return f"{word} before {where}: {which} is {after:.4g}{mine}, it was {then:.4g}{before}"
 
     def close(self) -> None:
-        """End it, unless it is somebody else's by now."""
+        """End the program, unless the caller owns it."""
         if not self.is_watched:
             self._program.end()
 
 
 class Restarts:
-    """Starts the program in ``file`` again; ``go_over_to`` is called once it stands before its first step."""
+    """Restarts the program in `file`. `go_over_to` is called when the new one is ready."""
 
     def __init__(self, file: ProgramFile, go_over_to: Callable[[WatchedProgram], None]) -> None:
         self.file = file
-        """The file of the program."""
+        """File of the program."""
         self.words = ""
-        """What became of the last time that the file was saved; mostly empty."""
+        """Result of the last save, usually empty."""
         self._go_over_to = go_over_to
         self._newest: Reload | None = None
 
     @property
     def is_awaited(self) -> bool:
-        """Whether a person has asked for a start that is still under way."""
+        """True while a requested restart is not ready."""
         newest = self._newest
         return newest is not None and not (newest.is_watched or newest.is_saved)
 
     def begin(self, request: ProgramRequest, before: ProgramHistory, *, is_saved: bool = False) -> None:
-        """Start ``request``; ``before`` is the run until now. Raises UserError where there is no process."""
+        """Restart with `request`. `before` is the current run. Raises UserError if no process can be
+        started.
+        """
         self.close()
         self._newest = Reload(request, before, is_saved=is_saved)
 
     def wait(self) -> None:
-        """Wait until what was started has taken its place."""
+        """Wait until the restart has replaced the current run."""
         try:
             if self._newest is not None:
                 self._newest.wait()
@@ -131,7 +134,7 @@ class Restarts:
         self.look()
 
     def look_at_file(self, request: ProgramRequest, before: ProgramHistory) -> bool:
-        """Start ``request`` again where its file was saved; return whether there is something to tell."""
+        """Restart if the file was saved and return True if there is news."""
         if not self.file.was_saved():
             return False
         fault = self.file.fault()
@@ -146,7 +149,7 @@ class Restarts:
         return True
 
     def look(self) -> bool:
-        """Go over to what was started once it stands before its first step; return whether it is news."""
+        """Switch to the restarted program once it is ready and return True if there is news."""
         newest = self._newest
         if newest is None or newest.is_watched:
             return False
@@ -163,7 +166,7 @@ class Restarts:
         return True
 
     def compare(self, now: ProgramHistory, *, is_over: bool) -> bool:
-        """Say what became better, once it has come as far as before; return whether it has just done so."""
+        """Compare once the new run is as long as the old one and return True when it happens."""
         newest = self._newest
         words = newest.compared(now, is_over=is_over) if newest is not None and newest.is_watched else ""
         if words:
@@ -171,7 +174,7 @@ class Restarts:
         return bool(words)
 
     def close(self) -> None:
-        """End what was started and has not taken its place."""
+        """End a program that has not replaced the current one."""
         if self._newest is not None:
             self._newest.close()
             self._newest = None
@@ -185,17 +188,16 @@ class Restarts:
 
 
 EVERY: Final = 1.0
-"""Seconds between two verdicts on a program that runs."""
+"""Seconds between two verdicts on a running program."""
 NOT_EXAMINED: Final = "what your program does could not be examined, by a fault of rl-tui"
 _LONGEST: Final = 300
 _REST: Final = 4.0
-"""So many times as long as the last verdict took, nothing is worked out."""
+"""The pause after a verdict is at least this many times its duration."""
 
 
 class Verdicts:
-    """The newest verdict on a program; ``on_news`` is called from another thread when there is one.
-
-    With ``automatic`` off it is worked out when it is asked for, so that it does not depend on the time.
+    """The newest verdict on a program. `on_news` is called from another thread when there is one. With
+    `automatic` off, verdicts are computed on request and do not depend on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -203,18 +205,18 @@ class Verdicts:
         """The newest verdict."""
         self._on_news = on_news
         self._automatic = automatic
-        self._judged: tuple[int, ...] = ()  # how much was known when it was judged last
-        self._next = 0.0  # when the next one may begin
+        self._judged: tuple[int, ...] = ()  # amount of evidence at the last verdict
+        self._next = 0.0  # earliest time of the next verdict
         self._thread: threading.Thread | None = None
         self._generation = 0
 
     def forget(self) -> None:
-        """Begin anew: it is another run of the program."""
+        """Forget everything, because the program has restarted."""
         self.newest, self._judged, self._next = ProgramVerdict(), (), 0.0
         self._generation += 1
 
     def look(self, log: ProgramLog, *, is_still: bool) -> None:
-        """See to it that there is a verdict on what ``log`` holds: soon, or at once where it ``is_still``."""
+        """Start a verdict on `log` when one is due, or at once if it `is_still`."""
         known = (
             log.recording.count,
             len(log.recording.changes.step),
@@ -232,7 +234,7 @@ class Verdicts:
             self._thread = threading.Thread(target=self._work, args=arguments, name="diagnosis", daemon=True)
             try:
                 self._thread.start()
-            except RuntimeError:  # what the program started may leave no room for a thread
+            except RuntimeError:  # the program may have used up all threads
                 self._thread, self._judged, self._next = None, (), time.monotonic() + EVERY
 
     def _work(self, log: ProgramLog, generation: int) -> None:
@@ -246,7 +248,7 @@ class Verdicts:
 
 
 def _judged(log: ProgramLog) -> ProgramVerdict:
-    """Return the verdict on ``log``; what nobody has thought of must not end the program on screen."""
+    """Return the verdict on `log`. An error in the diagnosis must not end the program on screen."""
     try:
         return verdict_of(log)
     except Exception as error:
@@ -257,11 +259,9 @@ def _judged(log: ProgramLog) -> ProgramVerdict:
 
 
 class ProgramPlayback:
-    """Takes commands and works them off in short pieces, as :class:`Playback` does for runs of ours.
-
-    ``program`` was started and stands before its first step. A program cannot be taken back: what is shown of
-    its past was recorded, and it goes on where it is. With ``automatic`` off it takes no step but those that
-    commands ask for, and its file is not looked at.
+    """Handles commands in short pieces, as `Playback` does for built-in runs. `program` is ready for its
+    first step. A program cannot go back: its past is shown from the recording, and it continues where it
+    is. With `automatic` off it takes steps only on command, and its file is not checked.
     """
 
     def __init__(
@@ -278,101 +278,101 @@ class ProgramPlayback:
         self.transport: ProgramTransport = ProgramTransport(
             program, self._exact_answer, clock, automatic=automatic, speed=speed
         )
-        """What lets the program go, and holds it."""
+        """Controls the program."""
         self.automatic = automatic
         self._on_exact = on_exact
         self._snapshots = ProgramSnapshots()
         self.restarts = Restarts(ProgramFile(program.request.path, clock), self._go_over_to)
-        """Starts it again."""
+        """Restarts the program."""
         self.verdicts = Verdicts(on_exact, automatic=automatic)
-        """What the diagnosis says of it."""
-        self._traced: set[CodeFault] = set()  # for which the lines were asked for again
+        """Results of the diagnosis."""
+        self._traced: set[CodeFault] = set()  # findings for which lines were already requested
         self._is_closed = False
         self._set_up()
 
     def _set_up(self) -> None:
-        """Begin anew all that depends on the world of the program."""
+        """Create everything that depends on the world of the program."""
         program, transport = self.program, self.transport
         recipe = usual_recipe(program.world, program.request.seed)
         self.usual: Hyperparameters = recipe.hyperparameters
-        """The hyper-parameters that the scenario suggests."""
+        """Default hyper-parameters of the scenario."""
         self._record = Record((RunRecord(recipe),), speed=transport.speed)
         self.questions: ProgramQuestions = ProgramQuestions(
             self._record, self._on_exact, automatic=self.automatic
         )
-        """What a person asks beside it."""
+        """Background questions about the program."""
         self.beside = RunsBeside(program.world.world, automatic=self.automatic)
-        """Runs of ours beside it."""
+        """Built-in runs for comparison."""
 
     @property
     def program(self) -> WatchedProgram:
-        """What is watched."""
+        """The watched program."""
         return self.transport.program
 
     @property
     def history(self) -> ProgramHistory:
-        """What it has done so far."""
+        """Its recorded history."""
         return self.transport.history
 
     @property
     def state(self) -> State:
-        """What it is doing."""
+        """Current state."""
         return self.transport.state
 
     @property
     def phase(self) -> Phase:
-        """What a snapshot says that it is doing."""
+        """State as snapshots report it."""
         return self.transport.phase
 
     @property
     def changed(self) -> bool:
-        """Whether there is something new to show."""
+        """True if the next snapshot differs from the last."""
         return self.transport.changed
 
     @property
     def loaded(self) -> tuple[bool, bool]:
-        """Whether the world is there."""
+        """True once the world is built."""
         return self.state is not State.BUILDING, False
 
     @property
     def on_the_way(self) -> bool:
-        """Whether something that was asked for and has an end is not done yet."""
+        """True while a requested operation with an end is unfinished."""
         is_behind = not self.automatic and self.beside.is_behind(self.history.shown.step)
         return self.transport.on_the_way or is_behind or self.restarts.is_awaited
 
     @property
     def shows_trail(self) -> bool:
-        """Whether the way that the agent went is shown."""
+        """True if the trail of the agent is shown."""
         return shows_trail(self.state, self.transport.speed)
 
     @property
     def found(self) -> Found:
-        """What is known of how it learns."""
+        """What is known about its learning."""
         return found_of(self.verdicts.newest.update, self.program.log.numbers, self.usual)
 
     @property
     def record(self) -> Record:
-        """What would be needed to come back; a program is kept in no session."""
+        """A fixed record; programs are not saved in sessions."""
         return self._record
 
     @property
     def table(self) -> LearnedTable | None:
-        """Nothing: a program is kept in no session."""
+        """None, since programs are not saved in sessions."""
         return None
 
     @property
     def unanswered(self) -> float:
-        """For how many seconds it has told nothing although it may go on."""
+        """Seconds without a message although the program may continue."""
         return self.transport.unanswered
 
     def takes(self, command: Command) -> bool:
-        """Return True if ``command`` need not wait."""
+        """Return True if `command` need not wait."""
         if self.state in BUSY:
             return False
         return self.automatic or not self.on_the_way
 
     def handle(self, command: Command) -> None:
-        """Carry out ``command``, or begin to; what cannot be done is told by the next snapshot."""
+        """Carry out or start `command`. The next snapshot reports a refusal."""
         kind = type(command)
         self.transport.changed = True
         self.handled += 1
@@ -390,7 +390,7 @@ class ProgramPlayback:
             self.transport.paused_by = str(fault)
 
     def work(self) -> float | None:
-        """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
+        """Work for some milliseconds and return the seconds until the next call, None for never."""
         if self._is_closed:
             return None
         if self.automatic:
@@ -407,28 +407,28 @@ class ProgramPlayback:
         return LOOKS if wait is None and self.automatic else wait
 
     def _trace_findings(self) -> None:
-        """Have lines told again once something new was found: the first changes may be of another part."""
+        """Request lines of code again after a new finding, because earlier ones may be from another part."""
         found = {each.fault for each in self.verdicts.newest.findings}
         if not found <= self._traced:
             self._traced |= found
             self.program.trace()
 
     def snapshot(self) -> Snapshot:
-        """Return the newest picture."""
+        """Return the newest snapshot."""
         self.transport.changed = False
         if not self.automatic:
             self.verdicts.look(self.program.log, is_still=self.program.is_settled)
         return self._snapshots.build(self)
 
     def close(self) -> None:
-        """End the program, and what is worked out beside it."""
+        """End the program and its background work."""
         self._is_closed = True
         self.program.end()
         self.restarts.close()
         self.questions.beside.close()
 
     def restart(self, request: ProgramRequest | None = None) -> None:
-        """Start the program again from its seed; the one until now is shown until that has begun."""
+        """Restart the program from its seed. The current one is shown until the new one is ready."""
         self.transport.rest()
         self.restarts.begin(request or self.program.request, self.history)
         if not self.automatic:
@@ -438,7 +438,7 @@ class ProgramPlayback:
         return self.questions.exact(self.history.newest, self.found.hyperparameters.gamma)
 
     def _look_at_file(self) -> None:
-        """Start again where the file was saved; say then what became better."""
+        """Restart after the file was saved, and compare the results."""
         restarts = self.restarts
         has_news = restarts.look_at_file(self.program.request, self.history)
         has_news |= restarts.look()
@@ -446,7 +446,7 @@ class ProgramPlayback:
             self.transport.changed = True
 
     def _go_over_to(self, program: WatchedProgram) -> None:
-        """Watch ``program`` in place of the one until now; what was asked beside it may stay."""
+        """Replace the current program by `program`; questions remain if the world is the same."""
         before = self.program.world
         is_same = before.is_same(program.world)
         if is_same:

@@ -1,4 +1,4 @@
-"""What a person asks beside a program: exact answers, and what policies are worth."""
+"""Exact answers and policy values next to a program."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NOT_OURS: Final = "how your program explores is not known"
 
 
 class ProgramQuestions:
-    """The answers about a program; ``beside`` are the questions about runs of ours beside it."""
+    """Answers about a program. `beside` has the questions about built-in runs next to it."""
 
     def __init__(self, record: Record, on_exact: Callable[[], None], *, automatic: bool) -> None:
         self.beside = Questions(record, on_exact, automatic=automatic)
@@ -32,13 +32,13 @@ class ProgramQuestions:
         self._known: dict[PolicyKind, tuple[TabularMDP, float, FloatArray, PolicyAnswer]] = {}
 
     def exact(self, progress: ProgramState, gamma: float) -> Answer:
-        """Return the exact answer for ``gamma``, as far as it is known."""
+        """Return the solution for `gamma`, as far as known."""
         return self.beside.exact.at(progress.world.world.mdp, gamma)
 
     def answers(
         self, progress: ProgramState, scenario: Scenario, gamma: float, *, is_still: bool
     ) -> AnswersView:
-        """Return what is known by now of the moment ``progress``."""
+        """Return the answers known about the moment `progress`."""
         asked, mdp = self.beside, progress.world.world.mdp
         policies: Mapping[PolicyKind, PolicyAnswer] = {}
         if asked.studied is not None:

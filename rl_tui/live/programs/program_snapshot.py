@@ -50,7 +50,7 @@ _MOST_REWARDS: Final = 256
 
 
 class KnownUpdate(NamedTuple):
-    """What a step did to the table, as in LastStep; unexplained, its target is what stands there."""
+    """The effect of a step on the table, as in `LastStep`. If unexplained, its target is the new estimate."""
 
     cell: int = NOTHING
     before: float = 0.0
@@ -65,9 +65,12 @@ class KnownUpdate(NamedTuple):
 
 
 class StepView:
-    """The step that led to where ``progress`` stands.
+    """The last step before `progress`.
 
-    ``update`` is what is known of how it learns; ``gamma`` discounts the rewards of its episode.
+    Args:
+        progress: Moment of the program.
+        update: What is known about the update rule.
+        gamma: Discount for the rewards of the episode.
     """
 
     def __init__(self, progress: ProgramState, update: UpdateFound, gamma: float) -> None:
@@ -83,7 +86,7 @@ class StepView:
 
     @property
     def counters(self) -> Counters:
-        """How far the program has come."""
+        """Steps, episodes and last step of the program."""
         progress, steps = self._progress, self._episode
         if steps is None or self._last is None:
             start = self._start()
@@ -109,7 +112,7 @@ class StepView:
 
     @property
     def trail(self) -> Trail:
-        """The last steps of its episode, oldest first."""
+        """Last steps of the episode, oldest first."""
         steps = self._episode
         if steps is None:
             return ()
@@ -129,11 +132,11 @@ class StepView:
         return tuple(found)
 
     def _steps_of_episode(self, last: StepColumns) -> StepColumns:
-        """Return the steps of the episode of the last one, that one included, as far as they are kept."""
+        """Return the recorded steps of the last step's episode, including that step."""
         here, length = self._progress.step, int(last.episode_step[0]) + 1
         steps = steps_between(self._progress.recording, here - length, here)
         same = steps.episode == last.episode[0]
-        if not same.all():  # two environments take turns
+        if not same.all():  # steps of two environments alternate
             first = max(self._progress.recording.first, 0)
             steps = steps_between(self._progress.recording, max(first, here - 4 * length), here)
             same = steps.episode == last.episode[0]
@@ -147,7 +150,6 @@ class StepView:
         )
 
     def _start(self) -> int:
-        """Return where an episode begins, as far as that is known."""
         mdp = self._world.world.mdp
         return 0 if mdp is None else int(mdp.start_state[0])
 
@@ -156,7 +158,7 @@ class StepView:
         count = int(steps.episode_step[place])
         pair = self._world.pair(observation, action, count)
         if pair == NOTHING:
-            return None  # for screens a step without a pair is a planner's
+            return None  # screens take a step without a pair for a planner's
         next_state, update = self._landing(steps, place), self.last_update
         own_cell = observation * self._progress.recording.actions + action
         moved = self._pair_of(update.cell, own_cell, pair)
@@ -188,7 +190,7 @@ class StepView:
 
     @cached_property
     def last_update(self) -> KnownUpdate:
-        """What the last step did to the table, part by part as far as that is known."""
+        """The effect of the last step on the table, part by part as far as known."""
         progress = self._progress
         if self._last is None or progress.table is None or progress.step <= progress.recording.found_at:
             return KnownUpdate()
@@ -218,13 +220,12 @@ class StepView:
         return KnownUpdate(first.cell, first.before, first.after, others, gathered=first.after)
 
     def _pair_of(self, cell: int, own_cell: int, own_pair: int) -> int:
-        """Return our pair for ``cell``: of several that share it, the one that was taken."""
+        """Return our pair for `cell`. If several pairs share it, the pair that was taken."""
         if cell in (NOTHING, own_cell):
             return own_pair if cell == own_cell else NOTHING
         return int(self._world.pair_of_cell[cell])
 
     def _td_errors(self) -> tuple[FloatArray, IntArray]:
-        """Return the TD errors of the last changes, and the pairs that they moved, where α is known."""
         update, changes = self._update, self._progress.recording.changes
         if not update.alpha:
             return np.empty(0), np.empty(0, np.int64)
@@ -235,7 +236,7 @@ class StepView:
         return errors[pairs >= 0], pairs[pairs >= 0]
 
     def _outcome(self, pair: int, next_state: int, reward: float) -> int:
-        """Return the outcome of the table that happened, −1 where several, or none, may have."""
+        """Return the matching outcome in the transition table, or −1 if several or none match."""
         mdp = self._world.world.mdp
         if mdp is None:
             return UNKNOWN_ACTION
@@ -257,7 +258,7 @@ _OURS: Final[Mapping[Rule, str]] = {
 _NAME: Final = "your program"
 _LOOKED_FOR: Final = (
     "an array of states × actions",
-    "lists of so many rows",
+    "lists with one row per state",
     "a dictionary of rows, by state",
     "a dictionary of numbers, by (state, action)",
     "in the functions that call step, their globals, and attributes of objects there",
@@ -265,7 +266,7 @@ _LOOKED_FOR: Final = (
 
 
 class Found(NamedTuple):
-    """What is known of how a program learns."""
+    """What is known about the learning of a program."""
 
     algorithm: str
     hyperparameters: Hyperparameters
@@ -273,17 +274,19 @@ class Found(NamedTuple):
 
 
 def found_of(update: UpdateFound, numbers: Mapping[str, float], usual: Hyperparameters) -> Found:
-    """Return how a program learns: by the update, else by the ``numbers`` of its code, else as ``usual``."""
+    """Combine the update with the `numbers` in the code and the defaults `usual`, in this order of
+    preference.
+    """
     declared = declared_discount(numbers)
     gamma, source = update.gamma, "found"
-    if declared is not None and not gamma:  # with γ 0 the next state is left out
+    if declared is not None and not gamma:  # with γ = 0 the target has no next state
         gamma, source = declared[1], "declared"
     elif gamma is None:
         gamma, source = usual.gamma, "usual"
     values = usual
     for name, value in (("gamma", gamma), ("alpha", update.alpha), ("epsilon", update.epsilon)):
         if value is not None and math.isfinite(value):
-            with suppress(UserError):  # what a program does need not be within our ranges
+            with suppress(UserError):  # the program's value may be outside our ranges
                 values = changed_parameter(values, name, value)
     is_plain = update.place is MovedCell.TAKEN and update.alpha is not None
     algorithm = _OURS.get(update.rule, OWN_PROGRAM.id) if is_plain else OWN_PROGRAM.id
@@ -291,7 +294,7 @@ def found_of(update: UpdateFound, numbers: Mapping[str, float], usual: Hyperpara
 
 
 def usual_recipe(world: ProgramWorld, seed: int) -> Recipe:
-    """Return how ours would learn in ``world``."""
+    """Return the default recipe for `world`."""
     return recipe_for(world.scenario, {}, seed)
 
 
@@ -303,7 +306,7 @@ class ProgramSnapshots:
         self._copier: PartCopier | None = None
 
     def build(self, playback: ProgramPlayback) -> Snapshot:
-        """Return the newest picture of ``playback``."""
+        """Return the newest snapshot of `playback`."""
         shown, found = playback.history.shown, playback.found
         view = StepView(shown, playback.verdicts.newest.update, found.hyperparameters.gamma)
         counters, results, world = view.counters, shown.results, shown.world
@@ -386,11 +389,11 @@ class ProgramSnapshots:
 
 
 def view_of(playback: ProgramPlayback) -> PlaybackView:
-    """Return what ``playback`` is doing, and what was asked of it."""
+    """Return the state of `playback`."""
     transport, world = playback.transport, playback.history.shown.world.world
     stop, is_shown_of_past = transport.stop, playback.history.in_past
     return PlaybackView(
-        # the end of the program is no part of its past
+        # the end of the program is not in its past
         phase=Phase.PAUSED if is_shown_of_past and transport.state in ENDED else transport.phase,
         message=transport.message,
         speed=transport.speed,
@@ -403,7 +406,7 @@ def view_of(playback: ProgramPlayback) -> PlaybackView:
 
 
 def program_view(playback: ProgramPlayback) -> ProgramView:
-    """Return what is shown of the program beside its steps and its table."""
+    """Return what is shown of the program besides its steps and its table."""
     program, log, found = playback.program, playback.program.log, playback.found
     request = program.request
     name = f"{request.path.name}:{request.agent}" if request.agent else request.path.name

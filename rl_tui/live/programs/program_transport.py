@@ -1,4 +1,4 @@
-"""The pace of a watched program: at a speed, by steps, or until something happens."""
+"""The pace of a watched program: at a speed, by steps, or until an event."""
 
 from __future__ import annotations
 
@@ -27,17 +27,18 @@ if TYPE_CHECKING:
 
 
 class ProgramStop:
-    """Waits for ``until`` in the program whose newest moment is ``progress``.
+    """Waits for `until` in a program at `progress`.
 
-    Raises UserError where it cannot happen: it lies behind, the pair or the exact answer is not there.
+    Raises:
+        UserError: The event is in the past, or the pair or the exact answer does not exist.
     """
 
     def __init__(self, until: Until, progress: ProgramState, answer: Answer) -> None:
         self.until = until
         self.steps = NO_LIMIT
-        """After how many steps of the program it is over in any case."""
+        """Step at which it is over in any case."""
         self._asked: dict[str, Any] = {}
-        self._episodes: int | None = None  # how many are to have ended
+        self._episodes: int | None = None  # number of episodes to finish
         self._progress = progress
         self._optimum = answer.solution
         world = progress.world
@@ -66,19 +67,19 @@ class ProgramStop:
 
     @property
     def asked(self) -> dict[str, Any]:
-        """What the program, which is at rest, is asked to stop at, as messages.py has it."""
+        """The event that the resting program is asked to stop at, as in messages.py."""
         if self._episodes is None:
             return self._asked
         return {"episode_ends": max(1, self._episodes - self._progress.episodes)}
 
     @property
     def is_over(self) -> bool:
-        """Whether what the program stopped at is what was waited for."""
+        """True if the stop of the program is the awaited event."""
         return self.until.event is not Event.OPTIMAL or self._is_optimal()
 
     def _check_optimal(self, answer: Answer) -> None:
         if self._progress.world.world.mdp is None or answer.refused:
-            raise UserError(f"no policy can be told to be optimal: {answer.refused}")
+            raise UserError(f"the optimal policy is unknown: {answer.refused}")
         if answer.solution is None:
             raise UserError("the exact answer is still being worked out: try again in a moment")
         if self._is_optimal():
@@ -92,7 +93,7 @@ class ProgramStop:
 
 
 def asked_for(breakpoints: Breakpoints, world: ProgramWorld) -> dict[str, Any]:
-    """Return what a program is asked to stop at for ``breakpoints``, as messages.py has it."""
+    """Translate `breakpoints` to a request to the program, as in messages.py."""
     asked: dict[str, Any] = {}
     if breakpoints.states:
         states = np.array(sorted(breakpoints.states))
@@ -104,7 +105,7 @@ def asked_for(breakpoints: Breakpoints, world: ProgramWorld) -> dict[str, Any]:
 
 
 def met_breakpoint(breakpoints: Breakpoints, progress: ProgramState) -> str:
-    """Return the breakpoint that the last step of ``progress`` met, in words; empty if none."""
+    """Describe the breakpoint met by the last step of `progress`, or "" if none."""
     if not breakpoints or not progress.step:
         return ""
     world, space = progress.world, progress.world.world.space
@@ -127,9 +128,8 @@ def _check_ahead(is_ahead: bool, wanted: str, here: str) -> None:
 
 
 def recorded_step(until: Until, history: ProgramHistory) -> int | None:
-    """Return after how many steps ``until`` happened, from the moment shown on.
-
-    None where the recording has nothing of the kind, or it is no event of the steps alone.
+    """Return the first recorded step after the shown moment at which `until` happened. None if there is
+    none, or if it does not depend on steps only.
     """
     shown, newest = history.shown, history.newest
     match until.event:
@@ -152,15 +152,19 @@ def recorded_step(until: Until, history: ProgramHistory) -> int | None:
 ENDED_BY_ITSELF: Final = "your program has ended"
 _WHILE_RUNNING: Final = 0.01
 _AT_A_STOP: Final = 0.05
-"""Seconds for which a pause or a step waits for the program: mostly it is there at once."""
+"""Seconds that a pause or a step waits for the program. It usually responds at once."""
 _UNANSWERED: Final = 1.0
 
 
 class ProgramTransport:
-    """Lets ``program``, which stands before its first step, go as far as a person wants.
+    """Lets `program`, ready for its first step, run as far as requested.
 
-    ``answer`` gives the exact answer for what is found of it so far. With ``automatic`` off the program goes
-    only as far as what is asked for. ``speed`` is in steps a second, None for as fast as it goes.
+    Args:
+        program: The watched program.
+        answer: Returns the solution for the current γ.
+        clock: Returns seconds.
+        automatic: False if it runs only as far as commands say.
+        speed: Steps per second, or None for full speed.
     """
 
     def __init__(
@@ -173,47 +177,47 @@ class ProgramTransport:
         speed: float | None,
     ) -> None:
         self.program = program
-        """What is watched."""
+        """The watched program."""
         self.history = ProgramHistory(program.log.recording, program.world)
-        """What it has done so far."""
+        """Its recorded history."""
         self.state = State.BUILDING
         self.phase = Phase.PREPARING
         self.changed = True
         self.speed = speed
-        """The wanted steps a second, None for as fast as it goes."""
+        """Chosen speed in steps per second, or None for full speed."""
         self.meter = SpeedMeter()
-        """What measures the steps a second."""
+        """Measures the speed."""
         self.paused_by = ""
-        """Why it paused by itself, or why what was asked for cannot be done."""
+        """Reason for an automatic pause, or for a refused command."""
         self.message = ""
-        """Why it goes no further; empty while it does."""
+        """Why it has ended, else empty."""
         self.breakpoints = Breakpoints()
         """Where it pauses."""
         self.stop: ProgramStop | None = None
-        """What it runs until, if it does."""
+        """The event to run until, or None."""
         self._automatic = automatic
         self._answer = answer
         self._clock = clock
         self._pace = Pace()
-        self._goal: int | None = None  # it goes on until that step
-        self._until: Until | None = None  # waits for the program to come to rest
-        self._owed = 0  # steps that were asked for while it had not come to rest
-        self._is_to_arm = False  # once it has come to rest, it is to stop at something else
+        self._goal: int | None = None  # it continues to this step
+        self._until: Until | None = None  # waits until the program rests
+        self._owed = 0  # steps requested while it was not at rest
+        self._is_to_arm = False  # new events to stop at, once it rests
         self.take_in()
 
     @property
     def on_the_way(self) -> bool:
-        """Whether something that was asked for and has an end is not done yet."""
+        """True while a requested operation with an end is unfinished."""
         return self.state in UNFINISHED or self._goal is not None or self._owed > 0
 
     @property
     def is_still(self) -> bool:
-        """Whether it takes no step before it is told otherwise."""
+        """True if it takes no step without a command."""
         return self.phase not in (Phase.PREPARING, Phase.RUNNING, Phase.SEEKING)
 
     @property
     def unanswered(self) -> float:
-        """For how many seconds it has told nothing although it may go on."""
+        """Seconds without a message although the program may continue."""
         program = self.program
         if program.is_settled or (self.state is State.PAUSED and self._goal is None and not self._owed):
             return 0.0
@@ -221,7 +225,7 @@ class ProgramTransport:
         return silent if silent > _UNANSWERED else 0.0
 
     def work(self) -> float | None:
-        """Let it go on as far as is due; return in how many seconds to call again, None for never."""
+        """Let it continue as far as due and return the seconds until the next call, None for never."""
         match self.state:
             case State.BUILDING:
                 self._enter(State.PAUSED)
@@ -235,7 +239,7 @@ class ProgramTransport:
         return self._stand_still()
 
     def rest(self) -> None:
-        """Stand still, whatever was under way."""
+        """Pause."""
         self._forget_goal()
         self.meter.clear()
         self.program.hold()
@@ -245,26 +249,25 @@ class ProgramTransport:
         self._listen(_AT_A_STOP if not self.program.is_settled else 0.0)
 
     def pause_at(self, breakpoints: Breakpoints) -> None:
-        """Have it pause at ``breakpoints`` from now on."""
+        """Pause at `breakpoints` from now on."""
         self.breakpoints = breakpoints
-        if self.stop is not None and not self.program.is_settled:  # what it has counted is known at rest only
+        if self.stop is not None and not self.program.is_settled:  # its episode count is known only at rest
             self._is_to_arm = True
             self.program.hold()
         else:
             self._arm()
 
     def _arm(self) -> None:
-        """Have the program stop at the breakpoints, and at what is waited for."""
         self._is_to_arm = False
         asked = {} if self.state is State.TRAINING else asked_for(self.breakpoints, self.program.world)
         self.program.stop_at(asked if self.stop is None else asked | self.stop.asked)
 
     def go_on_here(self) -> None:
-        """Show the newest moment again: a program goes on where it is."""
+        """Show the newest moment again, where the program continues."""
         self.history.shown = self.history.newest
 
     def run(self) -> None:
-        """Run on at the wanted speed, unless it runs already."""
+        """Run at the chosen speed, unless running."""
         self.go_on_here()
         if self.state is State.PAUSED:
             self.paused_by, self._owed, self._goal = "", 0, None
@@ -273,14 +276,14 @@ class ProgramTransport:
             self._enter(State.RUNNING)
 
     def start_pace(self, *, at_once: bool) -> None:
-        """Aim at the wanted speed from now on."""
+        """Aim at the chosen speed from now on."""
         if self.speed is not None:
             self._pace.start(self.speed, self._clock(), at_once)
         elif self.state is State.RUNNING:
             self.meter.clear()
 
     def take_steps(self, steps: int) -> None:
-        """Pause, and take ``steps`` more steps; in the past show the moment so many steps later."""
+        """Pause, and take `steps` more steps, in the past, show a later moment."""
         if self.history.in_past:
             self.show(self.history.shown.step + steps)
             return
@@ -295,7 +298,7 @@ class ProgramTransport:
         self._work_off(_AT_A_STOP)
 
     def train(self, steps: int) -> None:
-        """Take exactly ``steps`` steps, fewer only where it ends, before anything else."""
+        """Take exactly `steps` steps (fewer if it ends) before anything else."""
         self.rest()
         self.go_on_here()
         if steps > 0 and self.state not in ENDED:
@@ -305,14 +308,15 @@ class ProgramTransport:
             self.changed = False
 
     def show(self, step: int) -> None:
-        """Pause, and show the moment after ``step`` steps, as far as it is recorded."""
+        """Pause, and show the moment after `step` steps, as far as recorded."""
         self.rest()
         self.history.show(step)
 
     def run_until(self, until: Until) -> None:
-        """Run as fast as it goes until something happens. Raises UserError where it cannot happen.
+        """Run at full speed until an event, in the past, show it if it was recorded.
 
-        In the past that is shown where it was recorded; else the program goes on where it is.
+        Raises:
+            UserError: The event cannot happen.
         """
         self.rest()
         recorded = recorded_step(until, self.history) if self.history.in_past else None
@@ -329,7 +333,7 @@ class ProgramTransport:
             self._wait_for(until)
 
     def _wait_for(self, until: Until) -> None:
-        """Have the program, which has come to rest, run until something happens. Raises UserError."""
+        """Let the resting program run until an event. Raises UserError if it cannot happen."""
         self._until = None
         try:
             self.stop = ProgramStop(until, self.history.newest, self._answer())
@@ -340,7 +344,7 @@ class ProgramTransport:
         self._arm()
 
     def go_over_to(self, program: WatchedProgram) -> None:
-        """Watch ``program`` in place of the one until now, which ends; it runs on where that ran."""
+        """Replace the program by `program`, and run if the old one was running."""
         was_running, old = self.state is State.RUNNING, self.program
         self.program, self.history = program, ProgramHistory(program.log.recording, program.world)
         old.end()
@@ -361,7 +365,7 @@ class ProgramTransport:
         self.paused_by, self.stop, self._goal, self._owed, self._until = "", None, None, 0, None
 
     def note_end(self) -> bool:
-        """Rest for good where the program is over; return whether it is."""
+        """Stop if the program is over and return True in this case."""
         program = self.program
         if not program.is_over or self.state in ENDED:
             return program.is_over
@@ -376,7 +380,7 @@ class ProgramTransport:
         return True
 
     def _listen(self, seconds: float = 0.0) -> None:
-        """Take in what the program tells; waits for at most ``seconds``, until it is settled."""
+        """Read the program's messages for at most `seconds`, until it rests or ends."""
         until = self._clock() + seconds
         program = self.program
         while True:
@@ -388,14 +392,13 @@ class ProgramTransport:
         self.take_in()
 
     def take_in(self) -> None:
-        """Bring the newest moment to what is known."""
+        """Advance the newest moment to the known steps."""
         newest, known = self.history.newest, self.program.known
         if newest.step < known or (newest.table is None and self.program.log.table is not None):
             self.history.go_on(known)
             self.changed = True
 
     def _continue_running(self) -> float:
-        """Let it take the steps that are due."""
         program, newest, before = self.program, self.history.newest, self.history.newest.step
         if self.speed is None:
             program.let(NO_LIMIT)
@@ -412,9 +415,8 @@ class ProgramTransport:
         return _WHILE_RUNNING if self.speed is None else self._pace.wait(self._clock())
 
     def _has_stopped(self) -> bool:
-        """Rest where the program has met a breakpoint, or what was waited for; return whether it did.
-
-        What it met may be none of both: a state of ours may be one of several with the same observation.
+        """Pause at a breakpoint or at the awaited event and return True in this case. The program's stop
+        may be neither, because several of our states may share an observation.
         """
         program, stop = self.program, self.stop
         met = program.stopped_by
@@ -436,12 +438,11 @@ class ProgramTransport:
         return True
 
     def _note_beginning(self, until: Until) -> None:
-        """Have the beginning of an episode shown, not the end of the one before, where that was asked for."""
         if until.event is Event.EPISODE:
             self.history.begun_at = self.history.shown.step
 
     def _continue_to_goal(self) -> float:
-        """Go on to where it is to stop, or until some milliseconds are over."""
+        """Continue to the goal, or for some milliseconds."""
         newest = self.history.newest
         if self._is_to_arm and self.program.is_at_rest and self.program.stopped_by is None:
             self._arm()
@@ -460,7 +461,6 @@ class ProgramTransport:
         return 0.0
 
     def _arrive(self) -> None:
-        """Rest after the last of the steps that were asked for."""
         stop = self.stop
         self.rest()
         self.changed = True
@@ -473,7 +473,7 @@ class ProgramTransport:
         return None if self.note_end() or self.program.is_settled else _WHILE_RUNNING
 
     def _work_off(self, seconds: float) -> None:
-        """Take the steps that are owed, waiting for the program for at most ``seconds``."""
+        """Take the pending steps, waiting for at most `seconds`."""
         program = self.program
         if self._owed and program.is_at_rest:
             self._goal, self._owed = program.log.recording.count + self._owed, 0

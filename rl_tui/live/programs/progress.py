@@ -22,12 +22,12 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 PIECE: Final = 20_000
-"""So many steps at most are taken in between two looks at the clock."""
-_TIES: Final = "random"  # what a program does among equals is its own: they are shared evenly
+"""Most steps between two looks at the clock."""
+_TIES: Final = "random"  # a program's choice among ties is unknown, so they are shared equally
 
 
 class UnderWay(NamedTuple):
-    """An episode that has not ended: its number in the program, its return and its length so far."""
+    """An unfinished episode: its number in the program, return and length so far."""
 
     episode: int
     earned: float
@@ -37,7 +37,7 @@ class UnderWay(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProgressState:
-    """A copy of all that is known of a program after ``step`` steps."""
+    """A copy of the progress after `step` steps."""
 
     step: int
     episodes: int
@@ -50,10 +50,9 @@ class ProgressState:
 
 
 class ProgramState:
-    """Where a program stood after ``step`` steps of ``recording``; it is brought further by :meth:`go_on`.
-
-    The same steps come to the same bits however they are cut. ``table`` is the program's, [cells], NaN where
-    it has no entry; None while none was found. ``visits`` counts how often each pair was taken, [P].
+    """The state of a program after `step` steps of `recording`; `go_on` advances it. The bits do not
+    depend on how the steps are divided. `table`, `[cells]`, is the program's, with NaN for missing
+    entries, or None while none was found. `visits`, `[P]`, counts how often each pair was taken.
     """
 
     def __init__(self, recording: Recording, world: ProgramWorld) -> None:
@@ -61,10 +60,10 @@ class ProgramState:
         self.world = world
         self.step = 0
         self.episodes = 0
-        """Finished episodes; one that the program left to begin another is finished then."""
+        """Finished episodes, including those that the program left early."""
         self.table: FloatArray | None = None
         self.visits: IntArray = np.zeros(world.world.space.pairs, np.int64)
-        self._changes_until = 0  # the changes of steps before this one are in the table
+        self._changes_until = 0  # the table includes changes of earlier steps
         self._under_way: dict[int, UnderWay] = {}  # by environment
         self._history = History()
         mdp = world.world.mdp
@@ -73,14 +72,14 @@ class ProgramState:
 
     @property
     def q(self) -> FloatArray:
-        """The estimates of our pairs, [P]; 0 where there is no table."""
+        """Estimates of our pairs, `[P]`, or 0 without a table."""
         if self.table is None:
             return np.zeros(self.world.world.space.pairs)
         return self.world.q_of(self.table)
 
     @property
     def results(self) -> RunResults:
-        """What it has achieved so far; what the greedy policy is worth only where there is a table."""
+        """Results so far, without a table there is no greedy return."""
         mean_return, mean_length = self._history.last_100
         greedy = NO_FIGURES if self.table is None else self._greedy_return.figures(self.q, _TIES, None)
         return RunResults(
@@ -93,7 +92,7 @@ class ProgramState:
         )
 
     def go_on(self, until: int) -> None:
-        """Take in what was recorded up to the step ``until``."""
+        """Advance to the step `until` of the recording."""
         while True:
             self._take_changes()
             self._mark_if_due(is_left=self.step < until)
@@ -104,7 +103,7 @@ class ProgramState:
             self._take_steps(stop if mark is None else min(stop, mark))
 
     def checkpoint(self) -> ProgressState:
-        """Return a copy of where it stands."""
+        """Return a copy of the state."""
         return ProgressState(
             self.step,
             self.episodes,
@@ -117,7 +116,7 @@ class ProgramState:
         )
 
     def at(self, state: ProgressState) -> Self:
-        """Return another progress of the same program that stands at ``state``."""
+        """Return another progress of the same program at `state`."""
         other = copy(self)
         other.step, other.episodes = state.step, state.episodes
         other.table = None if state.table is None else state.table.copy()
@@ -131,7 +130,7 @@ class ProgramState:
         return other
 
     def _take_changes(self) -> None:
-        """Bring the table to where it stands after the steps taken in."""
+        """Bring the table up to date with the steps."""
         recording = self.recording
         if self.table is None:
             if recording.initial is None or recording.found_at > self.step:
@@ -144,14 +143,14 @@ class ProgramState:
             self._changes_until = self.step
 
     def _mark_if_due(self, *, is_left: bool) -> None:
-        """Take the mark that is due here; without a table only where this moment is left for the next."""
+        """Take the mark that is due here. Without a table, only when the progress moves on."""
         mark = self._evaluation.next_step
         while mark is not None and mark <= self.step and (is_left or self.table is not None):
             self._evaluation.mark(self.episodes, None if self.table is None else self.q, _TIES)
             mark = self._evaluation.next_step
 
     def _take_steps(self, stop: int) -> None:
-        """Take in the steps up to ``stop``: episodes that end, and which pairs were taken."""
+        """Process the steps up to `stop`: finished episodes and taken pairs."""
         steps = steps_between(self.recording, self.step, stop)
         pair_of_cell = self.world.pair_of_cell
         actions = len(self.world.world.space.action_names)
@@ -166,15 +165,14 @@ class ProgramState:
         self.step = stop
 
     def ends_until(self, stop: int) -> list[int]:
-        """Return after how many steps each of the episodes ends that end from here to ``stop``.
-
-        What has begun but not ended is another afterwards: call it of a copy.
+        """Return the step at which each episode ends, from here to `stop`. This changes unfinished
+        episodes, so call it on a copy.
         """
         steps = steps_between(self.recording, self.step, stop)
         return [self.step + place + 1 for place, _, _ in self._finished(steps)]
 
     def _finished(self, steps: StepColumns) -> list[tuple[int, float, int]]:
-        """Return (place, return, length) of the episodes that end in ``steps``, the first to end first."""
+        """Return (place, return, length) of the episodes that end in `steps`, in order."""
         found: list[tuple[int, float, int]] = []
         for environment in np.unique(steps.environment):
             places = np.flatnonzero(steps.environment == environment)
@@ -184,7 +182,7 @@ class ProgramState:
     def _finished_in(
         self, environment: int, places: IntArray, steps: StepColumns
     ) -> list[tuple[int, float, int]]:
-        """Return (place, return, length) of the episodes of one environment that end at its ``places``."""
+        """Return (place, return, length) of the episodes of one environment."""
         episode, ended = steps.episode[places], (steps.terminated | steps.truncated)[places]
         begins = np.flatnonzero(np.diff(episode, prepend=episode[0]) != 0).tolist()
         pieces = [0, *begins, len(places)]
@@ -209,7 +207,7 @@ class ProgramState:
 
 
 def steps_between(recording: Recording, first: int, last: int) -> StepColumns:
-    """Return the steps from ``first`` to before ``last``, as far as they are kept."""
+    """Return the recorded steps in [first, last)."""
     begin, end = max(first - recording.first, 0), max(last - recording.first, 0)
     return StepColumns._make(column[begin:end] for column in recording.steps)
 
@@ -223,9 +221,8 @@ _MOST_SAMPLES: Final = 256
 
 
 class ProgramHistory:
-    """The newest moment of a program, the one shown, and what is needed to go back.
-
-    ``shown`` is ``newest`` itself unless the past is shown.
+    """The newest moment of a program, the shown one, and stored moments to return to. `shown` is `newest`
+    unless the past is shown.
     """
 
     def __init__(self, recording: Recording, world: ProgramWorld) -> None:
@@ -233,7 +230,9 @@ class ProgramHistory:
         self.newest = ProgramState(recording, world)
         self.shown = self.newest
         self.begun_at: int | None = None
-        """Where an episode's beginning was asked for: there the end of the one before is not shown."""
+        """Step at which an episode was sought by its beginning. The end of the previous episode is not
+        shown there.
+        """
         self._spacing = _FIRST_SPACING
         self._kept: list[ProgressState] = [self.newest.checkpoint()]
         self._followed: tuple[int, int, int] = (-1, 0, 0)
@@ -242,25 +241,25 @@ class ProgramHistory:
 
     @property
     def in_past(self) -> bool:
-        """Whether an earlier moment than the newest is shown."""
+        """True if an earlier moment than the newest is shown."""
         return self.shown is not self.newest
 
     @property
     def first_step(self) -> int:
-        """The first step that can still be shown."""
+        """First step that can still be shown."""
         return next((each.step for each in self._kept if each.step >= self.recording.first), self.newest.step)
 
     def go_on(self, until: int) -> None:
-        """Bring the newest moment to the step ``until``."""
+        """Advance the newest moment to the step `until`."""
         newest = self.newest
         while newest.step < until:
             newest.go_on(min(until, self._kept[-1].step + self._spacing))
             if newest.step == self._kept[-1].step + self._spacing:
                 self._keep()
-        newest.go_on(until)  # a table may have been found here meanwhile
+        newest.go_on(until)  # a table may have been found meanwhile
 
     def show(self, step: int) -> None:
-        """Show the moment after ``step`` steps, or the nearest that is known."""
+        """Show the moment after `step` steps, or the nearest known one."""
         self.begun_at = None
         step = max(step, self.first_step)
         if step >= self.newest.step:
@@ -271,7 +270,7 @@ class ProgramHistory:
         self.shown.go_on(step)
 
     def begin_of_episode(self, number: int) -> int:
-        """Return after how many steps episode ``number`` (from 1) began; the newest step if it has not."""
+        """Return the step at which episode `number` (from 1) began. The newest step if it has not."""
         wanted = number - 1
         first = next((each for each in self._kept[::-1] if each.episodes < wanted), self._kept[0])
         if first.step < self.recording.first:
@@ -284,7 +283,7 @@ class ProgramHistory:
         return self.newest.at(first).ends_until(until)[wanted - first.episodes - 1]
 
     def cell(self, pair: int) -> CellHistory | None:
-        """Return how the estimate of ``pair`` went up to the moment shown; None where there is no table."""
+        """Return the history of the estimate of `pair` up to the shown moment, or None without a table."""
         shown, recording = self.shown, self.recording
         cells = shown.world.cell_of_pair
         if shown.table is None or not 0 <= pair < len(cells):
@@ -302,7 +301,7 @@ class ProgramHistory:
         return CellHistory(pair, step[last_of_step], value[last_of_step])
 
     def _changes_of(self, cell: int, changes: ChangeColumns) -> IntArray:
-        """Return the places of the changes of ``cell``, looking only at what came since it was last asked."""
+        """Return the places of the changes of `cell`, searching only new changes."""
         key, count = (cell, self.recording.first, self.recording.found_at), len(changes.cell)
         if self._followed != key:
             self._followed, self._places, self._looked_at = key, np.empty(0, np.int64), 0

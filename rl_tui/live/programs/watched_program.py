@@ -1,4 +1,4 @@
-"""A program that is watched: its file; its process, what it has told, and how it is held back and let go."""
+"""A watched program: its file, its process and log, and the control of its steps."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ from rl_tui.programs.watched.program_world import ProgramWorld, world_of_program
 LOOKS: Final = 0.1
 """Seconds between two looks at the file."""
 SETTLED: Final = 0.3
-"""So many seconds after it was saved last it counts."""
+"""Seconds without a change before a save counts."""
 
 
 class ProgramFile:
-    """Looks whether the file at ``path`` was saved; ``clock`` gives seconds."""
+    """Watches the file at `path` for changes. `clock` returns seconds."""
 
     def __init__(self, path: Path, clock: Callable[[], float]) -> None:
         self.path = path
         self.source: tuple[str, ...] = _lines(path)
-        """Its lines as they were when the program was started."""
+        """Lines of the file when the program was started."""
         self._clock = clock
         self._stamp = self._seen = _stamp(path)
         self._looked_at = self._changed_at = clock()
 
     def was_saved(self) -> bool:
-        """Return whether it is another file than before, and has been for a moment; once for each time."""
+        """Return True once after each save, when the file has been stable for a moment."""
         now = self._clock()
         if now - self._looked_at < LOOKS:
             return False
@@ -54,7 +54,7 @@ class ProgramFile:
         return True
 
     def fault(self) -> str:
-        """Return what keeps its text from being a program, in one line; empty where nothing does."""
+        """Return the syntax error of the file in one line, or ""."""
         try:
             check_script(self.path)
         except UserError as fault:
@@ -62,7 +62,7 @@ class ProgramFile:
         return ""
 
     def read_again(self) -> None:
-        """Take its lines as they are now for those of the program."""
+        """Use the current lines of the file."""
         self.source = _lines(self.path)
 
 
@@ -91,18 +91,19 @@ _LONGEST: Final = 300
 
 
 class WatchedProgram:
-    """The program of ``request``, which takes no step before it is let. Raises OSError, UserError.
+    """The process of `request`, which takes no step without permission. It is at rest while it waits for
+    permission. All its steps and their changes are known then.
 
-    It is at rest where it waits for leave to take its next step; all its steps and the changes that they made
-    are known then.
+    Raises:
+        UserError: The process cannot be started.
     """
 
     def __init__(self, request: ProgramRequest) -> None:
         self.request = request
         self.log = ProgramLog()
-        """What it has told."""
+        """Everything it has reported."""
         self.heard_at = time.monotonic()
-        """When it last told something."""
+        """Time of the last message."""
         self._limit = 0
         self._asked: dict[str, Any] | None = None
         try:
@@ -112,95 +113,95 @@ class WatchedProgram:
 
     @property
     def exit_status(self) -> int | None:
-        """How its process ended, None while it lives."""
+        """Exit status of the process, or None while it lives."""
         return self._process.exit_status
 
     @property
     def is_over(self) -> bool:
-        """Whether it takes no further step."""
+        """True if it takes no further step."""
         return self.log.ended or self._process.closed
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether it waits."""
+        """True while it waits for permission."""
         log = self.log
         return log.waiting_at is not None and log.heard == self._process.asked
 
     @property
     def stopped_by(self) -> str | None:
-        """What it met where it rests, as messages.py names it; None where that is nothing."""
+        """The event at which it rests, as named in messages.py, or None."""
         return self.log.stopped_by if self.is_at_rest else None
 
     @property
     def is_settled(self) -> bool:
-        """Whether nothing comes before it is let go on: it waits, or is over."""
+        """True if no message comes without permission: it rests or has ended."""
         return self.is_at_rest or self.is_over
 
     @property
     def known(self) -> int:
-        """How many steps are known with all that they changed."""
+        """Number of steps that are known with all their changes."""
         count = self.log.recording.count
         return count if self.is_settled else max(count - 1, 0)
 
     @cached_property
     def world(self) -> ProgramWorld:
-        """The world of the first environment that it made. Raises UserError where it is too large."""
+        """World of its first environment. Raises UserError if it is too large."""
         return world_of_program(self.log.environments[0])
 
     def let(self, steps: int = NO_LIMIT) -> None:
-        """Let it take steps until it has taken so many in all, also where it has met something."""
+        """Permit steps up to a total of `steps`, also after an event."""
         has_met = self.stopped_by is not None
         if self.is_over or (steps == self._limit and not has_met):
             return
         self._limit = steps
-        # where it met something it waits to hear anew what it is to stop at
+        # after an event it waits for the next events to stop at
         goes_on = has_met and steps > self.log.recording.count
         self._process.allow(steps, {"stop": self._asked} if goes_on else None)
 
     def go_on(self) -> None:
-        """Let it go as far as it may already, where it has met something."""
+        """Continue after an event, within the permitted steps."""
         self.let(self._limit)
 
     def stop_at(self, asked: Mapping[str, Any]) -> None:
-        """Have it stop where something happens, as messages.py has it, from its next step on if it waits.
-
-        Elsewhere it hears that within a moment.
+        """Set the events to stop at, as in messages.py: from the next step if it rests, else within a
+        moment.
         """
         wanted = dict(asked) or None
-        if wanted == self._asked and "episode_ends" not in asked:  # those are counted from now on
+        if wanted == self._asked and "episode_ends" not in asked:  # episodes are counted from now on
             return
         self._asked = wanted
         if self.stopped_by is None:
             self._process.ask({"stop": wanted})
 
     def trace(self) -> None:
-        """Have it tell the lines of its next changes, for a while at a fifth of its speed."""
+        """Report the lines of the next changes, at a fifth of the speed meanwhile."""
         if not self.is_over:
             self._process.ask({"trace": _TRACED})
 
     def hold(self) -> None:
-        """Let it take no step beyond the one it is in."""
+        """Permit no step after the current one."""
         if not self.is_settled:
             self.let(0)
 
     def listen(self, seconds: float = 0.0) -> bool:
-        """Take in what it tells, waiting for at most so many seconds; return whether there was anything."""
+        """Read messages for at most `seconds` and return True if there were any."""
         found, stood_at = False, self.log.stands_at
         for letter, payload in self._process.frames(seconds):
             self.log.take(letter, payload)
             found = True
-        if found and self.log.stands_at in (None, stood_at):  # where it stands is told in its stead
+        if found and self.log.stands_at in (None, stood_at):  # its position in the code is reported instead
             self.heard_at = time.monotonic()
         return found
 
     def end(self) -> None:
-        """End it at once, and all that it started."""
+        """Kill it and all processes that it started."""
         self._process.end()
 
     def wait_for_environment(self, is_wanted: Callable[[], bool] = lambda: True) -> None:
-        """Wait until it has made an environment and stands before its first step, or is over.
+        """Wait until it has made an environment and is ready for its first step, or has ended.
 
-        Raises UserError where it is over without an environment that can be shown, or cannot be watched.
+        Raises:
+            UserError: It ended without a suitable environment, or cannot be watched.
         """
         while is_wanted():
             self.listen(_LOOK)
@@ -209,7 +210,7 @@ class WatchedProgram:
                 return
 
     def check(self) -> None:
-        """Raise UserError where it cannot be shown: it is over without an environment, or refused."""
+        """Raise UserError if it cannot be shown: it ended without an environment, or was refused."""
         log = self.log
         if log.environments or not (self.is_over or log.refused):
             return
@@ -226,7 +227,7 @@ def _why_nothing_is_shown(log: ProgramLog) -> str:
 
 
 def error_in_words(error: ProgramError) -> str:
-    """Return what a program raised, in one line, with its place."""
+    """Return the exception of a program in one line, with its place."""
     place = "" if error.line is None else f"line {error.line}: "
     return one_line(f"{place}{error.type}: {error.text}", _LONGEST)
 

@@ -1,1 +1,1 @@
-"""Lessons and the sessions in which they were taken: progress, marks, and what authors are told."""
+"""Saved sessions and lessons: files, progress and grading."""

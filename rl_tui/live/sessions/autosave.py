@@ -1,4 +1,4 @@
-"""Keeping a session on the disk while it goes on, so that whatever ends the program takes little along."""
+"""Automatic saving of a session, so that little is lost however the program ends."""
 
 from __future__ import annotations
 
@@ -17,44 +17,40 @@ from rl_tui.runs.recipe import Recipe, WorldChange
 from rl_tui.runs.timeline.branches import RunRecord
 
 INTERVAL: Final = 0.3
-AGAIN: Final = 2.0  # seconds until it is tried again what could not be written
+AGAIN: Final = 2.0  # seconds until a failed write is repeated
 LONGEST_GOODBYE: Final = 3.0
-_REST: Final = 3  # times as long as writing took: a large session does not keep the disk busy
+_REST: Final = 3  # pause after a write, as a multiple of its duration
 
 OnNotice = Callable[[str], None]
 
 
 def untouched(recipe: Recipe) -> Record:
-    """Return the record of a run that has only just begun."""
+    """Return the record of a run at its start."""
     return Record((RunRecord(recipe),))
 
 
 class KeptSession(NamedTuple):
-    """A session that is on the disk, whole."""
+    """A complete session on disk."""
 
     title: str
-    """The name that a person gave it, or the title of its lesson or scenario."""
+    """Name given by the user, or title of the lesson or scenario."""
     step: int
-    """Where it stands."""
+    """Current step."""
     path: Path
-    """Its file."""
+    """Path of the file."""
 
 
 class Autosave:
-    """Writes the newest record that it is offered to a file of its own, at most every 0.3 s if it changed.
+    """Writes the newest record to its own file, at most every 0.3 s. A file is created only after a step,
+    a drawing, progress in a lesson, or a save by name: settings can easily be repeated. The file is locked
+    while in use. Players offer records to `sink`. When another player continues the session, as after a
+    lesson opens another world, call `hand_over`, give the new `sink` to that player, and close the old
+    one. Messages for the user (such as a failed write) go to the listener from any thread.
 
-    ``opened`` is what the screen starts from: a file is begun only once something differs from it and a step
-    was taken, world or policy drawn, or something done in a lesson, or a person saves it by a name. Settings
-    alone are quickly made again.
-    ``resumed`` is the session that it came from; that file is gone on with where it can be, otherwise a new
-    one in ``folder``. A file is locked as long as it is written here.
-
-    A player offers its records to :attr:`sink`. Where another player is to go on with the same session, as
-    when a lesson opens another world: call :meth:`hand_over`, then give the next player the new :attr:`sink`
-    and close the one before, in any order.
-
-    What a person should know (that nothing can be written, that it is a copy) is told, from any thread, to
-    whoever listens.
+    Args:
+        opened: Record with which the screen starts.
+        folder: Folder of new files.
+        resumed: Session to continue, in its own file if possible.
     """
 
     def __init__(self, opened: Record, folder: Path, resumed: StoredSession | None = None) -> None:
@@ -65,25 +61,25 @@ class Autosave:
         self._closing = False
         self._thread: threading.Thread | None = None
         self._session = _Session(opened, SessionWriter(self.folder, resumed, self._tell))
-        self._left: list[_Session] = []  # those that were left, and are not written yet
-        self._before: _Session | None = None  # the last of those that were left with something to keep
-        self._sink = _PlayerSink(self, self._changed)  # that of the newest player; the others are deaf
-        self._writing = threading.Lock()  # guards the files, and what follows
+        self._left: list[_Session] = []  # earlier sessions that are not written yet
+        self._before: _Session | None = None  # the last earlier session with content
+        self._sink = _PlayerSink(self, self._changed)  # earlier sinks ignore offers
+        self._writing = threading.Lock()  # guards the files and the following lines
         self._in_trouble = False
 
     @property
     def path(self) -> Path | None:
-        """The file of the session, None while there is none."""
+        """Path of the session's file, or None."""
         return self._session.writer.path
 
     @property
     def title(self) -> str:
-        """The name that a person gave to the session, empty without one."""
+        """Name given by the user, or an empty text."""
         return self._session.writer.title
 
     @property
     def kept(self) -> KeptSession | None:
-        """The session on the disk, or the one before it where nothing was done in it; None without any."""
+        """The session on disk, or the previous one if nothing was done in this one, or None without any."""
         for session in (self._session, self._before):
             path = None if session is None else session.writer.path
             if session is not None and path is not None and not session.is_due and path.exists():
@@ -95,14 +91,12 @@ class Autosave:
 
     @property
     def has_something(self) -> bool:
-        """Whether there is a session on the disk, or will be soon."""
+        """True if a session is on disk or will be soon."""
         return self.kept is not None or self.has_work
 
     def offer(self, record: Record, table: LearnedTable | None = None) -> None:
-        """Take ``record`` as the newest; never waits for the disk.
-
-        ``table`` is that of the lane shown where ``record`` says that it stands, None where that is not at
-        hand; it is copied.
+        """Take `record` as the newest, without waiting for the disk. `table` is the estimates of the
+        visible run at its recorded position, if available. It is copied.
         """
         with self._changed:
             newest = self._session.newest
@@ -112,11 +106,8 @@ class Autosave:
                 self._start_or_wake()
 
     def begin_anew(self, record: Record) -> None:
-        """Take ``record`` as the beginning of another session; the one until now stays as it is.
-
-        One in which nothing was done yet, or no more than is done in ``record``, gives way; and where that
-        has the same recipes only, there is nothing to keep of it yet. A lesson goes on in the session it is
-        in. Never waits for the disk.
+        """Begin another session with `record`, without waiting for the disk. A session without content, or
+        with no more than `record`, is reused instead; so is the session of a lesson.
         """
         with self._changed:
             old = self._session
@@ -137,15 +128,13 @@ class Autosave:
 
     @property
     def sink(self) -> RecordSink:
-        """What the newest player offers its records to; that one closes this too when it is closed."""
+        """Sink of the newest player; closing it closes this too."""
         return self._sink
 
     def hand_over(self, record: Record) -> None:
-        """Go on in the same session with ``record``, with which the next player begins.
-
-        What the player before still offers is not heeded any more, and to close it closes nothing. The file
-        stays locked meanwhile. Never waits for the disk. Call it before that player is closed: to close the
-        newest one ends the session.
+        """Continue the session with `record`, from which the next player begins, without waiting for the
+        disk. Offers of the old player are ignored from now on, and closing its sink has no effect. Call
+        this before that player is closed, because closing the newest sink ends the session.
         """
         with self._changed:
             self._sink.is_newest = False
@@ -153,9 +142,10 @@ class Autosave:
             self.offer(record)
 
     def save_as(self, title: str) -> Path:
-        """Save the session under ``title`` and go on there; return its file. Waits for the disk.
+        """Save the session as `title` and continue there and return the path. This waits for the disk.
 
-        Raises UserError where another session has that name, or the file cannot be written.
+        Raises:
+            UserError: Another session has that name, or the file cannot be written.
         """
         with self._writing:
             session = self._session
@@ -168,12 +158,12 @@ class Autosave:
         return path
 
     def become_copy(self) -> None:
-        """Leave the file as it is; what is done from now on goes into another one."""
+        """Leave the file unchanged and continue in another one."""
         with self._writing:
             self._session.writer.become_copy()
 
     def listen(self, on_notice: OnNotice) -> None:
-        """Call ``on_notice`` with each sentence that a person should read, those of before included."""
+        """Call `on_notice` with each message for the user, including earlier ones."""
         with self._changed:
             self._on_notice = on_notice
             waiting, self._notices = self._notices, []
@@ -181,14 +171,14 @@ class Autosave:
             on_notice(notice)
 
     def close(self) -> None:
-        """Write what is not written yet, and let the file go."""
+        """Write what is due, and release the file."""
         with self._changed:
             self._closing = True
             self._changed.notify_all()
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
             if self._thread.is_alive():
-                return  # the disk hangs: the lock is held until the program is gone
+                return  # the disk hangs: the lock remains until the program ends
         for session in (*self._left, self._session):
             session.writer.release()
 
@@ -197,7 +187,7 @@ class Autosave:
             thread = threading.Thread(target=self._live, name="autosave", daemon=True)
             try:
                 thread.start()
-            except RuntimeError as error:  # there may be only so many threads; the next offer tries again
+            except RuntimeError as error:  # too many threads; the next offer tries again
                 if not self._in_trouble:
                     self._in_trouble = True
                     self._tell(f"this session is not being saved: {error}")
@@ -207,7 +197,7 @@ class Autosave:
 
     @property
     def has_work(self) -> bool:
-        """Whether something is not written yet."""
+        """True if something is not written yet."""
         return bool(self._left) or self._session.is_due
 
     def _tell(self, notice: str) -> None:
@@ -235,7 +225,7 @@ class Autosave:
                 self._changed.wait_for(lambda: self._closing, pause)
 
     def write_due(self) -> None:
-        """Write what is not written yet. Waits for the disk."""
+        """Write what is due. This waits for the disk."""
         with self._writing:
             with self._changed:
                 left, self._left = self._left, []
@@ -255,20 +245,20 @@ class Autosave:
         self._in_trouble = bool(faults)
 
     def _fault_of(self, session: _Session) -> Exception | None:
-        """Write ``session`` if that is due; return why it cannot be."""
+        """Write `session` if due and return the error, or None."""
         if not session.is_due:
             return None
         newest = session.newest
         try:
             session.writer.write(newest.record, newest.digest)
-        except Exception as error:  # whatever it is, the program goes on, and says so
+        except Exception as error:  # the program continues after any error, with a message
             return error
         session.written = newest
         return None
 
 
 class _PlayerSink:
-    """What one player offers its records to; it passes them on to ``autosave`` while it is the newest one."""
+    """The sink of one player, which passes records to `autosave` while it is the newest."""
 
     def __init__(self, autosave: Autosave, changed: threading.Condition) -> None:
         self.is_newest = True
@@ -293,10 +283,8 @@ class _PlayerSink:
 
 
 class _Session:
-    """A session under way: what is to be written, and who writes it.
-
-    It is ``begun`` once a record differs from the one with which it was ``opened``. With nothing done in it
-    yet it is written only where it has a file already.
+    """A session with its writer. It is `begun` once a record differs from `opened`. Without content it is
+    written only if it already has a file.
     """
 
     def __init__(self, opened: Record, writer: SessionWriter) -> None:
@@ -313,13 +301,13 @@ class _Session:
 
     def take(self, offer: _Offer) -> None:
         self.newest = offer
-        # how fast it goes is nothing that was done
+        # the speed is not content
         here, opened = replace(offer.record, speed=None), replace(self._opened, speed=None)
         self.begun = self.begun or here != opened
 
 
 class _Offer:
-    """A record, and a copy of the table where it stands, unless that is large."""
+    """A record with a copy of the estimates, unless they are large."""
 
     def __init__(self, record: Record, table: LearnedTable | None) -> None:
         self.has_table = table is not None
@@ -336,7 +324,6 @@ def _copied(table: LearnedTable) -> LearnedTable:
 
 
 def _has_deeds(record: Record) -> bool:
-    """Tell whether a step was taken in any lane, world or policy drawn, or something done in a lesson."""
     branches = [branch for lane in record.lanes for branch in lane.branches]
     is_drawn = any(isinstance(entry.change, WorldChange) for each in branches for entry in each.journal)
     return (
@@ -348,6 +335,5 @@ def _has_deeds(record: Record) -> bool:
 
 
 def _is_blank(record: Record) -> bool:
-    """Tell whether no step was taken, nothing changed in any lane, and nothing drawn."""
     is_changed = any(branch.journal for lane in record.lanes for branch in lane.branches)
     return not (is_changed or _has_deeds(record))

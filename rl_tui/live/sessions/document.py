@@ -1,4 +1,4 @@
-"""A session as a JSON document, with the limits of its fields."""
+"""The JSON document of a session, with the limits of its fields."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ MOST_STEPS: Final = 10**15
 _MOST_KEYS: Final = 100
 _MOST_BREAKPOINTS: Final = 100_000
 MOST_DRAWN: Final = 100_000
-MOST_IN_ALL: Final = 20_000_000  # entries of all branches, those that they share counted for each
+MOST_IN_ALL: Final = 20_000_000  # entries of all branches, with shared ones counted for each
 _LONGEST_TEXT: Final = 20_000_000
-# Taxi has 2,400 pairs. With so many a file has 70 kB more, and is written in 2.7 ms, read in 2.2 ms
+# Taxi has 2,400 pairs. For this many, a file grows by 70 kB, and takes 2.7 ms to write and 2.2 ms to read.
 MOST_PAIRS_KEPT: Final = 2_500
 MOST_PAGES_NAMED: Final = 1_000
 MOST_GIVEN: Final = 10_000
@@ -44,7 +44,7 @@ def _plain(text: str) -> str:
 
 
 def _of_few_keys(value: object) -> object:
-    """Refuse a table of very many keys at once: to complain of each takes a kilobyte."""
+    """Refuse an object with too many keys at once: an error for each would take a kilobyte."""
     if isinstance(value, dict) and len(value) > _MOST_KEYS:
         raise ValueError(f"{len(value):,} keys; expected at most {_MOST_KEYS}")
     return value
@@ -62,7 +62,7 @@ DrawnChoice = Annotated[tuple[Place, Place], Field(strict=False)]
 
 
 class Part(BaseModel):
-    """A table of the document. Nothing is converted, and unknown keys are refused."""
+    """An object of the document. Values are not converted, and unknown keys are refused."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
@@ -73,9 +73,9 @@ class Part(BaseModel):
 
 
 class Entry(Part):
-    """One change after ``step`` steps: a parameter is ``set`` ``to`` a value, another ``algorithm`` takes
-    over, a person takes the action of that name or number, orders what a planner's next ``sweep`` does, or
-    changes the ``world``: by edits as the command line has them, or by undoing or redoing one.
+    """A change after `step` steps. Its keys are one of: `set` and `to` (a parameter), `algorithm`, `take`
+    (an action of the user, by name or number), `sweep` (an order to a planner), or `world` (an edit as on
+    the command line, an undo or a redo).
     """
 
     step: Count
@@ -88,7 +88,7 @@ class Entry(Part):
 
 
 class StoredBranch(Part):
-    """One branch; ``shared`` is how many entries it has from its parent, ``journal`` those that follow."""
+    """A branch: `shared` counts the entries taken from its parent, and `journal` has the others."""
 
     name: Name
     parent: Annotated[int, Field(ge=0, lt=MOST_BRANCHES)] | None = None
@@ -100,7 +100,7 @@ class StoredBranch(Part):
 
 
 class StoredLane(Part):
-    """One run: what it started from, its branches, and the number of the one in force."""
+    """A run: its start, its branches, and the number of the current one."""
 
     seed: Annotated[int, Field(ge=0)]
     algorithm: Word
@@ -116,18 +116,18 @@ class StoredLane(Part):
             raise ValueError(f"there is no branch {self.branch}")
         for number, branch in enumerate(self.branches):
             if branch.parent is not None and branch.parent >= number:
-                raise ValueError(f"branch {number} has a parent that does not stand before it")
+                raise ValueError(f"branch {number}: its parent comes after it")
         return self
 
     @property
     def algorithm_in_force(self) -> str:
-        """The algorithm at work where it stands; switches of its branch's ancestors included."""
+        """Current algorithm, including switches on ancestor branches."""
         switches = (entry.algorithm for entry in self._entries_in_force() if entry.algorithm is not None)
         return next(switches, self.algorithm)
 
     @property
     def settings_in_force(self) -> dict[str, Value]:
-        """The values of the hyper-parameters where it stands, by name."""
+        """Current hyper-parameters by name."""
         settings = dict[str, Value]()
         for entry in self._entries_in_force():
             if entry.set is not None and entry.to is not None:
@@ -135,7 +135,7 @@ class StoredLane(Part):
         return {**self.hyperparameters, **settings}
 
     def _entries_in_force(self) -> Iterator[Entry]:
-        """Yield what was changed on the way to where it stands, the last change first."""
+        """Yield the changes up to the current position, the last one first."""
         branch: StoredBranch | None = self.branches[self.branch]
         here, own = self.branches[self.branch].here, MOST_ENTRIES
         while branch is not None:
@@ -146,7 +146,7 @@ class StoredLane(Part):
 
 
 class StoredScenario(Part):
-    """The world: the whole text of its file, or where Gymnasium makes it its id alone."""
+    """The world: the text of its file, or the id of a Gymnasium environment."""
 
     id: Annotated[str, Field(min_length=1, max_length=400), AfterValidator(_plain)]
     kind: Literal["file", "gymnasium"]
@@ -155,14 +155,14 @@ class StoredScenario(Part):
 
 
 class StoredBreakpoints(Part):
-    """The numbers of states and pairs."""
+    """Numbers of states and pairs."""
 
     states: Annotated[tuple[Place, ...], FailFast(), Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
     pairs: Annotated[tuple[Place, ...], FailFast(), Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
 
 
 class StoredTable(Part):
-    """What the run shown had learned where it stands: Q and visits of each pair, and where the agent was."""
+    """Estimates of the visible run at its position: Q and visits of each pair, and the state of the agent."""
 
     q: Annotated[tuple[Number, ...], FailFast(), Field(max_length=MOST_PAIRS_KEPT, strict=False)]
     visits: Annotated[tuple[Count, ...], FailFast(), Field(max_length=MOST_PAIRS_KEPT, strict=False)]
@@ -177,7 +177,7 @@ class StoredTable(Part):
 
 
 class StoredGiven(Part):
-    """An answer on a page: a number, or the place of a choice; ``step`` -1 where there was no run."""
+    """An answer on a page: a number, or the index of a choice. `step` is -1 without a run."""
 
     page: Name
     answer: Number
@@ -187,7 +187,7 @@ class StoredGiven(Part):
 
 
 class StoredPassed(Part):
-    """A task that was passed: the run that shows it, from its beginning to ``step``."""
+    """A passed task, with the run that proves it, up to `step`."""
 
     page: Name
     scenario: StoredScenario
@@ -201,10 +201,8 @@ class StoredPassed(Part):
 
 
 class StoredLesson(Part):
-    """A lesson and how far somebody came in it.
-
-    ``text`` is the whole file, so that it goes on anywhere; ``source`` is where that was, empty where it is
-    one that is shipped. ``hints`` are counts by page.
+    """A lesson and its progress. `text` is the whole file, so that the session works anywhere. `source` is
+    its path, empty for a shipped lesson. `hints` are counts by page.
     """
 
     id: Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_plain)]
@@ -223,7 +221,7 @@ class StoredLesson(Part):
 
 
 class Document(Part):
-    """A whole session, without its checksum. In version 1 there were no lessons."""
+    """A session without its checksum. Version 1 had no lessons."""
 
     format: Literal["rl-tui session"]
     version: Literal[1, 2]
@@ -241,7 +239,7 @@ class Document(Part):
     digest: Digest
     answer_hidden: bool | None = None
     table: StoredTable | None = None
-    # The state and the action of each choice of the policy that a person drew, by their numbers
+    # state and action number of each choice in the drawn policy
     drawn: Annotated[tuple[DrawnChoice, ...], FailFast(), Field(max_length=MOST_DRAWN, strict=False)] = ()
     lesson: StoredLesson | None = None
 
@@ -255,12 +253,12 @@ class Document(Part):
 
     @property
     def changes(self) -> int:
-        """How many changes were made in all lanes, those that branches share counted once."""
+        """Number of changes in all runs. Those shared by branches count once."""
         return sum(len(branch.journal) for lane in self.lanes for branch in lane.branches)
 
 
 def stored_source(lesson: Lesson) -> str:
-    """Return where the file of ``lesson`` is; empty where it is shipped, as that is everywhere."""
+    """Return the path of the lesson's file, or "" if it is shipped, because that exists everywhere."""
     from rl_tui.lessons.lesson import lesson_folder  # most sessions are of no lesson
 
     return "" if lesson.source.parent == lesson_folder() else str(lesson.source)

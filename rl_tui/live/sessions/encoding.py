@@ -1,4 +1,4 @@
-"""The way from a record to its document and back: of runs, and of how far somebody came in a lesson."""
+"""Conversion between records and documents, for runs and for progress in lessons."""
 
 from __future__ import annotations
 
@@ -50,10 +50,16 @@ from rl_tui.worlds.files.shipped import SUFFIX
 
 
 def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[str, Any]:
-    """Return ``record`` as JSON, saved now.
+    """Convert `record` to JSON data, with the current time.
 
-    ``digest`` is that of Q where the lane shown stands, empty where it is not known. Raises UserError where
-    it is larger than what is read again.
+    Args:
+        record: Record to save.
+        title: Name given by the user, or "".
+        kept: True if the user saved it.
+        digest: Digest of Q at the position of the visible run, or "".
+
+    Raises:
+        UserError: The record exceeds a limit of the reader.
     """
     scenario = record.lanes[0].recipe.scenario
     fields = {
@@ -118,7 +124,7 @@ def _stored_branch(branch: Branch, branches: Sequence[Branch]) -> dict[str, Any]
 
 
 def _stored_table(table: LearnedTable) -> dict[str, Any] | None:
-    """Return ``table`` as JSON; None where it is large, or holds what JSON has no number for."""
+    """Convert `table` to JSON data, or None if it is large or not finite."""
     if len(table.q) > MOST_PAIRS_KEPT or not np.isfinite(table.q).all():
         return None
     return {
@@ -130,7 +136,7 @@ def _stored_table(table: LearnedTable) -> dict[str, Any] | None:
 
 
 def _stored_scenario(scenario: Scenario) -> dict[str, str]:
-    """Return ``scenario`` as JSON. Raises UserError where its file is not known."""
+    """Convert `scenario` to JSON data. Raises UserError if its file is unknown."""
     if scenario.id.startswith(PREFIX):
         return {"id": scenario.id, "kind": "gymnasium", "title": scenario.title}
     if not scenario.text:
@@ -139,7 +145,6 @@ def _stored_scenario(scenario: Scenario) -> dict[str, str]:
 
 
 def _stored_recipe(recipe: Recipe) -> dict[str, Any]:
-    """Return ``recipe`` without its scenario as JSON."""
     return {
         "seed": recipe.seed,
         "algorithm": recipe.algorithm,
@@ -148,7 +153,7 @@ def _stored_recipe(recipe: Recipe) -> dict[str, Any]:
 
 
 def _stored_journal(journal: Iterable[JournalEntry]) -> list[dict[str, Any]]:
-    """Return ``journal`` as JSON. Raises UserError where it is longer than what is read again."""
+    """Convert `journal` to JSON data. Raises UserError if it exceeds the limit of the reader."""
     stored = [_stored_entry(entry) for entry in journal]
     if len(stored) > MOST_ENTRIES:
         raise UserError(f"there are more than {MOST_ENTRIES:,} changes")
@@ -163,7 +168,7 @@ def _stored_entry(entry: JournalEntry) -> dict[str, Any]:
 
 
 def _stored_lesson(record: LessonRecord) -> dict[str, Any]:
-    """Return ``record`` as JSON. Raises UserError where it is larger than what is read again."""
+    """Convert progress in a lesson to JSON data. Raises UserError if it exceeds a limit of the reader."""
     lesson = record.lesson
     if len(lesson.text) > LONGEST_LESSON:
         raise UserError(f"the lesson has more than {LONGEST_LESSON:,} characters")
@@ -208,11 +213,11 @@ def _stored_passed(passed: Passed) -> dict[str, Any]:
     }
 
 
-# To a record. ``place`` is where something stands in the document
+# To a record. `place` is the position in the document
 
 
 def record_of(document: Document) -> Record:
-    """Return what ``document`` says. Raises UserError, in one line, where its parts do not fit together."""
+    """Convert `document` to a record. Raises UserError, in one line, if its parts do not fit together."""
     scenario = _scenario(document.scenario)
     lanes = enumerate(document.lanes)
     return Record(
@@ -235,7 +240,6 @@ def _table(stored: StoredTable) -> LearnedTable:
 
 
 def _lane(stored: StoredLane, scenario: Scenario, place: str) -> RunRecord:
-    """Return the lane that stands at ``place`` in the document."""
     recipe = _recipe(scenario, stored.algorithm, stored.hyperparameters, stored.seed, place)
     return RunRecord(recipe, tuple(_branches(stored, place)), stored.branch)
 
@@ -252,7 +256,7 @@ def _branches(lane: StoredLane, lane_place: str) -> Iterator[Branch]:
         if in_all > MOST_IN_ALL:
             raise UserError(f"{lane_place}: its branches have more than {MOST_IN_ALL:,} changes")
         if max(stored.here, stored.fork) > stored.end:
-            raise UserError(f"{place} stands or forks beyond its end, step {stored.end}")
+            raise UserError(f"{place}: its position or its fork is after its end, step {stored.end}")
         shared = parent[: stored.shared]
         latest = shared[-1].step if shared else 0
         journal = (*shared, *_journal(stored.journal, place, stored.end, latest))
@@ -261,7 +265,7 @@ def _branches(lane: StoredLane, lane_place: str) -> Iterator[Branch]:
 
 
 def _scenario(stored: StoredScenario) -> Scenario:
-    """Return the scenario. Raises UserError, in one line, where it cannot be played."""
+    """Return the scenario. Raises UserError, in one line, if it cannot be played."""
     if stored.kind == "gymnasium":
         return environment_scenario(stored.id)
     try:
@@ -273,7 +277,6 @@ def _scenario(stored: StoredScenario) -> Scenario:
 def _recipe(
     scenario: Scenario, algorithm: str, settings: Mapping[str, Value], seed: int, place: str
 ) -> Recipe:
-    """Return the recipe of these. Raises UserError where a setting does not fit."""
     _check_algorithm(algorithm, f"{place}.algorithm")
     hyperparameters = Hyperparameters()
     for name, value in settings.items():
@@ -282,10 +285,16 @@ def _recipe(
 
 
 def _journal(stored: Iterable[Entry], place: str, end: int, latest: int = 0) -> Iterator[JournalEntry]:
-    """Yield the entries of ``stored``, all of them changes that can be made; ``latest`` is the step of the
-    one before them.
+    """Yield the entries of a journal.
 
-    Raises UserError where one cannot be made, is out of order, or comes after ``end`` steps.
+    Args:
+        stored: Entries in the document.
+        place: Position in the document.
+        end: Last step of the branch.
+        latest: Step of the entry before the first.
+
+    Raises:
+        UserError: An entry is impossible, out of order, or beyond `end`.
     """
     _check_order(0, latest, end, place)
     for number, each in enumerate(stored):
@@ -311,7 +320,7 @@ def _change(entry: Entry, place: str) -> Change:
                 return change_of(name, value)
             except ValueError as fault:
                 raise UserError(f"{place}.{name}: {fault}") from fault
-    raise UserError(f"{place} is no change; expected set and to, algorithm, take, sweep, or world")
+    raise UserError(f"{place}: not a change; expected set and to, algorithm, take, sweep, or world")
 
 
 def _check_algorithm(algorithm: str, place: str) -> None:
@@ -329,8 +338,8 @@ def _changed(values: Hyperparameters, name: str, value: Value, place: str) -> Hy
 
 
 def _lesson_record(stored: StoredLesson) -> LessonRecord:
-    """Return what ``stored`` says. Raises UserError, in one line, where the lesson's text has a fault, or its
-    parts do not fit together.
+    """Convert progress in a lesson. Raises UserError, in one line, if the text of the lesson has errors,
+    or parts do not fit together.
     """
     lesson = _lesson(stored)
     pages = {page.id: page for page in lesson.pages}
@@ -363,12 +372,13 @@ def _lesson(stored: StoredLesson) -> Lesson:
 
 
 def _without_path(fault: UserError, source: Path) -> str:
-    """Return the first line of a fault of the lesson's text; that does not come from the file it names."""
+    """Return the first line of an error in the lesson's text, without the path, because the text does not
+    come from that file.
+    """
     return str(fault).splitlines()[0].removeprefix(f"{source}: ")
 
 
 def _check_pages(place: str, named: Iterable[str], known: Iterable[str]) -> None:
-    """Refuse pages that are not ``known``. Raises UserError."""
     known = list(known)
     for each in named:
         if each not in known:
@@ -384,7 +394,7 @@ def _given(stored: StoredGiven, lesson: Lesson, place: str) -> Given:
 
 
 def _passed(stored: StoredPassed, known: dict[StoredScenario, Scenario], place: str) -> Passed:
-    """Return the evidence; each scenario is read once, and is then ``known``."""
+    """Convert the evidence of a task. `known` caches scenarios."""
     scenario = known.get(stored.scenario)
     if scenario is None:
         scenario = known[stored.scenario] = _scenario(stored.scenario)

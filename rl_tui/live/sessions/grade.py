@@ -1,6 +1,5 @@
-"""Grading of sessions by a lesson: which of its tasks their runs pass.
-
-The runs are replayed. Nothing that a session claims counts without its run.
+"""Grading of sessions: which tasks of a lesson their runs pass. The runs are replayed, and claims without
+a run do not count.
 """
 
 from __future__ import annotations
@@ -44,12 +43,12 @@ if TYPE_CHECKING:
 
 
 _MOST_ENTRIES: Final = 1_000_000
-"""Changes that are gone through, of all runs; what is locked with later ones stays unknown."""
+"""Most changes examined over all runs; predictions locked by later ones remain unknown."""
 
 
 class PredictionScore(NamedTuple):
-    """Of the ``made`` ones, how many were ``right``, and how many are ``locked``: given at a step to which a
-    run in the session came, or which its setup begins with, all that was changed before included.
+    """Number of predictions `made`, `right`, and `locked`. A locked one was given at a step that a run in
+    the session reached with the same changes, or at which its setup begins.
     """
 
     right: int = 0
@@ -61,7 +60,7 @@ NO_PREDICTIONS: Final = PredictionScore()
 
 
 class _Known(NamedTuple):
-    """A run of the session, which came to ``end``."""
+    """A run of the session up to the step `end`."""
 
     recipe: Recipe
     journal: Sequence[JournalEntry]
@@ -69,10 +68,15 @@ class _Known(NamedTuple):
 
 
 def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> PredictionScore:
-    """Return the predictions of ``taken``, of which ``record`` has the runs.
+    """Score the predictions of `taken`. The first answer on each page counts.
 
-    What is right is what ``lesson`` says. Of each page the first answer counts. Raises UserError where a
-    setup cannot be played.
+    Args:
+        taken: Progress in the lesson.
+        lesson: Lesson that says which answers are right.
+        record: Runs of the session.
+
+    Raises:
+        UserError: A setup cannot be played.
     """
     asked = {page.id: page.prediction for page in lesson.counted_predictions if page.prediction is not None}
     made = [given for page in asked if (given := taken.given_on(page)) is not None]
@@ -90,7 +94,7 @@ def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> Predi
 
 
 def _locked(lesson: Lesson, setup: str, made: Sequence[Given], known: Sequence[_Known]) -> int:
-    """Return how many of ``made``, all of one setup, were given where one of its runs has been."""
+    """Count the predictions of one setup that were given at a moment of one of its runs."""
     begins = recipe_of(lesson, setup)
     names = begin(begins).world.space.action_names
     steps = sorted({given.step for given in made if given.step >= 0})
@@ -104,13 +108,12 @@ def _locked(lesson: Lesson, setup: str, made: Sequence[Given], known: Sequence[_
 
 
 def _is_possible(run: _Known, names: Sequence[str]) -> bool:
-    """Return whether every action that a person took is there at all."""
     taken = (entry.change.action for entry in run.journal if isinstance(entry.change, TakeAction))
     return all(action in names if isinstance(action, str) else action < len(names) for action in taken)
 
 
 def _digests(run: _Known, steps: Sequence[int], names: Sequence[str]) -> Iterator[tuple[int, str]]:
-    """Yield the digests of ``run`` at those of ``steps``, ascending, to which it came."""
+    """Yield the digests of `run` at those of the ascending `steps` that it reached."""
     digest, place = RunDigest(run.recipe), 0
     for step in steps:
         if step > run.end:
@@ -126,18 +129,18 @@ def _digests(run: _Known, steps: Sequence[int], names: Sequence[str]) -> Iterato
 
 PROVES: Final = "A session proves the run, not who made it."
 _MOST_STEPS_IN_ALL: Final = 100_000_000
-"""Steps of evidence and of branches together: what goes further is not replayed."""
+"""Most steps replayed for evidence and branches together."""
 _MOST_MOMENTS: Final = 1_000
-"""Steps taken by hand of a branch after which its run is looked at, and twice as many in all."""
+"""Most actions of the user in a branch after which its run is checked, and half of the most in all."""
 _MOST_PANELS: Final = 30
-"""Settings of a session that are worked out under many seeds: each takes as long as some hundred runs."""
+"""Most settings of a session that are tried under many seeds. Each takes about a hundred runs."""
 _MOST_REMARKS: Final = 10
 _MOST_SESSIONS: Final = 1_000
 
 
 @dataclass(frozen=True, slots=True)
 class GradedTask:
-    """A task: its page's id and title, whether it is ``passed``, and how its conditions came out."""
+    """The result of a task, with the id and title of its page."""
 
     id: str
     title: str
@@ -147,26 +150,27 @@ class GradedTask:
 
 @dataclass(frozen=True, slots=True)
 class GradedSession:
-    """A session by a lesson. ``remarks`` are sentences on what was left aside."""
+    """The result of a session. `remarks` are sentences about what was ignored."""
 
     path: Path
     tasks: tuple[GradedTask, ...] = ()
     predictions: PredictionScore = NO_PREDICTIONS
     remarks: tuple[str, ...] = ()
     fault: str = ""
-    """Why there is nothing to grade; mostly empty."""
+    """Reason why nothing can be graded, usually empty."""
 
     @property
     def passed(self) -> bool:
-        """Whether all tasks are."""
+        """True if all tasks are passed."""
         return not self.fault and all(task.passed for task in self.tasks)
 
 
 class LessonGrading:
-    """Grades sessions by the lesson of this ``name``, an id or a file, one after the other.
+    """Grades sessions by the lesson `name`, an id or a file. With `runs_programs`, programs in the
+    sessions are run and watched, without a sandbox. Otherwise their tasks are not judged.
 
-    With ``runs_programs`` a program that a session holds is watched, which is no sandbox; else its task is
-    not judged. Raises UserError where there is no such lesson, or it sets no task.
+    Raises:
+        UserError: There is no such lesson, or it has no task.
     """
 
     def __init__(self, name: str, *, runs_programs: bool = False) -> None:
@@ -175,11 +179,13 @@ class LessonGrading:
         self._lessons = dict[str, Lesson]()
         self._panels = PanelsAtOnce()
         self.lesson = self._variant("")
-        """The lesson; its first variant where it has some."""
+        """The lesson, in its first variant if it has several."""
 
     def grade(self, path: Path) -> GradedSession:
-        """Return which tasks the runs in a session do. Raises SessionError where the file holds none that
-        can be played.
+        """Grade the session in the file `path`.
+
+        Raises:
+            SessionError: The file is not a playable session.
         """
         record = read_session(path).record()
         remarks = list[str]()
@@ -195,7 +201,7 @@ class LessonGrading:
             remarks.append(f"It is graded as variant {lesson.variant}.")
         tasks = [judged_task(lesson, page.id) for page in lesson.tasks]
         panels, steps = _FewPanels(self._panels), _MOST_STEPS_IN_ALL
-        views = {task.page: _not_done(task, "nothing of it is in the session") for task in tasks}
+        views = {task.page: _not_done(task, "not in the session") for task in tasks}
         for task in tasks:
             evidence = _evidence(taken, task.page)
             if evidence is not None:
@@ -229,9 +235,10 @@ class LessonGrading:
 
 
 def sessions_to_grade(target: Path) -> list[Path]:
-    """Return the file ``target``, or the session files of that folder by their names.
+    """Return the file `target`, or the session files in that folder by name.
 
-    Raises UserError where a folder has none, or more than 1,000.
+    Raises:
+        UserError: The folder has none, or more than 1,000.
     """
     if not target.is_dir():
         return [target]
@@ -246,7 +253,7 @@ def sessions_to_grade(target: Path) -> list[Path]:
 
 
 def grade_report(lesson: Lesson, graded: GradedSession) -> dict[str, Any]:
-    """Return what ``graded`` came to, as JSON."""
+    """Convert a result to JSON data."""
     report: dict[str, Any] = {
         "lesson": lesson.id,
         "passed": graded.passed,
@@ -265,7 +272,7 @@ def grade_report(lesson: Lesson, graded: GradedSession) -> dict[str, Any]:
 
 
 def _check(lesson: Lesson) -> None:
-    """Refuse a lesson by which nothing can be graded. Raises UserError."""
+    """Raise UserError if the lesson has no task."""
     if not lesson.tasks:
         raise UserError(f"the lesson {lesson.id} sets no task, so nothing can be graded by it")
 
@@ -275,7 +282,7 @@ def _evidence(taken: LessonRecord | None, page: str) -> Passed | None:
 
 
 def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels, most_steps: int) -> TaskView:
-    """Return how the task stands when what ``evidence`` says was done is done again, if in so many steps."""
+    """Judge the task by a replay of `evidence`, if it is short enough."""
     if evidence.claim:
         return judged_claim(task, Run(task.setup, evaluate=False), panels)
     reason = elsewhere(task.setup, evidence.recipe)
@@ -294,7 +301,7 @@ def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels, most_st
 
 
 class _FewPanels:
-    """The ``panels`` of one session: of very many settings, those that come first."""
+    """The `panels` of one session, limited to the first settings."""
 
     waits = ""
 
@@ -304,7 +311,7 @@ class _FewPanels:
         self._left_out = False
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
-        """Return the verdict on each of ``conditions`` for runs of ``recipe``."""
+        """Return the verdict on each of `conditions` for runs of `recipe`."""
         if not any(same_panel(*asked, recipe, conditions) for asked in self._asked):
             if len(self._asked) >= _MOST_PANELS:
                 self._left_out = True
@@ -314,13 +321,13 @@ class _FewPanels:
 
     @property
     def remarks(self) -> list[str]:
-        """What is to be said of those that were left out."""
+        """Remark about settings that were left out."""
         said = f"Only the first {_MOST_PANELS} settings were tried under many seeds: there are more."
         return [said] if self._left_out else []
 
 
 class _Search:
-    """Looks in runs for moments at which tasks hold; ``views`` are the best until now, by page."""
+    """Searches runs for moments at which tasks are passed. `views` has the best result for each page."""
 
     def __init__(self, views: dict[str, TaskView], panels: Panels) -> None:
         self._views = views
@@ -330,7 +337,7 @@ class _Search:
         self.remarks = list[str]()
 
     def look_at(self, tasks: Sequence[JudgedTask], recipe: Recipe, branch: Branch) -> None:
-        """Look for those of ``tasks`` that are not passed yet, wherever ``branch`` may have come to one."""
+        """Search `branch` for a moment that passes an open task in `tasks`."""
         wanted = [
             task
             for task in tasks
@@ -369,8 +376,8 @@ class _Search:
 
 
 def _moments(branch: Branch) -> Iterator[int]:
-    """Yield the steps at which the run of ``branch`` may have come to something: its end, where it stands,
-    and after the first 1,000 steps taken by hand.
+    """Yield the steps at which a branch is checked: its end, its current step, and after the first 1,000
+    actions of the user.
     """
     by_hand = [
         entry.step + 1
@@ -385,7 +392,7 @@ def _not_done(task: JudgedTask, reason: str) -> TaskView:
 
 
 def _better(view: TaskView, best: TaskView) -> TaskView:
-    """Return the one that is passed, or of which more conditions hold; else the first."""
+    """Return the passed result, or the one with more conditions met, else the first."""
 
     def rank(each: TaskView) -> tuple[bool, int]:
         return each.passed is not None, sum(condition.holds is True for condition in each.conditions)

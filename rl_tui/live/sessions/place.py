@@ -1,4 +1,4 @@
-"""Where sessions are kept."""
+"""The folder of sessions."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ VARIABLE: Final = "RL_TUI_SESSIONS_DIR"
 
 
 def session_folder() -> Path:
-    """Return the folder of sessions; it need not exist, nor be one that can be made."""
+    """Return the folder of sessions. It may not exist, and creating it may be impossible."""
     chosen = os.environ.get(VARIABLE)
     if chosen:
         return Path(chosen)
     try:
         return platformdirs.user_state_path("rl-tui", appauthor=False) / "sessions"
-    except RuntimeError:  # nobody knows a home: where it would be is told when nothing can be kept there
+    except RuntimeError:  # without a home folder, this path appears in the message that nothing can be saved
         return Path("~/.local/state/rl-tui/sessions")
 
 
 def settled(folder: Path) -> Path:
-    """Return ``folder`` as a path that stays the same wherever the program goes, where there is one."""
-    with suppress(OSError):  # the folder that the program was started in may be gone
+    """Return `folder` as an absolute path, which does not depend on the current folder."""
+    with suppress(OSError):  # the current folder may have been deleted
         return folder if is_homeless(folder) else folder.resolve()
     return folder
 
 
 def is_homeless(folder: Path) -> bool:
-    """Tell whether ``folder`` would be in the home of somebody who has none."""
+    """Return True if `folder` needs a home folder that does not exist."""
     return folder.parts[:1] == ("~",)

@@ -22,10 +22,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LessonProgress:
-    """How far a lesson has come, in the ``session`` of it that was saved last.
-
-    ``page`` is the id of the open page. ``finished`` says whether it was ever, in any session: read to its
-    end, and every task passed.
+    """Progress in a lesson in the `session` saved last. `page` is the id of the open page. `finished` is
+    True if any session reached the end with every task passed.
     """
 
     session: StoredSession
@@ -38,7 +36,7 @@ class LessonProgress:
 
 
 class StoredProgress:
-    """What the sessions in ``folder`` tell of lessons, read once; None: no sessions are kept."""
+    """Progress in the sessions of `folder`, read once, or None if sessions are not saved."""
 
     def __init__(self, folder: Path | None) -> None:
         self._sessions = dict[tuple[str, str], list[StoredSession]]()
@@ -48,7 +46,7 @@ class StoredProgress:
                 self._sessions.setdefault((stored.id, stored.source), []).append(session)
 
     def of(self, lesson: Lesson, variant: str = "") -> LessonProgress | None:
-        """Return how far ``lesson`` has come, in that ``variant`` or in any; None where it is not begun."""
+        """Return the progress in `lesson`, in one `variant` or any, or None if not begun."""
         sessions = [
             session
             for session in self._sessions.get((lesson.id, stored_source(lesson)), [])
@@ -58,7 +56,7 @@ class StoredProgress:
         if stored is None:
             return None
         first_answers = {given.page: given for given in reversed(stored.given)}
-        # the open page may not have shown the truth yet
+        # the open page may not have revealed the answer yet
         told = [page.id for page in lesson.counted_predictions if stored.finished or page.id != stored.page]
         made = [first_answers[page] for page in told if page in first_answers]
         pages = {page.id for page in lesson.pages}
@@ -85,42 +83,41 @@ def _passed(lesson: Lesson, stored: StoredLesson) -> int:
 
 @dataclass(frozen=True, slots=True)
 class LessonEntry:
-    """A shipped ``lesson`` and how far it has come, None where it is not begun."""
+    """A shipped lesson with its progress, or None if not begun."""
 
     lesson: Lesson
     progress: LessonProgress | None = None
 
     @property
     def is_finished(self) -> bool:
-        """Whether it was ever taken to its end, every task of it passed."""
+        """True if the lesson was once finished with every task passed."""
         return self.progress is not None and self.progress.finished
 
     @property
     def is_at_end(self) -> bool:
-        """Whether it was read to its end in its newest session: then it is a reference."""
+        """True if the newest session has reached the end, so that the lesson is a reference."""
         stored = None if self.progress is None else self.progress.session.document.lesson
         return stored is not None and stored.finished
 
 
 @dataclass(frozen=True, slots=True)
 class LessonStart:
-    """A lesson whose open page is to begin its run; ``session`` is where it is kept, None for a new one."""
+    """A lesson whose open page begins its run. `session` is None for a new session."""
 
     record: LessonRecord
     session: StoredSession | None = None
 
 
 class LessonEntries(NamedTuple):
-    """The lessons in their order, and what is wrong with files that give none."""
+    """The lessons in order, and the errors of other files."""
 
     entries: list[LessonEntry]
     broken: list[ScenarioError]
 
     @property
     def goes_on_at(self) -> str:
-        """The id of the lesson in progress that was saved last, else of the first not read to its end.
-
-        Empty where all are.
+        """Id of the lesson in progress that was saved last, else of the first unfinished one, or "" if all
+        are finished.
         """
         under_way = [(each.progress.session, each) for each in self.entries if each.progress]
         begun = [(session.saved, session.written, each) for session, each in under_way if not each.is_at_end]
@@ -130,21 +127,23 @@ class LessonEntries(NamedTuple):
 
     @property
     def finished(self) -> int:
-        """How many lessons are finished."""
+        """Number of finished lessons."""
         return sum(entry.is_finished for entry in self.entries)
 
 
 def lesson_entries(sessions: Path | None) -> LessonEntries:
-    """Return every shipped lesson; ``sessions`` is the folder of sessions, None where none are kept."""
+    """Return all shipped lessons. `sessions` is the folder of sessions, or None."""
     found, progress = read_lessons(), StoredProgress(sessions)
     entries = [LessonEntry(lesson, progress.of(lesson)) for lesson in found.lessons]
     return LessonEntries(entries, found.broken)
 
 
 def start_of(lesson: Lesson, progress: LessonProgress | None) -> LessonStart | StoredSession:
-    """Return what a lesson goes on with: its newest session; one at its end, its first page as a reference.
+    """Return the session with which a lesson continues, or its first page as a reference after the end.
+    This may import Gymnasium.
 
-    Raises UserError where that session cannot be used here. It may import Gymnasium.
+    Raises:
+        UserError: The session cannot be used here.
     """
     if progress is None:
         return LessonStart(begun(lesson))

@@ -1,4 +1,4 @@
-"""A session without a screen: its run again, from step 0 to where it was left."""
+"""Replay of a session without a screen, from step 0 to its position."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rl_tui.runs.training.seeded_runs import Goal, OnProgress, no_progress, trai
 
 @dataclass(frozen=True, slots=True)
 class ReplayTarget:
-    """One branch of one lane, counted from 0; ``left`` says that this is where the screen was left."""
+    """A branch of a run (number from 0). `left` is True if the session was left there."""
 
     lane: RunRecord
     number: int
@@ -29,9 +29,15 @@ class ReplayTarget:
 
 
 def replay_target(record: Record, lane: int | None = None, branch: str | None = None) -> ReplayTarget:
-    """Return the lane of that number, from 1, and the branch of that name; those in force where not given.
+    """Choose the run and branch to replay.
 
-    Raises UserError, saying which there are.
+    Args:
+        record: Record of the session.
+        lane: Number of the run, from 1, or None for the visible one.
+        branch: Name of the branch, or None for the current one.
+
+    Raises:
+        UserError: There is no such run or branch. The message lists them.
     """
     number = record.shown if lane is None else lane - 1
     if not 0 <= number < len(record.lanes):
@@ -51,9 +57,10 @@ def replay_target(record: Record, lane: int | None = None, branch: str | None = 
 def replayed(
     target: ReplayTarget, on_progress: OnProgress = no_progress, on_episodes: OnEpisodes | None = None
 ) -> tuple[Run, float]:
-    """Return the run at ``target`` and the seconds it took, compiling left out.
+    """Replay `target` and return the run and its duration in seconds, without compilation.
 
-    Raises UserError where it does not come so far.
+    Raises:
+        UserError: The run ends earlier.
     """
     recipe, branch = target.lane.recipe, target.branch
     beginning = begin(recipe)
@@ -66,15 +73,14 @@ def replayed(
 
 
 def comes_out_otherwise(session: StoredSession, target: ReplayTarget, run: Run) -> bool:
-    """Tell whether Q is another one than when ``session`` was saved, where that is known."""
+    """Return True if Q differs from the saved digest, or False if that is unknown."""
     digest = session.document.digest
     return target.left and digest != "" and digest_of(run.learner.q) != digest
 
 
 def replay_figures(session: StoredSession, target: ReplayTarget, run: Run, seconds: float) -> dict[str, Any]:
-    """Return what the run came to, as JSON: what training tells, and where in the session it stands.
-
-    Lanes count from 1.
+    """Return the results as JSON data: those of training, with the place in the session. Runs count from
+    1.
     """
     return {
         "session": str(session.path),

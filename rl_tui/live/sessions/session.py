@@ -1,6 +1,5 @@
-"""Session files: one JSON file for each session.
-
-The document model is imported only to read or write one, so the start screen does not wait for it.
+"""Session files: one JSON file for each session. The document model is imported only to read or write one,
+so the start screen does not wait for it.
 """
 
 from __future__ import annotations
@@ -38,15 +37,15 @@ if TYPE_CHECKING:
 SUFFIX: Final = ".json"
 MOST_PAIRS_DIGESTED: Final = 100_000
 OTHER_BITS: Final = (
-    "Q does not come out as it was saved: the program, NumPy or Numba is another version now, and so the run "
-    "is another one"
+    "Q does not come out as it was saved: the version of the program, NumPy or Numba changed, and the run "
+    "with it"
 )
 _CHECKSUM: Final = "checksum"
 _LONGEST_FAULT: Final = 300
 
 
 class SessionError(UserError):
-    """A file that gives no session: its ``path``, and the ``fault``: what is wrong with it, what to do."""
+    """A file that is not a valid session: its `path`, and the `fault` with a remedy."""
 
     def __init__(self, path: Path, fault: str) -> None:
         super().__init__(f"{one_line(str(path), 1000)}: {one_line(fault, _LONGEST_FAULT)}")
@@ -56,7 +55,7 @@ class SessionError(UserError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StoredSession:
-    """A sound session file as it was when it was read. ``written`` tells that file from a later one."""
+    """A valid session file at the time of reading. `written` distinguishes it from a later version."""
 
     path: Path
     document: Document
@@ -64,27 +63,26 @@ class StoredSession:
 
     @property
     def title(self) -> str:
-        """The name it was given; without one, the title of its lesson or scenario."""
+        """Name given by the user, or title of the lesson or scenario."""
         document = self.document
         lesson = "" if document.lesson is None else document.lesson.title
         return document.title or lesson or document.scenario.title or document.scenario.id
 
     @property
     def saved(self) -> datetime:
-        """When it was last saved, in UTC."""
+        """Time of the last save, in UTC."""
         return datetime.fromisoformat(self.document.saved).astimezone(UTC)
 
     @property
     def step(self) -> int:
-        """The step at which the lane shown stands."""
+        """Current step of the visible run."""
         lane = self.document.lanes[self.document.shown]
         return lane.branches[lane.branch].here
 
     @property
     def is_blank(self) -> bool:
-        """Whether there is nothing to go on with: no step was taken, nothing drawn, and it has no name.
-
-        Of a lesson a session is begun only once something was done.
+        """True if there is nothing to resume: no step, no drawing, no name. Sessions of lessons are never
+        blank.
         """
         document = self.document
         branches = [branch for lane in document.lanes for branch in lane.branches]
@@ -94,22 +92,24 @@ class StoredSession:
 
     @property
     def stays(self) -> bool:
-        """Whether it is never pruned: a person saved it, or it is that of a lesson."""
+        """True if it is never pruned: saved by the user, or part of a lesson."""
         return self.document.kept or self.document.lesson is not None
 
     @property
     def algorithm(self) -> str:
-        """The id of the algorithm at work there."""
+        """Id of the current algorithm."""
         return self.document.lanes[self.document.shown].algorithm_in_force
 
     @property
     def changes(self) -> int:
-        """How many changes were made in all lanes and branches."""
+        """Number of changes in all runs and branches."""
         return self.document.changes
 
     @lru_cache(maxsize=1)  # noqa: B019  # one is opened at a time: checked first, then put on the screen
     def record(self) -> Record:
-        """Return what to resume. Raises SessionError where its scenario or a change cannot be used here."""
+        """Return the record to resume. Raises SessionError if its scenario or a change cannot be used
+        here.
+        """
         from rl_tui.live.sessions.encoding import record_of
 
         try:
@@ -119,7 +119,11 @@ class StoredSession:
 
 
 def read_session(path: Path) -> StoredSession:
-    """Return the session in the file ``path``; raises SessionError where it holds none, in a kiosk always."""
+    """Read the session in the file `path`.
+
+    Raises:
+        SessionError: The file is not a valid session, or this is a kiosk.
+    """
     if in_kiosk():
         raise SessionError(path, "kiosk mode opens no files: only the shipped scenarios")
     try:
@@ -130,11 +134,16 @@ def read_session(path: Path) -> StoredSession:
 
 
 def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str = "") -> bytes:
-    """Return the content of a session file.
+    """Encode `record` as the content of a session file.
 
-    A ``kept`` session was saved by a person under its ``title``; others are pruned when they are many.
-    ``digest`` is that of Q where the lane shown stands, empty where it is not known. Raises UserError where
-    the session is too large, or of a scenario whose file is not known.
+    Args:
+        record: Record to save.
+        title: Name given by the user, or "".
+        kept: True if the user saved it. Other sessions are pruned when there are many.
+        digest: Digest of Q at the position of the visible run, or "".
+
+    Raises:
+        UserError: The session is too large, or the file of its scenario is unknown.
     """
     from rl_tui.live.sessions.encoding import document_of
 
@@ -149,7 +158,7 @@ def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str 
 
 
 def digest_of(q: FloatArray) -> str:
-    """Return what tells ``q``, [P], from any other table to the last bit; empty above 100,000 pairs."""
+    """Return a digest of all bits of `q`, `[P]`, or "" above 100,000 pairs."""
     if len(q) > MOST_PAIRS_DIGESTED:
         return ""
     import numpy as np  # the catalogue lists sessions before it is needed
@@ -174,25 +183,24 @@ def _document(path: Path, content: bytes) -> Document:
     try:
         document = Document.model_validate(fields)
         if not 1970 <= datetime.fromisoformat(document.saved).year < 9000:
-            raise ValueError(f"{document.saved} is no time at which anything was saved")
+            raise ValueError(f"{document.saved}: expected a time from 1970 to 8999")
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = place(first["loc"]) or "the document"
-        raise SessionError(path, f"is no sound session: {where}: {_reason(first)}") from error
+        raise SessionError(path, f"is not a valid session: {where}: {_reason(first)}") from error
     except ValueError as error:
-        raise SessionError(path, f"is no sound session: saved: {error}") from error
+        raise SessionError(path, f"is not a valid session: saved: {error}") from error
     return document
 
 
 def _reason(error: ErrorDetails) -> str:
-    """Return why a value is refused, as part of a sentence."""
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
     return error["msg"].lower()
 
 
 def _fields(path: Path, content: bytes, mark: str) -> dict[str, Any]:
-    """Return the object in ``content``; otherwise tell by its ``mark`` half a session from another file."""
+    """Parse the object in `content`; `mark` distinguishes a truncated session from another file."""
     if not content:
         raise SessionError(path, "is empty; nothing can be resumed from it")
     try:
@@ -202,7 +210,7 @@ def _fields(path: Path, content: bytes, mark: str) -> dict[str, Any]:
             raise SessionError(
                 path, "is cut off or damaged, and cannot be resumed; go back to a copy of it"
             ) from error
-        raise SessionError(path, "is not JSON, so it is no session of rl-tui") from error
+        raise SessionError(path, "is not JSON, so it is not a session of rl-tui") from error
     if not isinstance(fields, dict):
         raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")
     return fields
@@ -213,7 +221,7 @@ def _refuse_constant(name: str) -> NoReturn:
 
 
 def checksum_of(fields: dict[str, Any]) -> str:
-    """Return the SHA-256 of ``fields`` in one form of all those that mean the same."""
+    """Return the SHA-256 of `fields` in a canonical form."""
     text = json.dumps(fields, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -222,46 +230,42 @@ def checksum_of(fields: dict[str, Any]) -> str:
 
 
 MOST_UNNAMED: Final = 50
-_LONGEST_STEM: Final = 200  # bytes: file systems take 255, of which a lock needs some
+_LONGEST_STEM: Final = 200  # bytes; file systems allow 255, some of which a lock needs
 
 
 def files_in(folder: Path) -> list[Path]:
-    """Return the files in ``folder`` that should be sessions."""
+    """Return the files in `folder` that may be sessions."""
     try:
-        # hidden ones are the locks and drafts of others
+        # hidden files are locks and drafts
         return sorted(path for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith("."))
-    except OSError:  # a folder that may not be read holds nothing
+    except OSError:  # an unreadable folder counts as empty
         return []
 
 
 def sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
-    """Return the sessions in ``folder``, the last one saved first, and what is wrong with other files.
-
-    Those in which nothing was done are left out.
+    """Return the sessions in `folder`, the last one saved first, and the errors of other files. Blank
+    sessions are left out.
     """
     sound, broken = all_sessions_in(folder)
     return [session for session in sound if not session.is_blank], broken
 
 
 def all_sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
-    """Return what :func:`sessions_in` does, and those in which nothing was done too."""
+    """Return the same as `sessions_in`, with blank sessions."""
     sound, broken = [], []
     for path in files_in(folder):
         try:
             sound.append(read_session(path))
         except SessionError as error:
             broken.append(error)
-    # of those saved in one second the order on the disk decides
+    # the file system decides the order within a second
     sound.sort(key=lambda session: (session.saved, session.written[1]), reverse=True)
     return sound, broken
 
 
 def prune(folder: Path) -> None:
-    """Remove all but the newest 50 sessions that nobody gave a name, and what was left half done.
-
-    Those in which nothing was done go too; those open somewhere stay, and those of lessons: of what was
-    learned nothing is thrown away. What cannot be removed stays as well:
-    that is no reason to keep nothing new.
+    """Remove unnamed sessions except the newest 50, blank sessions, and old drafts. Open sessions and
+    those of lessons stay. A failed removal is ignored: it must not prevent saving.
     """
     unnamed = [session for session in all_sessions_in(folder)[0] if not session.stays]
     worth_keeping = [session for session in unnamed if not session.is_blank][:MOST_UNNAMED]
@@ -269,7 +273,7 @@ def prune(folder: Path) -> None:
         if session not in worth_keeping:
             lock = FileLock(session.path)
             with suppress(OSError):
-                # it may have been gone on with, or named, since it was read
+                # it may have been resumed or named meanwhile
                 if lock.acquire() and signature(session.path.stat()) == session.written:
                     remove_with_draft(session.path)
             lock.release()
@@ -277,7 +281,7 @@ def prune(folder: Path) -> None:
 
 
 def remove(session: StoredSession) -> None:
-    """Remove the file of ``session``. Raises UserError where it is open somewhere or cannot be removed."""
+    """Remove the file of `session`. Raises UserError if it is open elsewhere or cannot be removed."""
     lock = FileLock(session.path)
     try:
         if not lock.acquire():
@@ -290,16 +294,15 @@ def remove(session: StoredSession) -> None:
 
 
 def new_path(folder: Path, subject: str) -> Path:
-    """Return a path in ``folder`` for a new file, named after its subject and the moment.
-
-    No file has it, unless a thousand names like it are in use.
+    """Return a path for a new file, named after subject and time. It is free, unless a thousand similar
+    names are used.
     """
     moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     return folder / free_name(f"{file_stem(subject)}-{moment}", SUFFIX, folder)
 
 
 def named_path(folder: Path, name: str) -> Path:
-    """Return the path of the session called ``name``. Raises UserError where that cannot be a name."""
+    """Return the path of the session called `name`. Raises UserError if that is not a valid name."""
     from rl_tui.live.sessions.document import LONGEST_NAME
 
     if not name.strip():
@@ -310,6 +313,6 @@ def named_path(folder: Path, name: str) -> Path:
 
 
 def file_stem(name: str) -> str:
-    """Return ``name`` with nothing but letters, digits and dashes: harmless in every file system."""
+    """Return `name` with letters, digits and dashes only, for any file system."""
     words = re.sub(r"[\W_]+", "-", name.lower()).strip("-")
     return words.encode()[:_LONGEST_STEM].decode(errors="ignore") or "session"

@@ -22,11 +22,11 @@ PRIVATE: Final = 0o700
 
 
 class ChangedElsewhereError(Exception):
-    """Somebody else has written the file since it was last read or written here."""
+    """Another program has written the file since it was last read or written here."""
 
 
 class HeldFile:
-    """A file under lock. Made by :func:`hold` and :func:`hold_new`; ``release`` lets it go."""
+    """A locked file, made by `hold` or `hold_new`; `release` unlocks it."""
 
     def __init__(self, path: Path, lock: FileLock, written: tuple[int, ...]) -> None:
         self.path = path
@@ -34,10 +34,12 @@ class HeldFile:
         self._written = written
 
     def write(self, content: bytes) -> None:
-        """Replace what is in the file, all at once.
+        """Replace the content atomically. A deleted file is created again.
 
-        Raises OSError where it cannot be written, ChangedElsewhereError where somebody did so who heeds no
-        lock, or has it since the folder was removed. What was removed is there again.
+        Raises:
+            OSError: The file cannot be written.
+            ChangedElsewhereError: A program that ignores the lock has written it, or the folder was
+                deleted and another program has it since.
         """
         _make_folder(self.path.parent)
         if not self._lock.keep():
@@ -48,20 +50,18 @@ class HeldFile:
         self._written = signature(self.path.stat())
 
     def remove(self) -> None:
-        """Remove the file, and let it go. Raises OSError."""
+        """Remove the file and release it. Raises OSError."""
         remove_with_draft(self.path)
         self.release()
 
     def release(self) -> None:
-        """Let the file go."""
+        """Unlock the file."""
         self._lock.release()
 
 
 def hold(session: StoredSession) -> HeldFile | None:
-    """Return the file of ``session`` to go on with.
-
-    None where another program has it open, or has written it since it was read, or where it cannot be
-    written.
+    """Lock the file of `session` to continue it. None if it is open elsewhere, was changed since it was
+    read, or is read-only.
     """
     path = session.path.resolve()
     lock = FileLock(path)
@@ -77,9 +77,11 @@ def hold(session: StoredSession) -> HeldFile | None:
 
 
 def hold_new(path: Path) -> HeldFile:
-    """Return a file to begin, in a folder that is made where it is missing.
+    """Lock a new file, creating its folder if needed.
 
-    Raises FileExistsError where there is such a file, or somebody is about to begin it, and OSError.
+    Raises:
+        FileExistsError: The file exists, or another program is about to create it.
+        OSError: The folder or the lock cannot be created.
     """
     _make_folder(path.parent)
     lock = FileLock(path)
@@ -90,7 +92,7 @@ def hold_new(path: Path) -> HeldFile:
 
 
 def _make_folder(folder: Path) -> None:
-    """Make ``folder`` where it is missing. Raises OSError, never FileExistsError: that tells of a file."""
+    """Create `folder` if needed. Raises OSError, but never FileExistsError, which refers to a file."""
     if is_homeless(folder):
         raise OSError(errno.ENOENT, f"there is no home folder; set HOME or {VARIABLE}")
     try:
@@ -109,18 +111,20 @@ LESSON: Final = "lesson"
 
 
 class SessionWriter:
-    """Writes one session; a file of its own in ``folder`` is begun with the first record.
+    """Writes one session. Its file is created with the first record. Files stay locked until `release`.
+    Use it from one thread at a time.
 
-    ``resumed`` is the session to go on with: in its file, unless another program has that open or it cannot
-    be written; then in a copy. Files stay locked until :meth:`release`. ``tell`` gets what a person should
-    know. One thread at a time.
+    Args:
+        folder: Folder of new files.
+        resumed: Session to continue in its file, in a copy if that is open elsewhere or read-only.
+        tell: Receives messages for the user.
     """
 
     def __init__(self, folder: Path, resumed: StoredSession | None, tell: Callable[[str], None]) -> None:
         self.title = ""
-        """The name that a person gave to it, empty without one."""
+        """Name given by the user, or ""."""
         self.kept = False
-        """Whether a person saved it: then it is never pruned."""
+        """True if the user saved it, so that it is never pruned."""
         self._folder = folder
         self._tell = tell
         self._file: HeldFile | None = None
@@ -129,16 +133,18 @@ class SessionWriter:
 
     @property
     def path(self) -> Path | None:
-        """Its file, None while there is none."""
+        """Path of the file, or None."""
         return self._file.path if self._file else None
 
     def write(self, record: Record, digest: str) -> None:
-        """Write ``record``; ``digest`` is that of Q where it stands, or empty. Raises OSError, UserError."""
+        """Write `record`. `digest` is that of its Q, or "". Raises OSError, UserError."""
         if self._file is not None:
             try:
                 self._file.write(self._encoded(record, digest))
             except ChangedElsewhereError:
-                self._tell(f"{self._file.path.name} was changed by somebody else; this goes on in a copy")
+                self._tell(
+                    f"{self._file.path.name} was changed by another program; your work is saved in a copy"
+                )
                 self.become_copy()
             else:
                 return
@@ -147,9 +153,10 @@ class SessionWriter:
         prune(self._folder)
 
     def save_as(self, title: str, record: Record, digest: str) -> Path:
-        """Write ``record`` under ``title``, and go on there; return the file.
+        """Write `record` as `title` and continue there and return the path.
 
-        Raises UserError where another session has that name, or it cannot be written.
+        Raises:
+            UserError: Another session has that name, or the file cannot be written.
         """
         path, old = named_path(self._folder, title), self._file
         content = encoded(record, title=title, kept=True, digest=digest)
@@ -171,14 +178,14 @@ class SessionWriter:
         return path
 
     def become_copy(self) -> None:
-        """Leave the file as it is, and go on in another one."""
+        """Leave the file unchanged, and continue in another one."""
         self.release()
         self._file, self.kept = None, False
         if self.title and not self.title.endswith(_COPY):
             self.title = f"{self.title[: LONGEST_NAME - len(_COPY)]}{_COPY}"
 
     def release(self) -> None:
-        """Let the file go."""
+        """Unlock the file."""
         if self._file is not None:
             self._file.release()
 
@@ -204,7 +211,7 @@ class SessionWriter:
         raise UserError("no name for its file is free")
 
     def _let_go(self, old: HeldFile) -> None:
-        """Leave the file of before: one that nobody named is not needed any more."""
+        """Release the previous file, and remove it if the user did not save it."""
         if self.kept or old.path.parent != self._folder:
             old.release()
         else:
@@ -212,10 +219,10 @@ class SessionWriter:
 
 
 def reason(error: Exception) -> str:
-    """Return why something could not be written, in a few words."""
+    """Return the reason for a failed write in a few words."""
     if isinstance(error, OSError):
         place = f"{error.filename}: " if error.filename else ""
         return f"{place}{error.strerror or error}"
     if isinstance(error, ChangedElsewhereError):
-        return "it was changed by somebody else"
+        return "it was changed by another program"
     return str(error) if isinstance(error, UserError) else f"{type(error).__name__}: {error}"

@@ -1,1 +1,1 @@
-"""What a program does to its table, worked out from its steps: the update, and what is wrong with it."""
+"""The diagnosis of a program from its steps: its update rule, and its bugs."""

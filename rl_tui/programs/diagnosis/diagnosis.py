@@ -56,12 +56,12 @@ _UNUSUAL: Final = (UpdateTarget.SAME_ACTION, UpdateTarget.OWN_STATE, UpdateTarge
 def notes_on(
     evidence: Evidence, update: UpdateFound, dtype: str, numbers: Mapping[str, float]
 ) -> tuple[str, ...]:
-    """Return plain sentences, none where all is told; ``numbers`` are those of the code, by name."""
+    """Return sentences about unknown facts. `numbers` are those in the code, by name."""
     return tuple(_notes(evidence, update, dtype, numbers))
 
 
 def note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
-    """Return a sentence on environments of other sizes than the table has, if steps are taken there."""
+    """Return a sentence about steps in environments with other sizes than the table."""
     if log.table is None or log.recording.initial is None:
         return ()
     cells = len(log.recording.initial)
@@ -74,7 +74,7 @@ def note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
     ids = ", ".join(dict.fromkeys(f"{each.id} ({each.states} × {each.actions})" for each in others))
     name = one_line(log.table.name, _LONGEST)
     return (
-        f"Of the steps in {one_line(ids, _LONGEST)} nothing is told: {name} has no row for them; "
+        f"Steps in {one_line(ids, _LONGEST)} are not analysed: {name} has no row for them; "
         "--table NAME follows another table.",
     )
 
@@ -85,7 +85,7 @@ def _notes(
     if not evidence.changes.step.size:
         rewards = int(np.count_nonzero(evidence.reward))
         came = f", though {rewards:,} rewards came" if rewards else ", and no reward came"
-        yield f"No number of the table has moved yet{came}: nothing can be told of the update."
+        yield f"No number of the table has changed yet{came}: the update is unknown."
         return
     discount = declared_discount(numbers)
     if update.gamma == 0.0 and discount is not None and discount[1] > 0.0:
@@ -95,22 +95,22 @@ def _notes(
     if update.rule is Rule.UNKNOWN:
         yield from _few_of_the_next_state(evidence)
     if update.rule in (Rule.UNKNOWN, Rule.MONTE_CARLO):
-        yield "What is done at the end of an episode cannot be told without a known update."
+        yield "The update is unknown, so the ends of episodes are not checked."
         return
     if update.gamma is None:
-        yield "No step yet tells γ: the values of the next states were 0, or always the same."
+        yield "γ is not known yet: the values of the next states were 0, or always the same."
     elif update.target in _UNUSUAL:
         yield f"The target takes {update.target} for the value of the next state."
     if update.reward == "own":
-        yield "The reward is the program's own: what is done at the end of an episode cannot be told."
+        yield "The program uses its own reward, so the ends of episodes are not checked."
     if update.place is MovedCell.ONE_LATE:
-        yield "Each update comes one step late: it is that of the step before."
+        yield "Each update comes one step late."
     if dtype.startswith("float16"):
         yield "The table holds float16: estimates have three digits."
 
 
 def _without_discount(evidence: Evidence, name: str, gamma: float) -> str:
-    """Return what is to be said where the table moves as with γ 0, but the code holds ``gamma``."""
+    """Return the note for a program that moves its table as with γ = 0, although the code has `gamma`."""
     table = np.nan_to_num(evidence.recording.table_at(evidence.recording.count))
     highest = table.reshape(-1, evidence.actions).max(0)
     text = (
@@ -126,7 +126,7 @@ def _without_discount(evidence: Evidence, name: str, gamma: float) -> str:
 
 
 def _few_of_the_next_state(evidence: Evidence) -> Iterator[str]:
-    """Yield a sentence where less steps than prove it moved the row of the next state, and none their own."""
+    """Yield a note if all changes are in the row of the next state, but too few for a proof."""
     cell = evidence.only_change[0]
     at = np.flatnonzero((cell >= 0) & (evidence.state != evidence.next_state))
     moved = evidence.next_state[at] * evidence.actions + evidence.action[at]
@@ -143,7 +143,7 @@ def _few_of_the_next_state(evidence: Evidence) -> Iterator[str]:
 
 
 _LONGEST_TEXT: Final = 600
-"""Characters of a sentence; names of the program stand in it."""
+"""Longest sentence in characters, since it contains names from the program."""
 _HIDDEN_BY: Final = {
     CodeFault.ROUNDING_TABLE: frozenset(
         {CodeFault.LOSES_UPDATE, CodeFault.FIRST_OF_TIES, CodeFault.NEVER_EXPLORES}
@@ -151,19 +151,26 @@ _HIDDEN_BY: Final = {
     CodeFault.SHARED_TABLE: frozenset({CodeFault.WRONG_CELL, CodeFault.UPDATES_AFTER_MOVING}),
     CodeFault.UPDATES_AFTER_MOVING: frozenset({CodeFault.BOOTSTRAPS_AFTER_END}),
 }
-"""Faults that follow from another, which alone is told."""
+"""Faults that are consequences of another, which is reported alone."""
 
 
 def findings_of(
     evidence: Evidence, update: UpdateFound, log: ProgramLog, *, done_is_either: bool = False
 ) -> tuple[tuple[CodeFinding, ...], tuple[str, ...]]:
-    """Return the findings about the program of ``log`` and the notes on what cannot be told.
+    """Diagnose the program of `log`.
 
-    ``done_is_either`` says that an agent is handed one flag for the end of an episode and its being cut off.
+    Args:
+        evidence: Its steps and changes.
+        update: The update rule found.
+        log: Everything it reported.
+        done_is_either: True if an agent receives one flag for terminal and truncated ends.
+
+    Returns:
+        Findings, and notes about unknown facts.
     """
     if log.table is None or not len(evidence):
         return (), ()
-    with np.errstate(over="ignore", invalid="ignore"):  # of a table whose numbers run away
+    with np.errstate(over="ignore", invalid="ignore"):  # of a table whose numbers diverge
         return _found(evidence, update, log, log.table, done_is_either=done_is_either)
 
 
@@ -184,7 +191,7 @@ def _found(
 
 
 def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
-    """Return what may be told of an agent in which no table was found."""
+    """Return the findings about an agent without a table."""
     if log.agent is None:
         return ()
     code = program_code(log)
@@ -195,7 +202,6 @@ def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
 def _without_a_rule(
     evidence: Evidence, log: ProgramLog, table: FoundTable, code: ProgramCode, names: CodeNames
 ) -> Iterator[Proof | None]:
-    """Yield what may be proven of any program."""
     writes = code.always_writes
     yield proof_of_sharing(evidence, log.shared_at, names)
     yield proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=writes)
@@ -213,7 +219,6 @@ def _by_the_rule(
     *,
     done_is_either: bool,
 ) -> Iterator[Proof | None]:
-    """Yield what may be proven where the update is known."""
     if not predictions.is_known:
         return
     reward, shifted = reward_used(predictions, names)
@@ -257,11 +262,11 @@ def _finding(proof: Proof, code: ProgramCode) -> CodeFinding:
 
 
 def verdict_of(log: ProgramLog) -> ProgramVerdict:
-    """Return the verdict on the program that told ``log``; it claims nothing that steps do not prove."""
+    """Return the verdict on the program of `log`, with no claim that steps do not prove."""
     if log.table is None or log.recording.initial is None:
         return ProgramVerdict(findings=findings_without_table(log))
     is_either = log.agent is not None and log.agent.done_is_either
-    with np.errstate(all="ignore"):  # somebody's table may hold anything
+    with np.errstate(all="ignore"):  # a user's table may contain anything
         evidence = Evidence(log.recording)
         update = update_of(evidence, log.numbers, log.table.dtype)
         findings, notes = findings_of(evidence, update, log, done_is_either=is_either)

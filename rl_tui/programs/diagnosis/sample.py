@@ -1,4 +1,4 @@
-"""The steps on which hypotheses about an update are tried: a bounded choice, the same at every look."""
+"""The steps on which hypotheses about an update are tested: a bounded, reproducible choice."""
 
 from __future__ import annotations
 
@@ -15,25 +15,34 @@ if TYPE_CHECKING:
     from rl_tui.programs.evidence.evidence import Evidence
 
 EXACT: Final = 1e-8
-"""A table of a finer precision than this holds doubles."""
+"""Precision below which a table has doubles."""
 _FIRST: Final = 4_000
 _SURPRISING: Final = 5_000
 _MOVING: Final = 8_000
 _OTHERS: Final = 2_000
 _RUN: Final = 40
-"""Steps are chosen in runs of neighbours: some hypotheses compare those of one episode, or of one cell."""
+"""Length of chosen runs of steps. Some hypotheses compare steps of one episode or cell."""
 _COLUMN_CELLS: Final = 400_000
-"""How many cells are read at most for the maxima of columns."""
+"""Most cells read for the maxima of columns."""
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Steps [n] with one moving cell at most, the one at ``place``, and what its new value may be made of.
+    """n steps with at most one moving cell, at `place`, and the parts of its new value.
 
-    ``at`` are the places of the steps in the evidence; ``old`` and ``new`` what stood in the cell before and
-    after. ``reward`` is the reward of the step that the cell stands for, ``reward_before`` that of the step
-    before, ``ended`` whether it terminated; ``rows`` [n, A] is the row of its next state before the step and
-    ``next_action`` the action taken there (−1 where it ended).
+    Attributes:
+        evidence: All steps.
+        place: The moving cell.
+        at: Indexes of the steps in the evidence, `[n]`.
+        cell: The cell, `[n]`.
+        old: Its value before, `[n]`.
+        new: Its value after, `[n]`.
+        reward: Reward of the step that the cell belongs to, `[n]`.
+        reward_before: Reward of the previous step, `[n]`.
+        ended: True if it terminated, `[n]`.
+        next_state: Its next state, `[n]`.
+        next_action: Action taken there, −1 at an end, `[n]`.
+        rows: Row of the next state before the step, `[n, A]`.
     """
 
     evidence: Evidence
@@ -54,14 +63,14 @@ class Sample:
 
     @cached_property
     def change(self) -> FloatArray:
-        """By how much the cell moved, [n]."""
+        """Change of the cell, `[n]`."""
         return self.new - self.old
 
     @cached_property
     def slack(self) -> FloatArray:
-        """How far a prediction of ``new`` may be off, [n]."""
+        """Tolerance of a prediction of `new`, `[n]`."""
         precision = self.evidence.precision
-        part = 1e-6 if precision < EXACT else 0.05  # what stood and stands may be 0 by cancellation
+        part = 1e-6 if precision < EXACT else 0.05  # old and new may be 0 by cancellation
         largest = np.maximum(np.abs(self.old), np.abs(self.new))
         largest = np.maximum(largest, part * np.maximum(np.abs(self.reward), np.abs(self.best)))
         result: FloatArray = np.maximum(largest, 1e-280) * precision
@@ -69,12 +78,12 @@ class Sample:
 
     @cached_property
     def best(self) -> FloatArray:
-        """The greatest value of the next state, max Q(s′), [n]."""
+        """Greatest value of the next state, max Q(s′), `[n]`."""
         result: FloatArray = self.rows.max(1)
         return result
 
     def value(self, target: UpdateTarget) -> FloatArray:
-        """Return the value of the next state that ``target`` reads, [n]; NaN where it was not looked up."""
+        """Return the value of the next state that `target` reads, `[n]`, NaN if not computed."""
         if target is UpdateTarget.BEST:
             return self.best
         if target is UpdateTarget.NEXT_ACTION:
@@ -99,7 +108,7 @@ class Sample:
         return values
 
     def _column_maxima(self) -> FloatArray:
-        """Return max Q(·, a) for the first steps of those that moved, NaN for all others."""
+        """Return max Q(·, a) for the first moving steps, NaN for others."""
         states = len(self.evidence.initial) // self.evidence.actions
         some = np.flatnonzero(self.change)[: max(50, _COLUMN_CELLS // max(states, 1))]
         columns = (self.cell[some] % self.evidence.actions)[:, None]
@@ -111,11 +120,9 @@ class Sample:
 
 
 def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
-    """Return the steps of ``evidence`` on which an update of the cell at ``place`` is tried.
-
-    Left out are steps of episodes in which nothing moved (an evaluation, or nothing to learn from yet), those
-    cut off by a time limit, those whose episode was given up (nobody knows the next action), and those that
-    moved another cell or several.
+    """Choose the steps on which an update of the cell at `place` is tested. Left out are episodes without
+    a change (an evaluation, or nothing to learn), truncated steps, abandoned episodes (with an unknown
+    next action), and steps that moved other cells.
     """
     moved, before, after = evidence.only_change
     cell = place_of(evidence, place)
@@ -124,7 +131,7 @@ def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
     fit &= evidence.next_state * evidence.actions < len(evidence.initial)
     fit &= (evidence.terminated | evidence.has_next) & ~evidence.truncated
     fit &= evidence.number < evidence.runs_away_at
-    fit[-1:] = False  # what it moved may still be on its way
+    fit[-1:] = False  # its change may not have arrived
     at = _chosen(evidence, np.flatnonzero(fit), moved >= 0)
     still = moved[at] < 0
     stood = evidence.history.before(cell[at], evidence.number[at])
@@ -146,7 +153,7 @@ def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
 
 
 def place_of(evidence: Evidence, place: MovedCell) -> IntArray:
-    """Return the cell that is at ``place`` of each step, [N]; −1 where there is none."""
+    """Return the cell at `place` of each step, `[N]`, −1 if there is none."""
     if place is MovedCell.TAKEN:
         return evidence.cell
     if place is MovedCell.MOVED:
@@ -155,7 +162,7 @@ def place_of(evidence: Evidence, place: MovedCell) -> IntArray:
 
 
 def _chosen(evidence: Evidence, fit: IntArray, moves: BoolArray) -> IntArray:
-    """Return the places of the steps to look at, of those that ``fit``: all, or some of each kind."""
+    """Return the indexes of the chosen steps among `fit`: all, or some of each kind."""
     if len(fit) <= _FIRST + _SURPRISING + _MOVING + _OTHERS:
         return fit
     moving = moves[fit]
@@ -169,7 +176,7 @@ def _chosen(evidence: Evidence, fit: IntArray, moves: BoolArray) -> IntArray:
 
 
 def _spread(places: IntArray, most: int) -> IntArray:
-    """Return at most ``most`` of ``places`` in runs of neighbours, from the first to the last."""
+    """Return at most `most` of `places` in evenly spaced runs of neighbours."""
     if len(places) <= most:
         return places
     starts = np.linspace(0, len(places) - _RUN, most // _RUN).astype(np.int64)

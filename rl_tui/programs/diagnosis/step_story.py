@@ -1,4 +1,4 @@
-"""One step of a watched program: what moved, and the update that it was, part by part."""
+"""One step of a watched program: the moved cells, and the parts of the update."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 NOTHING: Final = -1
 _NEAR: Final = 1e-5
-"""How far, of the number that moved, a step may be off and still be that update (single precision)."""
+"""Relative tolerance of an explained change (single precision)."""
 
 
 class CellChange(NamedTuple):
-    """A cell of the program's table, state · A + action, with what stood and what stands in it."""
+    """A cell of the program's table, state · A + action, with its values before and after."""
 
     cell: int
     before: float
@@ -26,12 +26,21 @@ class CellChange(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StepUpdate:
-    """What step ``step`` of a program, counted from 0, did to its table.
+    """The effect of a step on the table: after = before + step_size · (gathered + discount · bootstrap −
+    before), as in `LastStep`. The parts are None if the update is unknown, or the step departs from it.
 
-    ``moved`` are all cells that it moved. ``cell`` is the one that the update is about (−1: several moved, or
-    none can be said), ``before`` and ``after`` what stood and stands in it. The others are as in LastStep:
-    after = before + step_size·(gathered + discount·bootstrap − before). They are None where the update is
-    unknown or this step departs from it. ``bootstrap_state`` is −1 where no next state was read.
+    Attributes:
+        step: Number of the step, from 0.
+        moved: All moved cells.
+        cell: The cell of the update, −1 if unknown.
+        before: Its old value.
+        after: Its new value.
+        step_size: α of the step.
+        gamma: Discount of the rule.
+        gathered: Reward in the target.
+        discount: Factor of the bootstrap.
+        bootstrap: Value of the next state.
+        bootstrap_state: Next state, −1 if none was read.
     """
 
     step: int
@@ -48,12 +57,12 @@ class StepUpdate:
 
     @property
     def explained(self) -> bool:
-        """Whether the update that was found is what happened in this step."""
+        """True if the update found explains this step."""
         return self.step_size is not None
 
 
 class _Moment(NamedTuple):
-    """A step with the table before it, [S, A]; ``state`` is the one that its target may look at."""
+    """A step with the table before it, `[S, A]`. `state` is the one that its target may read."""
 
     table: FloatArray
     action: int
@@ -67,9 +76,16 @@ class _Moment(NamedTuple):
 def update_of_step(
     recording: Recording, update: UpdateFound, step: int, table: FloatArray | None = None
 ) -> StepUpdate:
-    """Return what ``step`` did; ``table`` is the table before it, [S·A], if that is at hand.
+    """Explain a step by the update found.
 
-    Raises ValueError where the step is not kept, or no table was found.
+    Args:
+        recording: Steps and changes.
+        update: The update found.
+        step: Number of the step, from 0.
+        table: Table before it, `[S·A]`, if available.
+
+    Raises:
+        ValueError: The step is no longer stored, or no table was found.
     """
     place = step - recording.first
     steps, changes = recording.steps, recording.changes
@@ -99,7 +115,7 @@ def update_of_step(
 
 
 def _cell(steps: StepColumns, place: int, actions: int, where: MovedCell) -> int:
-    """Return the cell that an update at ``where`` moves in the step at ``place``, −1 if there is none."""
+    """Return the cell that an update at `where` moves, or −1."""
     if where is MovedCell.ONE_LATE:
         if place == 0 or steps.episode[place - 1] != steps.episode[place]:
             return NOTHING
@@ -109,9 +125,9 @@ def _cell(steps: StepColumns, place: int, actions: int, where: MovedCell) -> int
 
 
 def _moment(recording: Recording, place: int, update: UpdateFound, table: FloatArray) -> _Moment | None:
-    """Return all that the target of the step at ``place`` is made of; None if part of it is not kept."""
+    """Return the parts of the target, or None if some are no longer stored."""
     steps = recording.steps
-    of = place - 1 if update.place is MovedCell.ONE_LATE else place  # whose cell moves
+    of = place - 1 if update.place is MovedCell.ONE_LATE else place  # the step whose cell moves
     reward_of = of - 1 if update.uses_reward_before else of
     if of < 0 or (reward_of < 0 and recording.first > 0):
         return None
@@ -128,10 +144,10 @@ def _moment(recording: Recording, place: int, update: UpdateFound, table: FloatA
 
 
 def _with_parts(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepUpdate:
-    """Return ``bare`` with the parts of ``update``, if they come to what happened."""
+    """Return `bare` with the parts of `update`, if they explain the change."""
     gamma = update.gamma if update.gamma is not None else 0.0
     values = _values(update, moment)
-    if moment.ended:  # some programs bootstrap there all the same
+    if moment.ended:  # some programs bootstrap there anyway
         values = [0.0, *values]
     change = bare.after - bare.before
     for value in values:
@@ -159,14 +175,14 @@ def _with_parts(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepU
 
 
 def _possible(alpha: float, update: UpdateFound) -> bool:
-    """Return whether ``alpha`` may be a step size of the schedule of ``update``."""
+    """Return True if `alpha` fits the schedule of `update`."""
     if not 0.0 < alpha <= 1.0 + _NEAR:
         return False
     return update.alpha_schedule != "1/N" or abs(1 / alpha - round(1 / alpha)) <= _NEAR / alpha
 
 
 def _values(update: UpdateFound, moment: _Moment) -> list[float]:
-    """Return the values that the target may have read: several where what it read is not known yet."""
+    """Return the values that the target may have read, several if that is unknown."""
     row = moment.table[moment.state]
     best = float(row.max())
     match update.target:

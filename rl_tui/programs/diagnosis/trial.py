@@ -1,6 +1,5 @@
-"""Trials: hypotheses about an update, each with the steps it explains.
-
-The numbers of an update are solved from a few steps at a time. The true ones occur most often.
+"""Trials: hypotheses about an update, each with the steps it explains. The numbers of an update are solved
+from a few steps at a time. The true ones occur most often.
 """
 
 from __future__ import annotations
@@ -26,21 +25,24 @@ _SINGULAR: Final = 1e-6
 _NOTHING: Final = 1e-9
 _SEED: Final = 17
 _PRIMES: Final = (2, 3, 5)
-"""Whose roots make one number of a row: whole rows are ten times as slow to sort."""
+"""Their roots combine a row to one number, since sorting rows is ten times slower."""
 
 
 def rounded(numbers: FloatArray, digits: int) -> FloatArray:
-    """Return ``numbers`` with so many significant digits."""
+    """Round `numbers` to `digits` significant digits."""
     scale = 10.0 ** (digits - 1 - np.floor(np.log10(np.abs(numbers))))
     result: FloatArray = np.where(numbers == 0.0, 0.0, np.rint(numbers * scale) / scale)
     return result
 
 
 def most_frequent(rows: FloatArray, digits: int, most: int) -> list[tuple[float, ...]]:
-    """Return the rows of ``rows`` [n, k], k ≤ 3, that come most often, at most ``most``, the first first.
+    """Return the most frequent rows, the first first. Rows are equal if their rounded numbers are, and the
+    result is their median. Very long input is thinned evenly.
 
-    Equal are those with the same ``digits`` significant digits; what is returned is their median. Of very
-    many rows some are looked at, evenly spread.
+    Args:
+        rows: Rows, `[n, k]` with k ≤ 3.
+        digits: Significant digits for comparison.
+        most: Largest number of results.
     """
     rows = rows[np.isfinite(rows).all(1)]
     if not len(rows):
@@ -56,9 +58,15 @@ def most_frequent(rows: FloatArray, digits: int, most: int) -> list[tuple[float,
 def solved_pairs(
     unit: FloatArray, value: FloatArray, change: FloatArray, digits: int, most: int = 4
 ) -> list[tuple[float, float]]:
-    """Return likely (a, b) with a·``unit`` + b·``value`` = ``change``, all [n], the most likely first.
+    """Return likely (a, b) with a · unit + b · value = change, the most likely first. Without any value, b
+    is NaN, and a is solved from single steps.
 
-    Where no step has a value, b is NaN and a is solved from single steps.
+    Args:
+        unit: Factors of a, `[n]`.
+        value: Factors of b, `[n]`.
+        change: Sums, `[n]`.
+        digits: Significant digits for comparison.
+        most: Largest number of results.
     """
     moved = np.flatnonzero(change != 0.0)
     if not len(moved):
@@ -80,21 +88,25 @@ def solved_pairs(
 
 
 def drawn(places: IntArray, stream: int, count: int = _PAIRS) -> IntArray:
-    """Return ``count`` of ``places``, with replacement, always the same ones for the same ``stream``."""
+    """Draw `count` of `places` with replacement, reproducibly for each `stream`."""
     return places[np.random.default_rng((_SEED, stream)).integers(0, len(places), count)]
 
 
 def refined(
     columns: Iterable[FloatArray], change: FloatArray, slack: FloatArray, within: BoolArray
 ) -> list[float] | None:
-    """Return the factors of ``columns`` whose sum is nearest to ``change`` where ``within``.
+    """Return the factors of `columns` whose sum is closest to `change`, or None if undetermined.
 
-    None where several are equally near.
+    Args:
+        columns: Columns of the sum, `[n]` each.
+        change: Wanted sum, `[n]`.
+        slack: Tolerance, `[n]`.
+        within: Steps to use, `[n]`.
     """
     weight = 1.0 / slack[within]
     matrix = np.column_stack([column[within] * weight for column in columns])
     wanted = change[within] * weight
-    finite = np.isfinite(matrix).all(1) & np.isfinite(wanted)  # LAPACK writes of others to the screen
+    finite = np.isfinite(matrix).all(1) & np.isfinite(wanted)  # LAPACK prints messages about other numbers
     matrix, wanted = matrix[finite], wanted[finite]
     size = np.abs(matrix).max(0, initial=0.0)
     if len(matrix) < matrix.shape[1] or np.any(size == 0.0):
@@ -104,7 +116,9 @@ def refined(
 
 
 def plainest(number: float, numbers: Mapping[str, float], precision: float) -> float:
-    """Return the plainest number that is as good as ``number``: one of the code's, or one of few digits."""
+    """Return the simplest number equal to `number` within `precision`: one of few digits, or one in the
+    code.
+    """
     near = 1e-8 if precision < 1e-8 else 20 * precision
     near *= max(abs(number), 1e-300)
     for digits in (1, 2, 3, 4, 5, 6):
@@ -121,27 +135,26 @@ def plainest(number: float, numbers: Mapping[str, float], precision: float) -> f
 
 
 FEWEST: Final = 10
-"""Fewer steps that moved something prove no update."""
+"""Fewest moving steps that prove an update."""
 FEWEST_INFORMATIVE: Final = 3
-"""Fewer steps prove neither γ nor that one of two hypotheses is the right one."""
+"""Fewest steps that prove γ, or decide between two hypotheses."""
 FEWEST_EQUATIONS: Final = 3
-"""So many different equations must agree on an update: two numbers are solved from two of them."""
+"""Fewest distinct equations that must agree, since two of them determine two numbers."""
 _DIGITS: Final = 6
 _AT_A_TIME: Final = 200
 SHARE: Final = 0.97
-"""What an update must explain more than."""
+"""Share that an update must exceed."""
 _OWN_SHARE: Final = 0.99
-"""The same with a reward of the program's own, which is fitted to the steps itself."""
+"""The same for a reward of the program's own, which is fitted to the steps."""
 _WEIGHTY: Final = 100.0
-"""A value matters on a step if it moves the cell by so many times what a prediction may be off."""
+"""A value matters if it moves the cell by this multiple of the tolerance."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """An update: change = α·(reward − old + γ·value); [n] are the steps of ``sample``.
-
-    ``alpha`` is one number, or one for each step, with NaN where nothing tells it. ``value`` is 0 where the
-    episode ended. ``epsilon`` is that of Expected SARSA, where it is constant.
+    """A hypothesis: change = α · (reward − old + γ · value) on the n steps of `sample`. `alpha` is one
+    number or one for each step, NaN if undetermined. `value` is 0 at an end. `epsilon` belongs to Expected
+    SARSA, if constant.
     """
 
     sample: Sample
@@ -157,12 +170,12 @@ class Trial:
 
     @cached_property
     def predicted(self) -> FloatArray:
-        """By how much the cell is to move, [n]; NaN where that cannot be said."""
+        """Predicted change of the cell, `[n]`, NaN if undetermined."""
         return self.alpha * (self.reward - self.sample.old + self.gamma * self.value)
 
     @cached_property
     def explained(self) -> BoolArray:
-        """The steps that it explains, [n]; at an end with the value of the next state or without."""
+        """True for explained steps, `[n]`. At an end, the value of the next state is optional."""
         sample = self.sample
         off = np.abs(sample.change - self.predicted)
         after_end = self.predicted + self.alpha * self.gamma * sample.best
@@ -172,30 +185,30 @@ class Trial:
 
     @cached_property
     def counted(self) -> BoolArray:
-        """The steps on which something moved or was to move, [n]: all others speak for nothing."""
+        """True for steps with an actual or predicted change, `[n]`. Others are no evidence."""
         result: BoolArray = (self.sample.change != 0.0) | (np.abs(self.predicted) > self.sample.slack)
         return result & ~np.isnan(self.predicted)
 
     @cached_property
     def informative(self) -> BoolArray:
-        """The steps on which the value of the next state matters, [n]."""
+        """True for steps on which the next value matters, `[n]`."""
         size = np.abs(self.alpha * self.value)
         result: BoolArray = (size > _WEIGHTY * self.sample.slack) & ~self.sample.ended & self.counted
         return result
 
     @property
     def unexplained(self) -> int:
-        """How many of the steps that count it does not explain."""
+        """Number of counted steps that it does not explain."""
         return int(np.sum(self.counted & ~self.explained))
 
     @property
     def share(self) -> float:
-        """The share of the steps that count that it explains."""
+        """Share of counted steps that it explains."""
         return 1.0 - self.unexplained / max(1, int(np.sum(self.counted)))
 
     @cached_property
     def holds(self) -> bool:
-        """Whether it explains enough: the steps within episodes, or all where there are few of these."""
+        """True if it explains enough inner steps, or all steps if there are few inner ones."""
         if self.gamma < 0.0 or self._equations(self.counted & self.explained) < FEWEST_EQUATIONS:
             return False
         inner = self.counted & ~self.sample.ended
@@ -209,13 +222,12 @@ class Trial:
 
     @property
     def tells_gamma(self) -> bool:
-        """Whether enough steps tell γ, and not all of them the same."""
+        """True if enough distinct steps determine γ."""
         return self._equations(self.informative & self.explained) >= FEWEST_EQUATIONS
 
     def _equations(self, which: BoolArray) -> int:
-        """Return how many of the steps ``which`` say something new: at a first visit many are the same.
-
-        More than need be are not counted.
+        """Return the number of distinct equations in the steps `which`, up to the required number. First
+        visits often repeat one.
         """
         places = np.flatnonzero(which)
         unit = self.reward - self.sample.old
@@ -229,7 +241,7 @@ class Trial:
         return len(rows)
 
     def differs_from(self, value: FloatArray) -> BoolArray:
-        """Return on which steps within episodes ``value`` in place of its own predicts other numbers."""
+        """Return True for inner steps on which `value` would predict other numbers."""
         size = np.abs(self.alpha * self.gamma * (self.value - value))
         result: BoolArray = (size > 3 * self.sample.slack) & ~self.sample.ended & self.counted
         return result
@@ -242,7 +254,15 @@ def constant_trial(
     numbers: Mapping[str, float],
     uses_reward_before: bool = False,
 ) -> Trial | None:
-    """Return the best trial with a constant step size for ``target`` and ``reward`` [n]; None without any."""
+    """Return the best trial with a constant step size, or None.
+
+    Args:
+        sample: Steps of the test.
+        target: Source of the next value.
+        reward: Reward of each step, `[n]`.
+        numbers: Numbers in the code by name.
+        uses_reward_before: True if `reward` is that of the previous step.
+    """
     value = np.where(sample.ended, 0.0, sample.value(target))
     known = ~np.isnan(value) & (np.abs(sample.change) > 30 * sample.slack)
     if not known.any():
@@ -258,7 +278,7 @@ def constant_trial(
 
 
 def polished(trial: Trial, numbers: Mapping[str, float]) -> Trial:
-    """Return ``trial`` with a constant step size and γ as exact as its steps tell them."""
+    """Refine the constant step size and γ of `trial`."""
     sample, precision = trial.sample, trial.sample.evidence.precision
     if precision > EXACT:  # the pairs gave three digits
         near = np.abs(sample.change - trial.predicted) <= np.maximum(
@@ -293,9 +313,8 @@ _FEWEST_PAIRS: Final = 20
 
 
 def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the trial whose step size is constant within an episode, or None where it is not so.
-
-    γ comes from neighbours in an episode, which share their step size.
+    """Return the trial with a step size that is constant within each episode, or None. γ is solved from
+    neighbours in an episode, which share their step size.
     """
     value = np.where(sample.ended, 0.0, sample.value(target))
     unit = sample.reward - sample.old
@@ -317,7 +336,7 @@ def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float
         varied = len(sizes) > 0 and np.ptp(sizes) > 1e-4 * np.max(sizes)
         shown = telling & equal & ((value[one] != 0.0) | (value[other] != 0.0))
         if np.any(value) and np.sum(shown) < FEWEST_INFORMATIVE:
-            continue  # each step alone explains itself, with any γ
+            continue  # each step explains itself, with any γ
         if np.sum(telling) >= _FEWEST_PAIRS and np.mean(equal[telling]) > SHARE and varied:
             weight = np.where(reliable & ~sample.ended, np.abs(sample.change) / sample.slack, 0.0)
             ruling = _clearest_of_each(sample.evidence.episode[sample.at], alpha, weight)
@@ -326,10 +345,8 @@ def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float
 
 
 def by_visits(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the trial whose step size is 1/N of the visits of the cell, or None where it is not so.
-
-    From one visit to the next 1/α grows by 1: so it does not matter how many visits came before the table was
-    found. Episodes in which nothing moved may be counted as visits or not: that is tried both ways.
+    """Return the trial with step size 1/N of the visits to a cell, or None. 1/α grows by 1 between visits,
+    so earlier visits do not matter. Episodes without changes may or may not count as visits.
     """
     value = np.where(sample.ended, 0.0, sample.value(target))
     unit = sample.reward - sample.old
@@ -358,7 +375,7 @@ def by_visits(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]
 
 
 def _discounts(gamma: FloatArray, sample: Sample, numbers: Mapping[str, float]) -> Iterable[float]:
-    """Yield likely discount factors: those that pairs of steps agree on, else those of the code, 1 and 0."""
+    """Yield likely discount factors: those that pairs of steps share, then those in the code, 1 and 0."""
     digits = 6 if sample.evidence.precision < EXACT else 3
     gamma = np.where(np.abs(gamma) < 1e-9, 0.0, gamma)
     precision = max(sample.evidence.precision, 1e-8)
@@ -370,7 +387,7 @@ def _discounts(gamma: FloatArray, sample: Sample, numbers: Mapping[str, float]) 
 def _step_sizes(
     sample: Sample, unit: FloatArray, value: FloatArray, gamma: float
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the step size of each step, [n], and where that is exact enough."""
+    """Return the step size of each step, `[n]`, and True where it is accurate enough."""
     error = unit + gamma * value
     alpha = sample.change / error
     reliable = (np.abs(sample.change) > 100 * sample.slack) & np.isfinite(alpha)
@@ -384,7 +401,9 @@ def _near(sample: Sample) -> float:
 
 
 def _clearest_of_each(group: IntArray, numbers: FloatArray, weight: FloatArray) -> FloatArray:
-    """Return for each place the number with the largest ``weight`` in its group, [n]; NaN if all weigh 0."""
+    """Return for each step the number with the largest `weight` in its group, `[n]`, NaN if all weights
+    are 0.
+    """
     order = np.lexsort((-weight, group))
     begins = np.flatnonzero(np.diff(group[order], prepend=-1))
     clearest = np.where(weight > 0.0, numbers, np.nan)[order[begins]]

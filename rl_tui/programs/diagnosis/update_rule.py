@@ -1,7 +1,5 @@
-"""The update rule of a program, found from the changes of its table.
-
-Expected SARSA has three unknowns: α, γ and ε. An unknown reward of the program's own cancels between
-two visits to the same transition.
+"""The update rule of a program, found from the changes of its table. Expected SARSA has three unknowns: α,
+γ and ε. An unknown reward of the program's own cancels between two visits to the same transition.
 """
 
 from __future__ import annotations
@@ -39,7 +37,7 @@ _SINGULAR: Final = 1e-5
 
 
 def expected_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
-    """Return Expected SARSA with the α, γ and ε that explain most steps, or None where nothing tells them."""
+    """Return the best trial of Expected SARSA, or None if α, γ and ε are undetermined."""
     inner = np.flatnonzero((sample.change != 0.0) & ~sample.ended)
     mean = sample.value(UpdateTarget.EXPECTED)
     telling = inner[np.abs(sample.best - mean)[inner] > 100 * sample.slack[inner]]
@@ -61,7 +59,7 @@ def expected_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None
 
 
 def _solved(sample: Sample, mean: FloatArray, triples: IntArray) -> FloatArray:
-    """Return α, γ and ε, [k, 3], of triples of steps, [k, 3], where they can be solved for."""
+    """Solve triples of steps, `[k, 3]`, for α, γ and ε, `[k, 3]`."""
     columns = np.stack((sample.reward - sample.old, sample.best, mean - sample.best), axis=-1)
     matrix, change = columns[triples], sample.change[triples]
     size = np.abs(matrix).max(1, keepdims=True)
@@ -78,7 +76,7 @@ def _with(
     found: tuple[float, float, float],
     numbers: Mapping[str, float],
 ) -> Trial:
-    """Return the trial with the ``found`` α, γ and ε, or plainer ones that explain as much."""
+    """Return the trial with the `found` α, γ and ε, or simpler numbers that explain as much."""
 
     def trial(alpha: float, gamma: float, epsilon: float) -> Trial:
         value = np.where(sample.ended, 0.0, sample.best + epsilon * (mean - sample.best))
@@ -93,7 +91,7 @@ def _with(
 def _with_own_epsilons(
     sample: Sample, mean: FloatArray, alpha: float, gamma: float, numbers: Mapping[str, float]
 ) -> Trial:
-    """Return the trial whose ε is another one in each episode, as the first telling step there has it."""
+    """Return the trial with an ε for each episode, taken from its clearest step."""
     precision = max(sample.evidence.precision, 1e-8)
     alpha, gamma = plainest(alpha, numbers, precision), plainest(gamma, numbers, precision)
     rest = sample.change / alpha - sample.reward + sample.old - gamma * sample.best
@@ -101,7 +99,7 @@ def _with_own_epsilons(
     weight = np.abs(alpha * gamma * (mean - sample.best)) / sample.slack
     weight[~((epsilon > -1e-6) & (epsilon < 1 + 1e-6)) | sample.ended] = 0.0
     episode = sample.evidence.episode[sample.at]
-    order = np.lexsort((-weight, episode))  # of each episode the step that tells ε best comes first
+    order = np.lexsort((-weight, episode))  # the step that determines ε best comes first in each episode
     begins = np.flatnonzero(np.diff(episode[order], prepend=-1))
     of_episode = np.repeat(epsilon[order[begins]], np.diff(np.append(begins, len(order))))
     own = np.empty(len(sample))
@@ -117,14 +115,14 @@ def _with_own_epsilons(
 
 _MOST_STEPS: Final = 40_000
 _LONGEST: Final = 400
-"""Longer episodes are left out."""
+"""Longest episode in use, in steps."""
 AT_ENDS: Final = 0.9
-"""The share of changes that come at ends of episodes, of cells taken in them; others were seen late."""
+"""Share of changes at ends of episodes, in cells taken there."""
 _USUAL: Final = (1.0, 0.9, 0.95, 0.98, 0.99, 0.999)
 
 
 def monte_carlo_update(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound | None:
-    """Return Monte Carlo's update if the returns of the episodes prove it, else None."""
+    """Return the Monte Carlo update if the returns of episodes prove it, else None."""
     moved = evidence.changes_of > 0
     ends = evidence.terminated | evidence.truncated
     if not np.any(moved) or np.mean(ends[moved]) < AT_ENDS:
@@ -150,10 +148,8 @@ def monte_carlo_update(evidence: Evidence, numbers: Mapping[str, float]) -> Upda
 
 
 class _Visits:
-    """The changes [m] of cells that their episode took exactly once, with the step that did.
-
-    ``inside`` is the share of all changes whose cell was taken in their episode. ``left`` is the number of
-    steps that followed the visit in its episode.
+    """The m changes of cells that were taken exactly once in their episode. `inside` is the share of all
+    changes in cells of their episode. `left`, `[m]`, is the number of later steps in the episode.
     """
 
     def __init__(self, evidence: Evidence, used: IntArray) -> None:
@@ -184,7 +180,7 @@ class _Visits:
         self._again[np.unique(self._cell, return_index=True)[1]] = False
 
     def step_size(self, gamma: float) -> float | None:
-        """Return the constant step size towards the returns under ``gamma``, 0 for 1/N, None if neither."""
+        """Return the constant step size towards returns under `gamma`, 0 for 1/N, or None."""
         distance = self._returns(gamma)[self._at] - self.old
         size = (self.new - self.old) / distance
         telling = np.isfinite(size) & (np.abs(distance) > 1e-6) & (self.left < _LONGEST)
@@ -197,7 +193,7 @@ class _Visits:
         return 0.0 if self._falls(size, telling, near) else None
 
     def _falls(self, size: FloatArray, telling: BoolArray, near: float) -> bool:
-        """Return whether 1/size is a whole number that grows from each change of a cell to its next."""
+        """Return True if 1/size is a whole number that grows with each change of a cell."""
         count = 1.0 / size
         whole = np.abs(count - np.rint(count)) <= near * np.maximum(1.0, np.abs(count))
         if np.mean((whole & (count > 0.5))[telling]) <= SHARE:
@@ -209,7 +205,7 @@ class _Visits:
         return len(grown) >= FEWEST and bool(np.mean(grown >= 1) > SHARE)
 
     def _returns(self, gamma: float) -> FloatArray:
-        """Return Σ γᵏ·reward from each step to the end of its episode, [used]; for the last steps of it."""
+        """Return Σ γᵏ · reward from each step to the end of its episode, for its last steps."""
         result = self._reward.copy()
         by_left = np.argsort(self._left, kind="stable")
         left = self._left[by_left]
@@ -226,7 +222,7 @@ class _Visits:
 
 
 def own_reward_trial(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the trial whose reward is a function of (s, a, s′, r), not r itself; None if there is none."""
+    """Return the best trial with a reward that is a function of (s, a, s′, r), or None."""
     value = np.where(sample.ended, 0.0, sample.value(target))
     group = _transitions(sample)
     order = np.argsort(group, kind="stable")
@@ -254,7 +250,7 @@ def own_reward_trial(sample: Sample, target: UpdateTarget, numbers: Mapping[str,
 
 
 def _transitions(sample: Sample) -> IntArray:
-    """Return which transition (s, a, s′, r) each step is, [n], as a number."""
+    """Return the number of the transition (s, a, s′, r) of each step, `[n]`."""
     _, reward = np.unique(sample.reward, return_inverse=True)
     states = len(sample.evidence.initial) // sample.evidence.actions
     whole = (sample.cell * states + sample.next_state) * 2 + sample.ended
@@ -264,7 +260,7 @@ def _transitions(sample: Sample) -> IntArray:
 
 
 def _middles(group: IntArray, numbers: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Return of each place the median of its group's ``numbers``, [n], and whether the group has several."""
+    """Return the median of each group's `numbers`, `[n]`, and True for groups with several."""
     order = np.lexsort((numbers, group))
     begins = np.flatnonzero(np.diff(group[order], prepend=-1))
     lengths = np.diff(np.append(begins, len(order)))
@@ -284,18 +280,20 @@ RULE_OF: Final = {
     UpdateTarget.OWN_STATE: Rule.Q_LEARNING,
     UpdateTarget.INDEX: Rule.Q_LEARNING,
 }
-"""Which rule a target is meant to be."""
+"""The rule that each target belongs to."""
 _RIGHT: Final = (UpdateTarget.BEST, UpdateTarget.NEXT_ACTION)
 _WRONG: Final = (UpdateTarget.COLUMN, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.SAME_ACTION)
 
 
-@np.errstate(all="ignore")  # what cannot be divided is NaN, and counts for nothing
+@np.errstate(all="ignore")  # a failed division is NaN, and is no evidence
 def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "") -> UpdateFound:
-    """Return the update that explains ``evidence``; ``numbers`` are those that the code holds, by name.
+    """Find the update that explains `evidence`. The search uses a bounded choice of steps, to which
+    `departs_at` and `informative` refer in a long run.
 
-    ``dtype`` is the table's, empty where that is not known.
-
-    It is found on a bounded choice of steps: of a long run ``departs_at`` and ``informative`` are of these.
+    Args:
+        evidence: Steps and changes.
+        numbers: Numbers in the code by name.
+        dtype: That of the table, or "".
     """
     moved = evidence.changes_of > 0
     if not moved.any():
@@ -328,18 +326,18 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "")
 
 
 def _place(evidence: Evidence) -> MovedCell | None:
-    """Return which cell moves with a step, None if it is none of those known."""
+    """Return the cell that moves with each step, or None if unknown."""
     moved = evidence.only_change[0]
     single = moved >= 0
     if not single.any():
         return None
     shares = {place: float(np.mean((moved == place_of(evidence, place))[single])) for place in MovedCell}
-    place = max(MovedCell, key=lambda each: shares[each])  # the first of equals
+    place = max(MovedCell, key=lambda each: shares[each])  # the first of equal ones
     return place if shares[place] > SHARE else None
 
 
 def _best(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the trial that explains ``sample`` best, if one explains enough of it."""
+    """Return the trial that explains `sample` best, if one explains enough."""
     held: list[Trial] = []
     for stage in (_constant, _faulty, _varying):
         held += [trial for trial in stage(sample, numbers) if trial.holds]
@@ -352,20 +350,20 @@ def _best(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
 
 
 def _failures(trial: Trial) -> float:
-    """Return how many steps of its sample the trial would not explain, if it looked at all of them."""
+    """Estimate the number of steps in the sample that the trial does not explain."""
     looked_at = int(np.sum(~np.isnan(trial.predicted)))
     return trial.unexplained * len(trial.sample) / max(looked_at, 1)
 
 
 def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
-    """Yield the right targets with a constant step size, then the same with the reward of the step before."""
+    """Yield right targets with a constant step size, then with the reward of the previous step."""
     for target in _RIGHT:
         trial = constant_trial(sample, target, sample.reward, numbers)
         if trial:
             yield trial
     if sample.place is not MovedCell.ONE_LATE:
         begins = sample.evidence.episode_step[sample.at] == 0
-        within = np.where(begins, 0.0, sample.reward_before)  # where it is set to 0 for each episode
+        within = np.where(begins, 0.0, sample.reward_before)  # where it is reset to 0 in each episode
         for before in (sample.reward_before, within):
             for target in _RIGHT:
                 trial = constant_trial(sample, target, before, numbers, uses_reward_before=True)
@@ -374,7 +372,7 @@ def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
 
 
 def _faulty(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
-    """Yield another reward, then targets that are wrong."""
+    """Yield right targets with another reward, then wrong targets."""
     for target in _RIGHT:
         trial = own_reward_trial(sample, target, numbers)
         if trial:
@@ -387,7 +385,7 @@ def _faulty(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
 
 
 def _varying(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
-    """Yield Expected SARSA, then step sizes that change."""
+    """Yield Expected SARSA, then varying step sizes."""
     trial = expected_trial(sample, numbers)
     if trial:
         yield trial
@@ -398,7 +396,7 @@ def _varying(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
 
 
 def _found(trial: Trial) -> UpdateFound:
-    """Return what is to be said of the update that ``trial`` is."""
+    """Describe the update of `trial`."""
     reason = _undecided(trial)
     off = np.flatnonzero(trial.counted & ~trial.explained)
     return UpdateFound(
@@ -419,7 +417,7 @@ def _found(trial: Trial) -> UpdateFound:
 
 
 def _undecided(trial: Trial) -> str:
-    """Return why ``trial`` does not tell the rule, empty if it does."""
+    """Return the reason why `trial` does not determine the rule, or ""."""
     if not trial.tells_gamma:
         return "No step yet tells γ: the values of the next states were 0, or always the same."
     if trial.gamma == 0.0:
@@ -434,7 +432,7 @@ def _undecided(trial: Trial) -> str:
 
 
 def _why_none(sample: Sample, dtype: str) -> str:
-    """Return why no update explains ``sample``, of a table of ``dtype``."""
+    """Return the reason why no update explains `sample` of a table with `dtype`."""
     if int(np.sum(sample.change != 0.0)) < FEWEST:
         moved = counted(int(np.sum(sample.evidence.changes_of > 0)), "step")
         rewards = counted(int(np.count_nonzero(sample.evidence.reward)), "reward")

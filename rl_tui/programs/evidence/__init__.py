@@ -1,1 +1,1 @@
-"""What was seen of a program's updates, and what they prove."""
+"""The evidence about a program's updates: steps, changes, and its source."""

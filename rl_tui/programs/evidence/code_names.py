@@ -1,4 +1,4 @@
-"""The names that a program gives to what the book calls s, a, r, s′, Q, α and γ."""
+"""The names in a program for s, a, r, s′, Q, α and γ of the book."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ _USUAL: Final = {
     ),
     "terminated": ("terminated", "term", "terminal", "done"),
 }
-"""The names that people give to them in an update, the commonest first."""
+"""Common names in an update, the most frequent first."""
 _DISCOUNTS: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
-"""What people call a γ, the commonest first."""
+"""Common names of γ, the most frequent first."""
 _RETURNED: Final = ("next_state", "reward", "terminated")
 _AGENT: Final = "agent"
-"""What an agent without a loop of its own is called in ours."""
+"""Name of an agent without its own loop in our loop."""
 _LONGEST: Final = 40
-"""Characters of a name."""
+"""Longest name in characters."""
 _NEAR: Final = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
 class CodeNames:
-    """Names for a correction; by default the book's. Each is a name or a short expression."""
+    """Names for a correction, by default those of the book. Each is a name or a short expression."""
 
     table: str = "Q"
     state: str = "s"
@@ -58,37 +58,37 @@ class CodeNames:
     gamma: str = "gamma"
     environment: str = "env"
     form: str = "array"
-    """That of the table, as :class:`FoundTable` has it."""
+    """Form of the table, as in `FoundTable`."""
     value: UpdateTarget = UpdateTarget.BEST
-    """What the update takes for the value of the next state, or should."""
+    """The value of the next state in the update, as it should be."""
 
     def cell(self) -> str:
-        """Return the estimate of the step."""
+        """Return the expression of the updated estimate."""
         is_nested = self.form in ("lists", "dict-of-arrays")
         between = "][" if is_nested else ", "
         return f"{self.table}[{self.state}{between}{self.action}]"
 
     def rows(self, actions: int) -> str:
-        """Return a table with a row of its own for each state."""
+        """Return the expression of a table with a separate row for each state."""
         if self.form == "dict-of-arrays":
             return f"{{state: [0.0] * {actions} for state in range(states)}}"
         return f"[[0.0] * {actions} for state in range(states)]"
 
     def best(self) -> str:
-        """Return the value of the next state."""
+        """Return the expression of the next state's value."""
         if self.form == "dict-of-pairs":
             return f"max({self.table}[{self.next_state}, b] for b in actions)"
         return f"max({self.table}[{self.next_state}])"
 
     def random_tie(self) -> str:
-        """Return a choice among the best actions of the state."""
+        """Return the expression of a random choice among the best actions."""
         if self.form != "array":
             return "best = [a for a in actions if value of a == largest value]; action = random.choice(best)"
         row = f"{self.table}[{self.state}]"
         return f"{self.action} = np.random.choice(np.flatnonzero({row} == {row}.max()))"
 
     def target(self) -> str:
-        """Return the target as it should stand there."""
+        """Return the correct line of the target."""
         value = self.best()
         if self.value is UpdateTarget.NEXT_ACTION:
             between = "][" if self.form in ("lists", "dict-of-arrays") else ", "
@@ -102,7 +102,7 @@ class CodeNames:
 def names_of(
     code: ProgramCode, table: FoundTable, update: UpdateFound, numbers: Mapping[str, float]
 ) -> CodeNames:
-    """Return the names used where the table is updated; the book's for those that are not known."""
+    """Return the names used at the update, with the book's for unknown ones."""
     value = (
         update.target
         if update.target in (UpdateTarget.NEXT_ACTION, UpdateTarget.EXPECTED)
@@ -121,7 +121,7 @@ def names_of(
 
 @lru_cache(maxsize=32)
 def _written_in(code: ProgramCode) -> tuple[frozenset[str], Mapping[str, str]]:
-    """Return the names used where the table is updated, and those of them whose role is known, by role."""
+    """Return all names used at the update, and those with a known role by role."""
     line = code.call_line() if code.lacks_update else code.update_line()
     used = _used_at(code, line)
     found: dict[str, str] = {}
@@ -131,13 +131,13 @@ def _written_in(code: ProgramCode) -> tuple[frozenset[str], Mapping[str, str]]:
 
 
 def declared_discount(numbers: Mapping[str, float]) -> tuple[str, float] | None:
-    """Return the name and the γ that the ``numbers`` of a program's code hold; None without any."""
+    """Return the name and value of γ in the `numbers` of a program's code, or None."""
     named = {name.lower().rsplit(".", 1)[-1]: (name, value) for name, value in numbers.items()}
     return next((named[name] for name in _DISCOUNTS if name in named), None)
 
 
 def _as_written(name: str, used: frozenset[str]) -> str:
-    """Return ``name`` of an agent, as ``agent.q``, as code with the names ``used`` has it: ``self.q``."""
+    """Return the `name` of an agent's attribute as its code writes it: `self.q` for `agent.q`."""
     head, _, attribute = name.partition(".")
     if head != _AGENT or not attribute or _AGENT in used:
         return name
@@ -147,7 +147,6 @@ def _as_written(name: str, used: frozenset[str]) -> str:
 
 
 def _used_at(code: ProgramCode, line: CodeLine | None) -> frozenset[str]:
-    """Return the names that the function around ``line`` uses."""
     scope = None if line is None else code.scope_of(line)
     if scope is None:
         return frozenset()
@@ -163,7 +162,7 @@ def _names_in(scope: ast.AST) -> Iterator[str]:
 
 
 def _returned_near(code: ProgramCode, line: CodeLine | None) -> dict[str, str]:
-    """Return what the call of ``env.step`` is unpacked into, if that stands in the function of ``line``."""
+    """Return the variables that receive the result of `env.step` in the function of `line`."""
     call = code.step_call
     if call is None or line is None or code.scope_of(call.line) is not code.scope_of(line):
         return {}
@@ -177,7 +176,7 @@ def _returned_near(code: ProgramCode, line: CodeLine | None) -> dict[str, str]:
 
 
 def _held(numbers: Mapping[str, float], wanted: float | None) -> str | None:
-    """Return the shortest name of a number; None where only constants in the code are it."""
+    """Return the shortest name of a number, or None if only constants have it."""
     if wanted is None:
         return None
     names = [

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 _Definition = ast.FunctionDef | ast.AsyncFunctionDef
 _DEEPEST: Final = 3
-"""Calls that are followed from one function to the next."""
+"""Most calls followed from function to function."""
 _MODULES: Final = frozenset({"np", "numpy", "math", "random"})
 _READING: Final = frozenset(
     {
@@ -87,10 +87,8 @@ _READING: Final = frozenset(
 
 
 def only_reads(function: _Definition, functions: Mapping[str, _Definition], table: str) -> bool:
-    """Return whether ``function`` puts nothing into any table, nor do the ``functions`` that it calls.
-
-    ``table`` is the table's name, empty where none was found: then it may keep nothing at all. False wherever
-    that is not certain.
+    """Return True if `function`, and those of `functions` that it calls, certainly write to no table.
+    `table` is the name of the table. Without one ("") it may store nothing at all.
     """
     return _reads(function, functions, table, _DEEPEST)
 
@@ -126,7 +124,7 @@ def _is_harmless(node: ast.AST, functions: Mapping[str, _Definition], table: str
 
 
 def _is_elsewhere(target: ast.expr, table: str) -> bool:
-    """Return whether giving ``target`` a value leaves all that may be a table as it is."""
+    """Return True if an assignment to `target` leaves every possible table unchanged."""
     if isinstance(target, ast.Tuple):
         return all(_is_elsewhere(each, table) for each in target.elts)
     if isinstance(target, ast.Attribute):
@@ -139,9 +137,9 @@ def _is_elsewhere(target: ast.expr, table: str) -> bool:
 
 _MOST_FILES: Final = 16
 _MOST_KEPT: Final = 32
-"""Programs whose code is kept; a grade has as many at once as there are cores."""
+"""Most programs whose code is cached, since a grade has as many at once as there are cores."""
 _MOST_CALLS: Final = 3
-"""Calls that are followed from one function to the next."""
+"""Most calls followed from function to function."""
 _CHOICE: Final = re.compile(r"action|policy|^act$|agent_start|choose|greedy", re.IGNORECASE)
 """Names of methods that choose an action."""
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -157,7 +155,7 @@ class CodeLine:
 
 @dataclass(frozen=True, slots=True)
 class StepCall:
-    """A call of ``env.step``: where, on what, with what, and what its result is unpacked into."""
+    """A call of `env.step`: its line, environment, argument, and the targets of its result."""
 
     line: CodeLine
     environment: ast.expr | None
@@ -167,7 +165,7 @@ class StepCall:
 
 @dataclass(frozen=True, slots=True)
 class _Statement:
-    """A statement, and the file that it stands in."""
+    """A statement with its file."""
 
     file: str
     node: ast.stmt
@@ -178,10 +176,8 @@ class _Statement:
 
 
 def program_code(log: ProgramLog) -> ProgramCode:
-    """Return the source of the program of ``log``, as far as its steps and changes named files.
-
-    It is the same object as long as the files and what the program told of them are the same: its answers
-    are worked out once, not for every verdict.
+    """Return the source of the program of `log`, as far as steps and changes named files. The object is
+    cached while files and reports are the same, so it answers each question once.
     """
     files = [file for file, _ in (*log.called.values(), *log.lines)]
     trees = [(file, parsed_file(file)) for file in list(dict.fromkeys(files))[:_MOST_FILES]]
@@ -207,10 +203,8 @@ def _code_of(
 
 
 class ProgramCode:
-    """The source of a program: the ``trees`` of its files by name.
-
-    ``called`` are the lines that called ``step`` and ``reset``, ``changed_most`` is the line that changed the
-    table most often, None where no line was seen to.
+    """The source of a program: syntax trees by file name. `called` has the lines that called `step` and
+    `reset`. `changed_most` is the line that changed the table most often, or None.
     """
 
     def __init__(
@@ -237,7 +231,6 @@ class ProgramCode:
 
     @cached_property
     def _functions(self) -> dict[str, tuple[str, _Function]]:
-        """Functions and methods by name, with their file."""
         return {
             each.node.name: (each.file, each.node)
             for each in self._statements
@@ -246,9 +239,9 @@ class ProgramCode:
 
     @cached_property
     def _aliases(self) -> frozenset[str]:
-        """Names of the table: its own, those of parameters that are given it, of copies, rows and cells."""
+        """Names of the table, including parameters, copies, rows and cells."""
         names = {self._name} - {""}
-        for _ in range(3):  # as deep as tables are handed down
+        for _ in range(3):  # the depth to which tables are passed
             names |= set(self._further_names(names))
         return frozenset(names)
 
@@ -276,15 +269,12 @@ class ProgramCode:
 
     @cached_property
     def _writes(self) -> list[_Statement]:
-        """The statements that put something into the table, or are meant to."""
         return [each for each in self._statements if is_write(each.node, self._aliases)]
 
     @cached_property
     def always_writes(self) -> bool:
-        """Whether the code that calls ``env.step`` goes on to put something into the table.
-
-        What stands under an ``if`` without an ``else`` that does so too is not always done: it may be a
-        phase of evaluation.
+        """True if the code that calls `env.step` always writes to the table afterwards. A write under an
+        `if` without a writing `else` does not count, because it may be skipped in an evaluation.
         """
         line = self.call_line()
         scope = None if line is None else self.scope_of(line)
@@ -294,7 +284,7 @@ class ProgramCode:
         return self._is_always_in(getattr(scope, "body", []), writes, _MOST_CALLS)
 
     def _is_always_in(self, body: Iterable[ast.stmt], writes: set[int], depth: int) -> bool:
-        """Return whether one of ``writes`` is always done in ``body``, or in a function called there."""
+        """Return True if one of `writes` is always executed in `body`, or in a function called there."""
         return any(id(node) in writes or self._is_always_done(node, writes, depth) for node in body)
 
     def _is_always_done(self, node: ast.stmt, writes: set[int], depth: int) -> bool:
@@ -310,7 +300,7 @@ class ProgramCode:
 
     @cached_property
     def lacks_update(self) -> bool:
-        """Whether it is an agent whose method of the update only reads: nothing is written there yet."""
+        """True if the update method of an agent only reads, so that the update is still missing."""
         line = self.call_line()
         function = None if line is None or self._agent is None else self.scope_of(line)
         if not isinstance(function, _Function) or self._agent is None:
@@ -322,7 +312,7 @@ class ProgramCode:
         return only_reads(function, functions, self._name)
 
     def left_before_update(self) -> CodeLine | None:
-        """Return the ``if`` after the call of ``env.step`` that leaves the loop before the update."""
+        """Return the `if` after `env.step` that leaves the loop before the update, or None."""
         call = self.call_line()
         if call is None or not self._writes:
             return None
@@ -341,21 +331,21 @@ class ProgramCode:
 
     @cached_property
     def sets_a_constant(self) -> bool:
-        """Whether an update may set a cell of the table to a number that stands in the code."""
+        """True if an update may set a cell to a constant in the code."""
         call = self.call_line()
         if call is None:
             return False
         for each in self._statements:
             if is_set_to_constant(each.node, self._aliases):
                 if self._in_scope(each, call):
-                    if each.line.line > call.line:  # before it a table is made
+                    if each.line.line > call.line:  # earlier lines make the table
                         return True
                 elif any(self._in_scope(write, each.line) for write in self._writes):
                     return True
         return False
 
     def gives_other(self, reward: str) -> bool:
-        """Whether ``reward`` is given by anything but ``env.step``; True where that cannot be read."""
+        """Return True if anything else than `env.step` may assign `reward`."""
         call = self.step_call
         if call is None or not any(name_of(each) == reward for each in call.unpacked):
             return True
@@ -370,7 +360,7 @@ class ProgramCode:
         return self._writes[0].line if self._writes else None
 
     def table_line(self) -> CodeLine | None:
-        """Return where the table is made."""
+        """Return the line that makes the table."""
         if self._table is not None and self._table.file and self._table.line:
             return CodeLine(self._table.file, self._table.line)
         for each in self._statements:
@@ -384,7 +374,7 @@ class ProgramCode:
         return None
 
     def _made_in(self, function_name: str) -> CodeLine | None:
-        """Return where a function makes what it returns."""
+        """Return the line that makes the result of a function."""
         if function_name not in self._functions:
             return None
         file, function = self._functions[function_name]
@@ -399,7 +389,7 @@ class ProgramCode:
 
     @cached_property
     def step_call(self) -> StepCall | None:
-        """The call of ``env.step`` that took the steps."""
+        """The call of `env.step` that took the steps."""
         calls = list(self._step_calls())
         at = self._called.get("step")
         seen = [each for each in calls if at == (each.line.file, each.line.line)]
@@ -425,7 +415,7 @@ class ProgramCode:
         return None if self.step_call is None else self.step_call.line
 
     def choice_line(self) -> CodeLine | None:
-        """Return the line that chooses the action given to ``env.step``, followed through one function."""
+        """Return the line that chooses the action for `env.step`, followed through one function."""
         call = self.step_call
         if call is None or call.argument is None:
             return self._chosen_by_a_method() or self.call_line()
@@ -446,7 +436,6 @@ class ProgramCode:
         return candidates[0].line if candidates else call.line
 
     def _chosen_by_a_method(self) -> CodeLine | None:
-        """Return the line that chooses in an agent without a loop of its own."""
         for name in self._functions:
             if _CHOICE.search(name):
                 chosen = self._chosen_in(name)
@@ -455,7 +444,7 @@ class ProgramCode:
         return None
 
     def _chosen_in(self, function_name: str) -> CodeLine | None:
-        """Return the line of a function that chooses: the one with a maximum, else its first return."""
+        """Return the line of a function with a maximum, else its first return."""
         if function_name not in self._functions:
             return None
         file, function = self._functions[function_name]
@@ -471,7 +460,7 @@ class ProgramCode:
         return self.scope_of(statement.line) is self.scope_of(line)
 
     def scope_of(self, line: CodeLine) -> ast.AST | None:
-        """Return the innermost function that holds ``line``, or its whole file."""
+        """Return the innermost function around `line`, or its file."""
         if line not in self._scopes:
             self._scopes[line] = self._found_scope(line)
         return self._scopes[line]

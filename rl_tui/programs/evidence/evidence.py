@@ -1,4 +1,4 @@
-"""The steps of a program with all that hypotheses about its update are made of, as columns."""
+"""The steps of a program as columns, prepared for hypotheses about its update."""
 
 from __future__ import annotations
 
@@ -14,20 +14,19 @@ NO_ACTION: Final = -1
 _TOO_LARGE: Final = 1e100
 _FEW: Final = 1 << 16
 _JUDGED: Final = 20_000
-"""ChangeColumns from which the precision of a table is read."""
+"""Number of changes from which the precision of a table is estimated."""
 
 
 def order_by(keys: IntArray) -> IntArray:
-    """Return the places of ``keys``, none negative, in their order; equal ones stay as they are."""
+    """Return a stable sort order of nonnegative `keys`."""
     small = len(keys) > 0 and int(keys.max()) < _FEW
     order: IntArray = np.argsort(keys.astype(np.uint16) if small else keys, kind="stable")
     return order
 
 
 class TableHistory:
-    """The table at any moment: what stood in a cell before a step, for many cells and steps at once.
-
-    ``initial``, [S·A], is without NaN; ``span`` is more than any step.
+    """The table at any moment, for many cells and steps at once. `initial`, `[S·A]`, has no NaN, and
+    `span` exceeds any step.
     """
 
     def __init__(self, initial: FloatArray, changes: ChangeColumns, span: int) -> None:
@@ -38,10 +37,8 @@ class TableHistory:
         self._cell, self._after = changes.cell[order], changes.after[order]
 
     def before(self, cell: IntArray, step: IntArray) -> FloatArray:
-        """Return what stood in each ``cell`` before ``step``.
-
-        Both may have any one shape. Where a dict had no entry yet it is what the entry began with. A
-        cell that the table does not have (of another environment) is that of its end.
+        """Return the value in each `cell` before `step`, arrays of equal shape. A missing entry of a dict
+        has the value that it began with. A cell of another environment is clipped to the last one.
         """
         value: FloatArray = self._initial.take(cell, mode="clip")
         if len(self._cell):
@@ -52,12 +49,10 @@ class TableHistory:
 
 
 class Evidence:
-    """The steps from where the table was found, [N] each, oldest first.
-
-    ``number`` are their numbers in the program. Of a step ``reward_before`` is the reward of the step before
-    it in the program (0 before the first), ``next_action`` the action taken next in the same episode (−1:
-    none), ``previous_cell`` the cell of the step before in its episode (−1: none). ``initial`` is the table
-    at the first of them, [S·A], and ``changes`` are the changes from there on that changed a number.
+    """The N steps since the table was found, oldest first. `number` has their numbers in the program.
+    `reward_before` is the reward of the program's previous step (0 at first), `next_action` the next
+    action in the episode (−1 if none), `previous_cell` the previous cell in the episode (−1 if none).
+    `initial`, `[S·A]`, is the table at the first step, and `changes` are all changes of numbers since.
     """
 
     def __init__(self, recording: Recording) -> None:
@@ -84,7 +79,7 @@ class Evidence:
         return len(self.number)
 
     def _neighbours(self) -> tuple[IntArray, IntArray]:
-        """Return the action after and the cell before each step within its episode."""
+        """Return the next action and the previous cell of each step within its episode."""
         next_action: IntArray = np.full(len(self), NO_ACTION)
         previous_cell: IntArray = np.full(len(self), NO_ACTION)
         if len(self) < 2 or np.all(self.episode[1:] >= self.episode[:-1]):
@@ -92,7 +87,7 @@ class Evidence:
             np.copyto(next_action[:-1], self.action[1:], where=follows)
             np.copyto(previous_cell[1:], self.cell[:-1], where=follows)
             return next_action, previous_cell
-        order = np.lexsort((self.number, self.episode))  # episodes of several environments take turns
+        order = np.lexsort((self.number, self.episode))  # episodes of several environments alternate
         follows = self.episode[order][1:] == self.episode[order][:-1]
         next_action[order[:-1][follows]] = self.action[order[1:][follows]]
         previous_cell[order[1:][follows]] = self.cell[order[:-1][follows]]
@@ -100,7 +95,7 @@ class Evidence:
 
     @cached_property
     def _at(self) -> IntArray:
-        """The places of the steps that ``changes`` belong to; −1: it is none of these."""
+        """Index of the step of each change, −1 if it is not included."""
         if not len(self):
             return np.full(len(self.changes.step), -1)
         place = self.changes.step - self.number[0]
@@ -109,26 +104,26 @@ class Evidence:
 
     @property
     def has_next(self) -> BoolArray:
-        """Whether the action taken next in the same episode is known, [N]."""
+        """True if the next action in the episode is known, `[N]`."""
         has_next: BoolArray = self.next_action != NO_ACTION
         return has_next
 
     @cached_property
     def runs_away_at(self) -> float:
-        """The first step after which a number is so large that sums with it say nothing; ∞ if none is."""
+        """First step with a number too large for sums, infinite if there is none."""
         changes = self.recording.changes
         large = np.abs(changes.after) >= _TOO_LARGE
         return float(changes.step[large].min()) if large.any() else np.inf
 
     @cached_property
     def changes_of(self) -> IntArray:
-        """How many cells each step changed, [N]."""
+        """Number of cells that each step changed, `[N]`."""
         counted: IntArray = np.bincount(self._at[self._at >= 0], minlength=len(self))
         return counted
 
     @cached_property
     def only_change(self) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Of each step that changed one cell: the cell, what stood and what stands there; else −1, 0, 0."""
+        """Cell, old and new value of each step that changed one cell, else −1, 0, 0."""
         cell: IntArray = np.full(len(self), -1)
         before, after = np.zeros(len(self)), np.zeros(len(self))
         if len(self):
@@ -141,7 +136,7 @@ class Evidence:
 
     @cached_property
     def learns(self) -> BoolArray:
-        """Whether the table changed at all in the episode of each step, [N]: else it may be an evaluation."""
+        """True for steps of episodes with a change, `[N]`. Other episodes may be evaluations."""
         if not len(self):
             return np.empty(0, np.bool_)
         first = int(self.episode.min())
@@ -152,9 +147,8 @@ class Evidence:
 
     @cached_property
     def visits(self) -> tuple[IntArray, IntArray]:
-        """How often the cell of each step was taken until then, this step included, [N].
-
-        First of all steps, then of those of episodes in which the table changed.
+        """Visits of each step's cell so far, including this step, `[N]`: over all steps, and over episodes
+        with changes only.
         """
         order = order_by(self.cell)
         cell = self.cell[order]
@@ -171,9 +165,9 @@ class Evidence:
 
     @cached_property
     def precision(self) -> float:
-        """How exactly the table holds a number: a number within this share of it may be the same one."""
+        """Relative precision of the table. Closer numbers may be equal."""
         after = self.changes.after[-_JUDGED:]
-        after = after[np.abs(after) < 6e4]  # a half float holds no more
+        after = after[np.abs(after) < 6e4]  # a half float has no larger number
         with np.errstate(all="ignore"):
             if len(after) and np.array_equal(after, after.astype(np.float16)):
                 return 3e-3 if np.any(after != np.rint(after * 16) / 16) else 1e-9
@@ -183,28 +177,27 @@ class Evidence:
 
     @property
     def whole_numbers(self) -> bool:
-        """Whether all that was ever written into the table are whole numbers."""
+        """True if only whole numbers were written to the table."""
         return bool(np.array_equal(self.changes.after, np.rint(self.changes.after)))
 
     def rows(self, state: IntArray, at: IntArray) -> FloatArray:
-        """Return the rows of ``state`` [n] before the steps at the places ``at`` [n], as [n, A]."""
+        """Return the rows of `state`, `[n]`, before the steps at the indexes `at`, `[n]`, as `[n, A]`."""
         cells = state[:, None] * self.actions + np.arange(self.actions)
         steps = np.broadcast_to(self.number[at][:, None], cells.shape)
         return self.history.before(cells, steps)
 
 
 def _settled(recording: Recording, taken: IntArray, first: int) -> tuple[FloatArray, ChangeColumns]:
-    """Return the table of ``recording`` at first, and its changes, with numbers where there was no entry.
-
-    A dict makes rows as they are looked up. What most entries of such rows began with is what all began with.
-    Where there is no such number (rows of random numbers) an entry began with what stood there first, unless
-    the step that made it took its cell (``taken`` [N] are the cells, from step ``first`` on): then with 0.
+    """Return the initial table and the changes without missing entries. A dict makes rows on access, and
+    most entries show the initial value of all. With random rows, an entry began with its first value. An
+    entry made by a step in its own cell began with 0 instead. `taken`, `[N]`, has the cells of the steps
+    from `first` on.
     """
     assert recording.initial is not None
     initial, changes = recording.initial, recording.changes
     kept = (changes.step >= first) if len(taken) else np.zeros(len(changes.step), np.bool_)
     changes = ChangeColumns._make(column[kept] for column in changes) if not kept.all() else changes
-    before, now = changes.before, np.nan_to_num(changes.after)  # an entry that went away counts as 0
+    before, now = changes.before, np.nan_to_num(changes.after)  # a deleted entry counts as 0
     missing = np.isnan(before)
     if missing.any():
         made = np.flatnonzero(missing)
@@ -220,7 +213,7 @@ def _settled(recording: Recording, taken: IntArray, first: int) -> tuple[FloatAr
             looked_up = taken.take(step - first, mode="clip") != changes.cell[made]
             began = np.where(looked_up, after, 0.0)
             initial, before = initial.copy(), before.copy()
-            initial[changes.cell[made[::-1]]] = began[::-1]  # of several the first one stays
+            initial[changes.cell[made[::-1]]] = began[::-1]  # the first of several counts
             before[made] = began
     moved = before != now
     settled = ChangeColumns(changes.step, changes.cell, before, now)

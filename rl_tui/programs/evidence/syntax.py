@@ -1,4 +1,4 @@
-"""Questions to the syntax tree of somebody's source; nothing of it is run."""
+"""Static queries on the syntax tree of a script. Nothing is executed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Node = TypeVar("Node", bound=ast.AST)
 
 
 def parsed_file(file: str) -> ast.Module | None:
-    """Return the tree of ``file``; None where there is none that can be read."""
+    """Return the syntax tree of `file`, or None if it cannot be read."""
     try:
         path = Path(file)
         return _parsed(path, path.stat().st_mtime_ns)
@@ -30,7 +30,7 @@ def parsed_file(file: str) -> ast.Module | None:
 
 @lru_cache(maxsize=32)
 def _parsed(path: Path, changed: int) -> ast.Module | None:
-    del changed  # another key where the file was saved again
+    del changed  # a new key after each save
     text, _ = read_bytes(path, "a Python file", LARGEST_SOURCE)
     try:
         return ast.parse(text)
@@ -43,7 +43,7 @@ def _parsed(path: Path, changed: int) -> ast.Module | None:
 
 
 def imported_modules(tree: ast.Module) -> Iterator[str]:
-    """Yield the names of the modules that are imported anywhere in ``tree``, by full name."""
+    """Yield the full names of all modules imported in `tree`."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (each.name for each in node.names)
@@ -55,20 +55,20 @@ def imported_modules(tree: ast.Module) -> Iterator[str]:
 
 
 def of_type(tree: ast.AST, kind: type[Node]) -> Iterator[Node]:
-    """Yield the nodes of a kind in ``tree``, in the order of their lines."""
+    """Yield the nodes of a kind in `tree`, ordered by line."""
     found = [node for node in ast.walk(tree) if isinstance(node, kind)]
     return iter(sorted(found, key=lambda node: (getattr(node, "lineno", 0), getattr(node, "col_offset", 0))))
 
 
 def name_of(node: ast.AST | None) -> str:
-    """Return the last part of a name or an attribute, else nothing."""
+    """Return the last part of a name or an attribute, else ""."""
     if isinstance(node, ast.Name):
         return node.id
     return node.attr if isinstance(node, ast.Attribute) else ""
 
 
 def base_of(node: ast.expr) -> ast.expr:
-    """Return what is indexed, or copied and indexed, however often."""
+    """Return the object under any number of indexes and copies."""
     while True:
         if isinstance(node, ast.Subscript):
             node = node.value
@@ -88,14 +88,14 @@ def assigned(node: ast.AST) -> tuple[ast.expr | None, ast.expr | None]:
 
 
 def targets_of(node: ast.stmt) -> Sequence[str]:
-    """Return the plain names that an assignment gives values to."""
+    """Return the plain names that an assignment sets."""
     target, _ = assigned(node)
     elements = target.elts if isinstance(target, ast.Tuple) else [target]
     return [each.id for each in elements if isinstance(each, ast.Name)]
 
 
 def is_part_of(value: ast.expr, names: set[str]) -> bool:
-    """Whether ``value`` is a copy of the table, or a row or a cell of it."""
+    """Return True if `value` is a copy of the table, or one of its rows or cells."""
     if isinstance(value, ast.Subscript):
         return name_of(base_of(value)) in names
     if not isinstance(value, ast.Call):
@@ -107,12 +107,12 @@ def is_part_of(value: ast.expr, names: set[str]) -> bool:
 
 
 def is_added_to(node: ast.AST, name: str) -> bool:
-    """Whether a statement changes the number that goes by ``name`` in place."""
+    """Return True if a statement changes the number `name` in place."""
     return isinstance(node, ast.AugAssign) and name_of(node.target) == name
 
 
 def is_write(node: ast.stmt, names: frozenset[str]) -> bool:
-    """Whether a statement puts something into the table that goes by ``names``, or was meant to."""
+    """Return True if a statement writes to the table with these `names`, or tries to."""
     if isinstance(node, ast.AugAssign):
         return name_of(base_of(node.target)) in names
     if isinstance(node, ast.Expr) and isinstance(node.value, ast.Compare):  # == in place of =
@@ -130,7 +130,7 @@ def is_write(node: ast.stmt, names: frozenset[str]) -> bool:
 
 
 def is_set_to_constant(node: ast.stmt, names: frozenset[str]) -> bool:
-    """Whether a statement sets a cell of the table that goes by ``names`` to a number that stands there."""
+    """Return True if a statement sets a cell of the table with these `names` to a constant."""
     target, value = assigned(node)
     if isinstance(value, ast.UnaryOp):
         value = value.operand
@@ -139,18 +139,18 @@ def is_set_to_constant(node: ast.stmt, names: frozenset[str]) -> bool:
 
 
 def is_main_guard(node: ast.If) -> bool:
-    """Whether it is ``if __name__ == "__main__"``."""
+    """Return True for `if __name__ == "__main__"`."""
     return any(each.id == "__name__" for each in of_type(node.test, ast.Name))
 
 
 def inner_statements(node: ast.stmt) -> Iterator[ast.stmt]:
-    """Yield the statements that stand in a loop, a ``with`` or a ``try``."""
+    """Yield the statements in a loop, a `with` or a `try`."""
     for part in ("body", "orelse", "finalbody"):
         yield from getattr(node, part, ())
 
 
 def calls_of_step(node: ast.stmt) -> Iterator[ast.Call]:
-    """Yield the calls of a method ``step`` in a statement that holds no others."""
+    """Yield the calls of a method `step` in a simple statement."""
     if not is_simple(node):
         return
     for call in of_type(node, ast.Call):
@@ -159,15 +159,15 @@ def calls_of_step(node: ast.stmt) -> Iterator[ast.Call]:
 
 
 def is_simple(node: ast.stmt) -> bool:
-    """Whether no statements stand in ``node``."""
+    """Return True if `node` contains no statements."""
     return not hasattr(node, "body")
 
 
 def chooses(node: ast.AST) -> bool:
-    """Whether something is asked for its largest value in ``node``."""
+    """Return True if `node` contains a maximum."""
     return any(name_of(call.func) in _CHOOSING for call in of_type(node, ast.Call))
 
 
 def first_name(node: ast.expr) -> str:
-    """Return the first name in an expression; empty if there is none."""
+    """Return the first name in an expression, or ""."""
     return next((each.id for each in of_type(node, ast.Name) if each.id != "int"), "")

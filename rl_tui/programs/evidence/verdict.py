@@ -1,4 +1,4 @@
-"""What is said of a program: the update that it makes, and what is wrong with it."""
+"""The verdict on a program: its update rule and its findings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ AlphaSchedule = Literal["constant", "1/N", "by-episode"]
 
 
 class Rule(StrEnum):
-    """What an update of one cell aims at."""
+    """The target of an update."""
 
     Q_LEARNING = "q-learning"
     SARSA = "sarsa"
@@ -20,7 +20,7 @@ class Rule(StrEnum):
 
 
 class CodeFault(StrEnum):
-    """What may be wrong with a program; the last two are risks."""
+    """Kinds of findings. The last two are risks."""
 
     BOOTSTRAPS_AFTER_END = "bootstraps-after-end"
     NO_BOOTSTRAP_AFTER_TRUNCATION = "no-bootstrap-after-truncation"
@@ -41,7 +41,7 @@ RISKS = frozenset({CodeFault.FIRST_OF_TIES, CodeFault.NEVER_EXPLORES})
 
 
 class UpdateTarget(StrEnum):
-    """Where the value of the next state is read from, right or wrong."""
+    """The source of the next state's value, right or wrong."""
 
     BEST = "max Q(s′)"
     NEXT_ACTION = "Q(s′, a′)"
@@ -54,30 +54,36 @@ class UpdateTarget(StrEnum):
 
 
 def step_number(step: int) -> int:
-    """Return the number by which people know ``step``: they count from 1, the pipe and a recording from 0."""
+    """Return the number of `step` for people, who count from 1. Messages and recordings count from 0."""
     return int(step) + 1
 
 
 class MovedCell(StrEnum):
-    """Which cell moves with a step."""
+    """The cell that moves with a step."""
 
     TAKEN = "(s, a)"
     MOVED = "(s′, a)"
-    ONE_LATE = "that of the step before"
+    ONE_LATE = "the pair of the step before"
 
 
 @dataclass(frozen=True, slots=True)
 class UpdateFound:
-    """The update that fits the changes of a table.
+    """The update that fits the changes of a table. An unknown rule may have `alpha` and `gamma` that fit,
+    if no step distinguishes Q-learning from SARSA. `reason` says so then.
 
-    ``alpha`` is None where it is not constant or nothing tells it, ``gamma`` where no step tells it.
-    ``epsilon`` is that of Expected SARSA's mean where it is constant, else None. ``reward`` is the
-    environment's or the program's own. ``fits`` is the share of the steps considered that it explains, from 0
-    to 1, None for an unknown rule; ``informative`` counts the steps on which the value of the next state
-    matters. ``departs_at`` is the first step that it does not explain, counted from 0. ``target``, ``place``
-    and ``uses_reward_before`` (before that of the step whose cell moves) say how it does so, also where that
-    is a fault; ``rule`` is the one that it is meant to be. An unknown rule may come with ``alpha`` and
-    ``gamma``: those fit, but no step tells Q-learning from SARSA, as ``reason`` says then.
+    Attributes:
+        rule: The rule that it is meant to be.
+        alpha: Step size, None if undetermined or not constant.
+        alpha_schedule: Kind of step size.
+        gamma: Discount, None if undetermined.
+        epsilon: That of Expected SARSA's mean, None if not constant.
+        reward: The environment's reward or the program's own.
+        fits: Share of explained steps, 0 to 1, None for an unknown rule.
+        informative: Number of steps on which the next value matters.
+        departs_at: First unexplained step, from 0.
+        target: Source of the next value, right or wrong.
+        place: The moving cell, right or wrong.
+        uses_reward_before: True if it uses the reward of the previous step.
     """
 
     rule: Rule = Rule.UNKNOWN
@@ -93,17 +99,23 @@ class UpdateFound:
     place: MovedCell = MovedCell.TAKEN
     uses_reward_before: bool = False
     reason: str = ""
-    """Why nothing can be said, as a sentence, for an unknown rule."""
+    """Reason why the rule is unknown, as a sentence."""
 
 
 @dataclass(frozen=True, slots=True)
 class CodeFinding:
-    """A fault or a risk.
+    """A fault or a risk. A "declared" one relies on a number in the code.
 
-    ``certainty`` "declared" rests on a number read from the code. ``step`` is the first step that shows it,
-    counted from 0; ``steps_for`` of the steps on which the two hypotheses differ speak for it,
-    ``steps_against`` against it: 0 for a fault. ``text`` says what was seen, ``correction`` what to do in the
-    terms of the book.
+    Attributes:
+        fault: Kind of finding.
+        certainty: How certain it is.
+        step: First step that shows it, from 0.
+        steps_for: Distinguishing steps that support it.
+        steps_against: Distinguishing steps against it, 0 for a fault.
+        text: What was observed.
+        correction: What to do, in the terms of the book.
+        file: File of the line, or "".
+        line: Line in the code, or None.
     """
 
     fault: CodeFault
@@ -118,15 +130,15 @@ class CodeFinding:
 
     @property
     def kind(self) -> Literal["fault", "risk"]:
-        """Whether it is wrong, or may go wrong by bad luck."""
+        """The kind: "fault" if it is wrong, "risk" if it may fail by bad luck."""
         return "risk" if self.fault in RISKS else "fault"
 
 
 @dataclass(frozen=True, slots=True)
 class ProgramVerdict:
-    """All that is said of a program so far."""
+    """The verdict on a program so far."""
 
     update: UpdateFound = field(default_factory=UpdateFound)
     findings: tuple[CodeFinding, ...] = ()
     notes: tuple[str, ...] = ()
-    """What cannot be told, and why; how the program departs from the book without a fault."""
+    """Unknown facts with reasons, and harmless departures from the book."""

@@ -1,1 +1,1 @@
-"""Programs watched to their end: what they did, and how good what they learned is."""
+"""Programs watched to their end: reports and grades."""

@@ -58,13 +58,14 @@ from rl_tui.worlds.world import World
 
 
 GIVEN: Final = ("alpha", "gamma", "epsilon", "epsilon_decay", "epsilon_min", "initial_q")
-"""The hyper-parameters that an agent can be given."""
+"""Hyper-parameters that an agent can receive."""
 
 
 def place_of_agent(agent: AgentName) -> AgentPlace:
-    """Return where in its file ``agent`` is.
+    """Return the position of `agent` in its file.
 
-    Raises UserError where there is none, or there are several, or the file learns as soon as it is imported.
+    Raises:
+        UserError: There is no such agent, or there are several, or the file learns when imported.
     """
     tree = read_script(agent.path).tree
     place = the_agent(tree, agent.path, agent.name)
@@ -72,7 +73,7 @@ def place_of_agent(agent: AgentName) -> AgentPlace:
         name = shown(agent.path.name)
         raise UserError(
             f"{name} makes an environment and learns in it as soon as it is imported: put its loop below "
-            'if __name__ == "__main__":, or watch it as it is with rl-tui watch'
+            'if __name__ == "__main__":, or watch it unchanged with rl-tui watch'
         )
     return place
 
@@ -80,10 +81,17 @@ def place_of_agent(agent: AgentName) -> AgentPlace:
 def agent_request(
     agent: AgentName, recipe: Recipe, given: Mapping[str, object], goal: Goal, memory: int | None = None
 ) -> ProgramRequest:
-    """Return the request for ``agent`` to learn in the scenario and with the seed of ``recipe``.
+    """Return the request to train `agent` in the scenario of `recipe` with its seed.
 
-    ``given`` are the hyper-parameters that a person gave, by name; those that no agent takes are left out.
-    Raises UserError where one is no number.
+    Args:
+        agent: File and name.
+        recipe: Scenario, seed and default settings.
+        given: Hyper-parameters from the user, of which agents can receive `GIVEN`.
+        goal: End of the training.
+        memory: Memory limit in bytes, if any.
+
+    Raises:
+        UserError: A hyper-parameter is not a number.
     """
     numbers: dict[str, float] = {}
     for name in GIVEN:
@@ -106,9 +114,8 @@ def agent_request(
 
 
 def _defaults(values: Hyperparameters) -> dict[str, float]:
-    """Return what holds where neither a person nor the agent says anything.
-
-    Agents understand a decay in several ways; none decays to an ε that is where it starts.
+    """Return the defaults for parameters without a value from the user or the agent. Agents interpret a
+    decay in several ways, but none decays to the ε at which it starts.
     """
     epsilon = values.epsilon
     usual = Hyperparameters()
@@ -123,7 +130,7 @@ def _defaults(values: Hyperparameters) -> dict[str, float]:
 
 
 def _scenario_name(recipe: Recipe) -> str:
-    """Return by what the scenario is found in another process: its id where it is shipped, else its file."""
+    """Return the name that finds the scenario in another process: the id of a shipped one, else the file."""
     source = recipe.scenario.source
     return recipe.scenario.id if source.parent == shipped_folder() else str(source)
 
@@ -137,25 +144,24 @@ NEVER: Final = 0
 
 
 class EpisodeRecording(Recording):
-    """The steps of an agent in one environment of ``states`` · ``actions`` pairs.
-
-    ``on_finished`` is called with the returns (undiscounted) and lengths of finished episodes, [n] each, in
-    order and each once. ``visits``, [S·A], counts how often each pair was taken.
+    """The recording of an agent in one environment with `states` · `actions` cells. `on_finished` is
+    called once for each batch of finished episodes, in order, with undiscounted returns and lengths, `[n]`
+    each. `visits`, `[S·A]`, counts how often each pair was taken.
     """
 
     def __init__(self, states: int, actions: int, on_finished: OnFinished) -> None:
         super().__init__()
         self.visits: IntArray = np.zeros(states * actions, np.int64)
         self.episodes = 0
-        """How many episodes are finished."""
+        """Number of finished episodes."""
         self.first_reward_episode = NEVER
-        """The first episode, from 1, with a reward that is not 0."""
+        """First episode, from 1, with a reward other than 0."""
         self._width = actions
         self._on_finished = on_finished
         self._return_so_far, self._length_so_far = 0.0, 0
 
     def add(self, steps: npt.NDArray[np.float64], changes: npt.NDArray[np.float64]) -> None:
-        """Add steps, [n, 8], and changes, [m, 4], as they come through the pipe."""
+        """Add steps, `[n, 8]`, and changes, `[m, 4]`, as received."""
         super().add(steps, changes)
         if len(steps):
             cells = (steps[:, _STATE] * self._width + steps[:, _ACTION]).astype(np.int64)
@@ -166,13 +172,13 @@ class EpisodeRecording(Recording):
             self._finish(steps[:, _REWARD], np.flatnonzero(steps[:, _FLAGS]))
 
     def _finish(self, rewards: FloatArray, ends: IntArray) -> None:
-        """Take in the next ``rewards``, [n]; after those at the places ``ends`` an episode is over."""
+        """Add `rewards`, `[n]`. An episode ends after each index in `ends`."""
         starts = np.concatenate(([0], ends + 1))
         if not len(ends):
             self._return_so_far += float(rewards.sum())
             self._length_so_far += len(rewards)
             return
-        # Without those after the last end, which reduceat would add to the last episode
+        # without rewards after the last end, which reduceat would add to the last episode
         returns = np.add.reduceat(rewards[: starts[-1]], starts[:-1])
         lengths = ends - starts[:-1] + 1
         returns[0] += self._return_so_far
@@ -191,7 +197,7 @@ _LONGEST_ERROR: Final = 400
 
 @dataclass(slots=True)
 class AgentRun:
-    """One run of an agent: its seed, its world, and what it told."""
+    """One run of an agent: its seed, world and log."""
 
     seed: int
     world: World
@@ -203,20 +209,24 @@ class AgentRun:
 
     @property
     def q(self) -> FloatArray | None:
-        """What stands in its table for each pair of the world, [P], absent entries as 0; None without one."""
+        """Estimates of the pairs, `[P]`, 0 for missing entries, or None without a table."""
         return estimates_of(self.log, self.world.space)
 
     @property
     def mdp(self) -> TabularMDP | None:
-        """The table for exact figures; None where there is none, where it is large, and where it drifts."""
+        """The transition table for exact results, or None if it is missing, large or drifting."""
         mdp = self.world.mdp
         return None if mdp is None or mdp.states > MOST_STATES or mdp.drift_std > 0.0 else mdp
 
 
 class AgentRuns:
-    """Runs of the agent ``name`` in the scenario of ``recipe``, which differ in their seed.
+    """Runs of an agent that differ in their seed. Exact results use the γ of `recipe`.
 
-    ``given`` are the hyper-parameters that a person gave, by name. Exact figures are for the γ of ``recipe``.
+    Args:
+        name: File and name of the agent.
+        place: Its position in the file.
+        recipe: Scenario and settings.
+        given: Hyper-parameters from the user.
     """
 
     figures: tuple[str, ...] = FIGURES
@@ -228,14 +238,14 @@ class AgentRuns:
     ) -> None:
         self.name, self.place, self.recipe, self.given = name, place, recipe, given
         self.first_seed = recipe.seed
-        """The seed of the first of them."""
+        """First seed."""
         self._world = None if recipe.scenario.section.drawn_from_seed else begin(recipe).world
         self._solving = threading.Lock()
-        self._optima: list[Solution | None] = []  # the one that a shared world has, once it is known
+        self._optima: list[Solution | None] = []  # solution of a shared world, once known
         self._digest = None if self._world is None else world_digest(self._world)
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> AgentRun:
-        """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
+        """Return a fresh run of `seed`; `on_episodes` receive its episodes."""
         world = self._world or begin(_with_seed(self.recipe, seed)).world
         history, hand_on = History(), each_of(*on_episodes)
 
@@ -247,7 +257,7 @@ class AgentRuns:
         return AgentRun(seed, world, history, ProgramLog(recording), recording)
 
     def train(self, run: AgentRun, goal: Goal, on_progress: OnProgress) -> None:
-        """Let ``run`` learn up to ``goal``. Raises UserError, with file and line, where the agent failed."""
+        """Train `run` until `goal`. Raises UserError, with file and line, if the agent fails."""
         request = agent_request(self.name, _with_seed(self.recipe, run.seed), self.given, goal)
         wanted = goal.steps or goal.episodes or 0
 
@@ -263,7 +273,7 @@ class AgentRuns:
         run.verdict = verdict_of(run.log)
 
     def _exact(self, run: AgentRun) -> GreedyFigures:
-        """Return the exact figures of what ``run`` has learned; all None where it has no table."""
+        """Return exact results of `run`, all None without a table."""
         q, gamma = run.q, self.recipe.hyperparameters.gamma
         if q is None or run.mdp is None:
             return NO_EXACT_FIGURES
@@ -275,7 +285,7 @@ class AgentRuns:
         return figures_of_estimates(run.mdp, q, "random", gamma, self._optima[0])
 
     def measured(self, run: AgentRun) -> MeasuredRun:
-        """Return ``run`` as measures see it."""
+        """Return the input of metrics for `run`."""
         recording, total = run.recording, run.history.total_return
         return MeasuredRun(
             recording.count,
@@ -288,12 +298,14 @@ class AgentRuns:
         )
 
     def row(self, run: AgentRun) -> dict[str, Any]:
-        """Return the seed and the figures of ``run``, as ``train --runs --json`` prints them."""
+        """Return seed and numbers of `run`, as in `train --runs --json`."""
         digest = world_digest(run.world) if self._world is None else self._digest
         return row_of(run.seed, self.measured(run), digest)
 
     def head(self, verdict: ProgramVerdict | None) -> dict[str, Any]:
-        """Return who learned, as JSON; hyper-parameters that ``verdict`` does not prove are null."""
+        """Return the description of the agent as JSON data. Hyper-parameters are null unless `verdict`
+        proves them.
+        """
         of_recipe, update = head(self.recipe), (verdict or ProgramVerdict()).update
         proven: dict[str, float | str | None] = {
             "alpha": update.alpha,
@@ -314,9 +326,13 @@ class AgentRuns:
 def train_agent(
     runs: AgentRuns, goal: Goal, on_episodes: OnEpisodes | None = None, on_progress: OnProgress = no_progress
 ) -> tuple[AgentRun, dict[str, Any], dict[str, list[Any]]]:
-    """Let the agent of ``runs`` learn once, and return the run, its document and its mean curve.
+    """Train the agent of `runs` once.
 
-    Raises UserError where it failed.
+    Returns:
+        The run, its document, and its mean curve.
+
+    Raises:
+        UserError: The agent failed.
     """
     curve = None if goal.episodes is None else RunCurve(goal.episodes)
     run = runs.new_run(runs.first_seed, on_episodes, curve)
@@ -329,14 +345,13 @@ def train_agent(
 def train_agent_often(
     runs: AgentRuns, count: int, goal: Goal, csv: Path | TextIO | None, on_progress: OnProgress = no_progress
 ) -> dict[str, Any]:
-    """Let the agent of ``runs`` learn ``count`` times, and return the document of ``train --runs --json``."""
+    """Train the agent of `runs` `count` times, and return the document of `train --runs --json`."""
     return {**runs.head(None), **figures_of_runs(runs, count, goal, csv, on_progress)}
 
 
 def estimates_of(log: ProgramLog, space: FiniteSpace) -> FloatArray | None:
-    """Return what stands in the table of an agent for each pair of its world, [P], absent entries as 0.
-
-    None where no table of that size was found.
+    """Return the estimates of the pairs in an agent's table, `[P]`, 0 for missing entries. None without a
+    table of this size.
     """
     recording, actions = log.recording, len(space.action_names)
     if recording.initial is None or len(recording.initial) != space.states * actions:
@@ -347,7 +362,7 @@ def estimates_of(log: ProgramLog, space: FiniteSpace) -> FloatArray | None:
 
 
 def error_of_agent(log: ProgramLog, goal: Goal) -> ProgramError | None:
-    """Return what the agent of ``log`` raised, or why it could not be watched, or that it ended too early."""
+    """Return the exception of the agent, the reason why it could not be watched, or an early end."""
     error = error_of(log)
     if error is not None:
         return error
@@ -361,14 +376,13 @@ def error_of_agent(log: ProgramLog, goal: Goal) -> ProgramError | None:
 
 
 def error_in_a_line(path: Path, error: ProgramError) -> str:
-    """Return what a program at ``path`` raised, with the place, in one line."""
+    """Return the error of the program at `path` in one line with its place."""
     place = str(path) if error.line is None else f"{error.file or path}, line {error.line}"
     raised = error.text if error.type == UserError.__name__ else f"{error.type}: {error.text}"
     return one_line(raised if error.type == UserError.__name__ else f"{place}: {raised}", _LONGEST_ERROR)
 
 
 def _document(runs: AgentRuns, run: AgentRun) -> dict[str, Any]:
-    """Return what ``run`` came to: the keys of ``train --json`` and who learned."""
     space, q, measured = run.world.space, run.q, runs.measured(run)
     cells = space.pair_state * len(space.action_names) + space.pair_action
     found = run.log.table

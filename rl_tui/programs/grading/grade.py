@@ -44,15 +44,11 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 @dataclass(frozen=True, slots=True)
 class Yardstick:
-    """What returns in a world are measured by: the best one, and how much is at stake in an episode.
-
-    The share of the best is 1 − (best − return) / stake: 1 for the best policy, less by the same for each
-    point of return that is lost. The stake, above 0, is all that an episode of the best policy pays and costs
-    together. So where there are only rewards the share is return / best, and where there are only costs it
-    is 1 less the extra costs as a share of the least ones: −17 on a cliff of −13 is a share of 0.69.
-
-    ``of_optimal`` is the return of the optimal policy for the world's γ, None where that is not known. It may
-    be less than the best, which does not discount, and may look at the clock.
+    """The scale of returns in a world: the share of the best is 1 − (best − return) / stake. It is 1 for
+    the best policy. The stake (> 0) is the sum of all rewards and costs in an episode of the best policy.
+    With rewards only, the share is return / best. With costs only, it is 1 minus the relative extra cost:
+    −17 on a cliff of −13 gives 0.69. `of_optimal` is the return of the optimal policy for the world's γ,
+    or None. It may be below the best, which does not discount and may depend on the time.
     """
 
     best: float
@@ -60,15 +56,13 @@ class Yardstick:
     of_optimal: float | None = None
 
     def share(self, value: float | None) -> float | None:
-        """Return the share of the best of a policy that returns ``value``; None where that has no return."""
+        """Return the share of the best for a return, or None without a return."""
         return None if value is None else 1.0 - (self.best - value) / self.stake
 
 
 def yardstick_of(mdp: TabularMDP, gamma: float) -> Yardstick | None:
-    """Return what returns in ``mdp`` are measured by, None where no best return is known.
-
-    The best policy whose episodes tell the stake is the one for ``gamma``. Where nothing is at stake in them,
-    since the best is to get nothing, it is what a uniformly random policy loses.
+    """Return the scale for `mdp`, or None without a best return. The stake is that of the optimal policy
+    for `gamma`. If its episodes have no rewards, the loss of the random policy is used.
     """
     best = best_expected_return(mdp)
     if best is None:
@@ -82,7 +76,7 @@ def yardstick_of(mdp: TabularMDP, gamma: float) -> Yardstick | None:
 
 
 def _of_optimal_policy(mdp: TabularMDP, gamma: float) -> tuple[float | None, float | None]:
-    """Return the return of the optimal policy, and what an episode of it pays and costs together."""
+    """Return the return of the optimal policy, and the sum of absolute rewards in its episode."""
     try:
         policy = uniform_over(mdp, solve(mdp, gamma).greedy)
     except NoExactAnswer:
@@ -97,7 +91,7 @@ def _of_optimal_policy(mdp: TabularMDP, gamma: float) -> tuple[float | None, flo
 _LONGEST_ERROR: Final = 400
 _LONGEST_ID: Final = 80
 _MOST_STEPS: Final = 1_000_000
-"""The last steps that are kept to look for faults in; several submissions are in memory at once."""
+"""Number of last steps stored for the diagnosis, because several submissions are in memory at once."""
 _NO_TABLE: Final = "no table of values was found in it"
 _NOT_RUN: Final = "not run, as an earlier seed took too long"
 _SAME_ARRAYS: Final = ("first_pair", "pair_action", "first_outcome", "next_state", "terminated")
@@ -108,7 +102,7 @@ _TOLERANCE: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class GradingLimits:
-    """What one seed of a submission may take: ``seconds``, and ``memory`` in bytes."""
+    """Limits of one seed of a submission: `seconds`, and `memory` in bytes."""
 
     seconds: float = 60.0
     memory: int = 2048 * 2**20
@@ -116,10 +110,8 @@ class GradingLimits:
 
 @dataclass(frozen=True, slots=True)
 class GradedRun:
-    """One seed: what the greedy policy of the table is worth, or the error that kept it from being known.
-
-    ``share`` is that of the best return. Both are None where the policy may never end, and where there is an
-    error, which is empty otherwise.
+    """The result of one seed: the return of the greedy policy and its share of the best, or an error. Both
+    are None if the policy may never end, or at an error.
     """
 
     seed: int
@@ -139,23 +131,23 @@ class GradedSubmission:
 
     @property
     def shares(self) -> list[float]:
-        """The shares of the best of the seeds that have one."""
+        """Shares of the best, of the seeds that have one."""
         return [run.share for run in self.runs if run.share is not None]
 
     @property
     def mean_share(self) -> float | None:
-        """The mean of :attr:`shares`; None where there is none."""
+        """Mean of `shares`, or None without any."""
         return statistics.fmean(self.shares) if self.shares else None
 
     @property
     def passed(self) -> bool:
-        """Whether every seed has a return, and their mean share of the best is the threshold or more."""
+        """True if every seed has a return, and the mean share reaches the threshold."""
         mean = self.mean_share
         return mean is not None and len(self.shares) == len(self.runs) and mean >= self.threshold - _TOLERANCE
 
     @property
     def findings(self) -> list[tuple[CodeFinding, int]]:
-        """Each fault that was found, as in the first seed that shows it, and how many seeds show it."""
+        """Each fault with its finding in the first seed, and the number of seeds that show it."""
         first, count = dict[CodeFault, CodeFinding](), dict[CodeFault, int]()
         for run in self.runs:
             for finding in run.findings:
@@ -165,9 +157,17 @@ class GradedSubmission:
 
 
 class Grading:
-    """Grades in the scenario of ``recipe``, with its seed and those that follow, ``seeds`` in all.
+    """Grades submissions in a scenario with consecutive seeds.
 
-    An agent learns for ``episodes``. Raises UserError where the scenario has no exact answer to grade by.
+    Args:
+        recipe: Scenario and first seed.
+        seeds: Number of seeds.
+        episodes: Training episodes of an agent.
+        threshold: Mean share of the best to pass.
+        limits: Limits of each seed.
+
+    Raises:
+        UserError: The scenario has no exact solution.
     """
 
     def __init__(
@@ -189,11 +189,13 @@ class Grading:
         on_progress: Callable[[int, int], None],
         on_graded: Callable[[GradedSubmission], None] = lambda _: None,
     ) -> list[GradedSubmission]:
-        """Return the grades, in order; one that crashes does not stop the others.
+        """Grade submissions in order. A crash does not stop the others, and a slow submission skips its
+        further seeds.
 
-        A submission that took too long once is not run with further seeds. ``on_progress`` is called, one
-        call at a time, with how many runs are done, and how many there are; ``on_graded`` with each
-        submission in order, as soon as it and those before it are done.
+        Args:
+            submissions: Files to grade.
+            on_progress: Called with (runs done, runs in all), one call at a time.
+            on_graded: Called with each submission in order, as soon as it is done.
         """
         wanted, done = len(submissions) * self.seeds, 0
 
@@ -226,16 +228,13 @@ class Grading:
                 on_graded(grades[-1])
             return grades
         finally:
-            given_up.set()  # before all are done only where an exception passes, as at ctrl+c
+            given_up.set()  # before all are done only after an exception, such as ctrl+c
             pool.shutdown(wait=True, cancel_futures=True)
 
     def _graded(
         self, submission: Submission, seed: int, given_up: threading.Event, slow: threading.Event
     ) -> GradedRun:
-        """Return what one seed of ``submission`` came to; whatever goes wrong with it is said there.
-
-        ``slow`` is set where it took too long.
-        """
+        """Return the result of one seed, with any error. `slow` is set if it took too long."""
         try:
             is_agent = agent_of(submission) is not None
             log = self._watched(submission, seed, given_up, is_agent=is_agent)
@@ -249,8 +248,8 @@ class Grading:
             q = self._q_of_agent(log) if is_agent else self._q_of_script(log)
         except (UserError, OSError) as fault:
             return GradedRun(seed, error=one_line(str(fault), _LONGEST_ERROR))
-        except Exception as fault:  # what a submission sends may be anything, and others are still to come
-            said = f"what came of it cannot be read ({type(fault).__name__}: {fault})"
+        except Exception as fault:  # a submission may send anything, and others follow
+            said = f"its result cannot be read ({type(fault).__name__}: {fault})"
             return GradedRun(seed, error=one_line(said, _LONGEST_ERROR))
         value = expected_return(self.mdp, greedy_policy(self.mdp, q, "random"))
         return GradedRun(seed, value, self.yardstick.share(value), findings=findings)
@@ -258,12 +257,12 @@ class Grading:
     def _watched(
         self, submission: Submission, seed: int, given_up: threading.Event, *, is_agent: bool
     ) -> ProgramLog:
-        """Return all that one seed of ``submission`` told, which may be an error."""
+        """Return everything that one seed of `submission` reported."""
         request = ProgramRequest(submission.agent.path, seed=seed, memory=self._limits.memory)
         if is_agent:
             recipe = replace(self.recipe, seed=seed)
             request = agent_request(submission.agent, recipe, {}, self._goal, self._limits.memory)
-            request = replace(request, scenario_seed=self.recipe.seed)  # all seeds learn in one world
+            request = replace(request, scenario_seed=self.recipe.seed)  # all seeds use the same world
 
         def check(_: ProgramLog) -> None:
             if given_up.is_set():
@@ -274,15 +273,16 @@ class Grading:
     def _q_of_agent(self, log: ProgramLog) -> FloatArray:
         q = estimates_of(log, self.mdp)
         if q is None and log.table is None and program_code(log).lacks_update:
-            return np.zeros(self.mdp.pairs)  # a dict into which nothing is ever written
+            return np.zeros(self.mdp.pairs)  # a dict that is never written
         if q is None:
             raise UserError(_NO_TABLE)
         return q
 
     def _q_of_script(self, log: ProgramLog) -> FloatArray:
-        """Return what the table of a script says of the pairs of the scenario, [P].
+        """Return the estimates of a script for the scenario, `[P]`.
 
-        Raises UserError where it has none, or learned in another world than that of the scenario.
+        Raises:
+            UserError: The script has no table, or learned in another world.
         """
         environment = environment_of(log)
         if environment is None:
@@ -296,7 +296,7 @@ class Grading:
 
 
 def grade_report(grading: Grading, graded: Sequence[GradedSubmission]) -> dict[str, Any]:
-    """Return the grades as JSON."""
+    """Return the grades as JSON data."""
     return {
         "scenario": grading.recipe.scenario.id,
         "seeds": grading.seeds,
@@ -319,7 +319,7 @@ def grade_report(grading: Grading, graded: Sequence[GradedSubmission]) -> dict[s
 
 
 def _measured(recipe: Recipe) -> tuple[TabularMDP, Yardstick]:
-    """Return the table of the scenario, and what returns in it are measured by."""
+    """Return the table of the scenario with its scale of returns."""
     mdp, id_ = begin(recipe).world.mdp, recipe.scenario.id
     if mdp is None or mdp.drift_std > 0.0:
         said = f"{id_} cannot be graded by: it has no table that stays, and so no exact answer"
@@ -333,7 +333,7 @@ def _measured(recipe: Recipe) -> tuple[TabularMDP, Yardstick]:
 
 
 def _has_table_twin(id_: str) -> bool:
-    """Return whether the same is there as a scenario with a table of transitions, as blackjack-table is."""
+    """Return True if the scenario exists in a version with a table, such as blackjack-table."""
     try:
         recipe_named(f"{id_}{_WITH_TABLE}")
     except UserError:
@@ -342,13 +342,11 @@ def _has_table_twin(id_: str) -> bool:
 
 
 def _as_made(environment: ProgramEnvironment) -> str:
-    """Return the id of ``environment`` and what it was made with, by which two of one id differ."""
     made = ", ".join(f"{name}={value!r}" for name, value in (environment.kwargs or {}).items())
     return one_line(f"{environment.id} with {made}" if made else environment.id, _LONGEST_ID)
 
 
 def _is_same(found: TabularMDP | None, wanted: TabularMDP) -> bool:
-    """Return whether two worlds have the same transitions; their time limits may differ."""
     if found is None or (found.states, found.pairs) != (wanted.states, wanted.pairs):
         return False
     return all(np.array_equal(getattr(found, name), getattr(wanted, name)) for name in _SAME_ARRAYS) and all(

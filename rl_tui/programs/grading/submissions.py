@@ -1,4 +1,4 @@
-"""What is graded: files, each an agent or a script with a loop of its own."""
+"""The files to grade: each has an agent, or a script with its own loop."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ from rl_tui.programs.watched.child.script import read_script
 
 _SUFFIX: Final = ".py"
 _LEFT_OUT: Final = ("_", "test_", "conftest", ".")
-"""How the names of files begin that are no submissions: parts of others, and tests."""
+"""Prefixes of file names that are not submissions: parts of others, and tests."""
 _MOST: Final = 1_000
 
 
 class Submission(NamedTuple):
-    """A file to grade: what it is called in the report, and its class or function, if that is named."""
+    """A file to grade, with its name in the report, and its class or function if given."""
 
     name: str
     agent: AgentName
 
 
 class FoundSubmissions(NamedTuple):
-    """The submissions of a folder or file, by name, and the names of the Python files that were left out."""
+    """The submissions by name, and the names of skipped Python files."""
 
     submissions: list[Submission]
     left_out: list[str]
 
 
 def submissions_in(target: str) -> FoundSubmissions:
-    """Return what ``target``, ``FILE.py[:NAME]`` or a folder, has to grade.
+    """Return the submissions in `target`, `FILE.py[:NAME]` or a folder. In a folder these are all Python
+    files, except names that start with `_`, `.`, `test_` or `conftest`, and modules that others import.
 
-    Of a folder it is every Python file that lies in it, but for those whose names begin with ``_``, ``.``,
-    ``test_`` or ``conftest``, and parts that others import and that are no submissions themselves. Raises
-    UserError where there is nothing.
+    Raises:
+        UserError: There is nothing to grade.
     """
     folder = Path(target)
     if not folder.is_dir():
@@ -69,7 +69,7 @@ def submissions_in(target: str) -> FoundSubmissions:
 
 
 def _parts_of_others(files: Sequence[Path]) -> list[Path]:
-    """Return which of ``files`` others of them import, and have neither an agent nor an environment."""
+    """Return the files that others import, and that have neither an agent nor an environment."""
     trees = {each: parsed_file(str(each)) for each in files}
     imported = {
         name.partition(".")[0]
@@ -88,9 +88,10 @@ def _parts_of_others(files: Sequence[Path]) -> list[Path]:
 
 
 def agent_of(submission: Submission) -> AgentPlace | None:
-    """Return the agent of ``submission``; None where it is a script: it has none, or learns when imported.
+    """Return the agent of `submission`, or None for a script (no agent, or it learns when imported).
 
-    Raises UserError where the file is no Python, the agent that is named is not there, or there are several.
+    Raises:
+        UserError: The file is not Python, the named agent does not exist, or there are several.
     """
     path, name = submission.agent
     tree = read_script(path).tree

@@ -1,4 +1,4 @@
-"""What is said of a program that was watched to its end: the document of ``watch --json``."""
+"""The report on a program watched to its end: the document of `watch --json`."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ from rl_tui.runs.figures import MOST_STATES, finite
 
 @dataclass(frozen=True, slots=True)
 class LearnedFigures:
-    """What the greedy policy of a program's table is worth, exactly; None where nothing tells it.
+    """Exact results of a program's greedy policy, or None if unknown.
 
-    ``expected_return`` and ``best_expected_return`` are undiscounted and within the time limit, the best by
-    any policy; ``value_at_start`` is discounted by the γ that was found in the program; where that
-    is 0, by the one in its code.
+    Attributes:
+        expected_return: Undiscounted return within the time limit.
+        best_expected_return: The same of the best policy.
+        value_at_start: Discounted by the γ found, or by the γ in the code if that is 0.
     """
 
     expected_return: float | None = None
@@ -26,9 +27,9 @@ class LearnedFigures:
 
 
 def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[str, Any]:
-    """Return all that is said of the program that told ``log``, as JSON; ``script`` is what it is called."""
+    """Return the report on the program of `log` as JSON data. `script` is its name."""
     gamma, declared = verdict.update.gamma, declared_discount(log.numbers)
-    if gamma == 0.0 and declared is not None:  # the next state is left out: what counts is what is meant
+    if gamma == 0.0 and declared is not None:  # without the next state in the update, the intended γ counts
         gamma = declared[1]
     environment, learned = environment_of(log), learned_figures(log, gamma)
     document: dict[str, Any] = finite(
@@ -51,14 +52,14 @@ def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[
 
 
 def environment_of(log: ProgramLog) -> ProgramEnvironment | None:
-    """Return the environment that the table of a program belongs to; without a table the first one."""
+    """Return the environment of the table, or the first one without a table."""
     cells = None if log.recording.initial is None else len(log.recording.initial)
     fitting = (each for each in log.environments if each.states * each.actions == cells)
     return next(fitting, log.environments[0] if log.environments else None)
 
 
 def episodes_of(log: ProgramLog) -> int:
-    """Return how many episodes are over: ended, or left for another one."""
+    """Return the number of episodes that have ended or were left."""
     steps = log.recording.steps
     if not log.episodes:
         return 0
@@ -66,15 +67,19 @@ def episodes_of(log: ProgramLog) -> int:
 
 
 def error_of(log: ProgramLog) -> ProgramError | None:
-    """Return what a program raised, or why it could not be watched; None where neither is so."""
+    """Return the exception of a program or its refusal, or None."""
     return ProgramError("Refused", log.refused) if log.refused else log.error
 
 
 def learned_figures(log: ProgramLog, gamma: float | None) -> LearnedFigures:
-    """Return what the table of a program has come to, by the γ that was found in it, if one was.
+    """Return exact results of a program's table, with ties shared equally.
 
-    Ties are shared evenly. All are None where no table of transitions is known, or its world has more than
-    50,000 states.
+    Args:
+        log: Everything the program reported.
+        gamma: γ found in the program, if any.
+
+    Returns:
+        Results, all None without a transition table or above 50,000 states.
     """
     from rl_tui.agents.exact.policy_figures import expected_return, figures, greedy_policy
     from rl_tui.agents.exact.solve import best_expected_return
@@ -136,7 +141,7 @@ def _update(update: UpdateFound) -> dict[str, Any]:
 
 
 def finding_as_json(finding: CodeFinding) -> dict[str, Any]:
-    """Return ``finding`` as JSON."""
+    """Return `finding` as JSON data."""
     return {
         "fault": finding.fault.value,
         "kind": finding.kind,

@@ -1,1 +1,1 @@
-"""Agents that people write, without a loop: the shapes they are taught in, and the loop around them."""
+"""Users' agents without a loop: their common shapes, and the loop around them."""

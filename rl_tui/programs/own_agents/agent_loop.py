@@ -18,7 +18,7 @@ from rl_tui.programs.own_agents.players import GivenSettings, Happened, ready_ag
 
 
 def make_scenario(scenario: str, seed: int) -> Any:
-    """Return ``scenario``, an id or a path, as an environment: by ``gymnasium.make``, as it is by then."""
+    """Return the environment of `scenario`, an id or a path, through the current `gymnasium.make`."""
     from rl_tui.worlds.environments.registration import spec_of
 
     return gymnasium.make(spec_of(scenario), scenario_seed=seed, disable_env_checker=True)
@@ -27,10 +27,18 @@ def make_scenario(scenario: str, seed: int) -> Any:
 def learn(
     built: Any, place: AgentPlace, env: Any, settings: GivenSettings, note: Callable[[str], None]
 ) -> None:
-    """Let the agent ``built``, the class or function at ``place``, learn in ``env`` for its episodes.
+    """Train an agent in our loop.
 
-    ``note`` is told which of the numbers that were given have no effect. Raises UserError where the agent
-    cannot be bound, or returns what is no action, and whatever it raises itself.
+    Args:
+        built: Class or function of the agent.
+        place: Its name and shape.
+        env: Environment.
+        settings: Seed, episodes and hyper-parameters.
+        note: Called with messages about settings without effect.
+
+    Raises:
+        UserError: A parameter cannot be bound, or the agent returned something else than an action.
+        Exception: Any exception of the agent.
     """
     random.seed(settings.seed)
     np.random.seed(settings.small_seed)
@@ -39,7 +47,7 @@ def learn(
     for name in sorted(unused):
         note(f"--{name.replace('_', '-')} has no effect: {place.name} has no such parameter")
     actions, method = int(env.action_space.n), SHAPE_OF[place.style].choose or place.name
-    # Looking for the table begins at the names of this frame: `agent` is one of them
+    # the search for the table starts at the names in this frame, such as `agent`
     for episode in count() if settings.episodes is None else range(settings.episodes):
         state, info = env.reset(seed=settings.seed) if episode == 0 else env.reset()
         action = player.begin(state, info.get("action_mask"))
@@ -57,7 +65,7 @@ def learn(
 
 
 def _as_action(found: Any, actions: int, method: str) -> int:
-    """Return ``found`` as a whole number. Raises UserError where it is no action."""
+    """Return `found` as an integer. Raises UserError if it is not an action."""
     try:
         action = int(found)
         if action == found and 0 <= action < actions:

@@ -1,6 +1,5 @@
-"""The shape of a user's own agent, and the binding of its parameters by name.
-
-The methods of an agent decide its shape. It needs no base class.
+"""The shape of a user's own agent, and the binding of its parameters by name. The methods of an agent
+decide its shape. It needs no base class.
 """
 
 from __future__ import annotations
@@ -16,12 +15,10 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line, shown
 
 # Shapes of an agent
-#
-# An agent has one of them by the methods that it has; it needs no base class.
 
 
 class Style(StrEnum):
-    """The ids of the shapes."""
+    """Ids of the shapes."""
 
     GYMNASIUM = "gymnasium"
     UDACITY = "udacity"
@@ -32,13 +29,18 @@ class Style(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class AgentShape:
-    """One shape.
+    """A shape of agents.
 
-    ``methods`` are those that tell it: each is there. ``update`` is the one that learns, ``choose`` the one
-    that chooses an action. ``roles`` says what the parameters of each method may be, by the roles of
-    :data:`rl_tui.programs.own_agents.binding.NAMES`. ``signatures`` is how the shape is shown to people.
-    ``done_is_either`` says that its ``done`` is true at a truncation too, so that nothing is bootstrapped
-    there: a property of the shape, no fault of who writes in it.
+    Attributes:
+        style: Id of the shape.
+        title: Title for people.
+        methods: Methods that an agent of this shape must have.
+        choose: Method that chooses an action.
+        update: Method that learns.
+        roles: Roles of `NAMES` that the parameters of each method may have.
+        signatures: Text for people.
+        done_is_either: True if `done` is also true at a truncation, so that a missing bootstrap there is
+            not a fault of the author.
     """
 
     style: Style
@@ -113,16 +115,16 @@ SHAPES: Final = (
 SHAPE_OF: Final[Mapping[Style, AgentShape]] = {shape.style: shape for shape in SHAPES}
 FUNCTION: Final = SHAPE_OF[Style.FUNCTION]
 OF_FUNCTION: Final = ("q", "state", "action", "reward", "next_state")
-"""The roles that each parameter list of a bare function has; by them it is told from other functions."""
+"""Roles that every bare function must have, which distinguish it from other functions."""
 
 
 def style_of_methods(methods: frozenset[str]) -> Style | None:
-    """Return the style of a class with these ``methods``, None for none of them."""
+    """Return the style of a class with these `methods`, or None."""
     return next((each.style for each in SHAPES if each.methods and methods.issuperset(each.methods)), None)
 
 
 def shapes_in_words() -> str:
-    """Return all shapes as people see them, for messages."""
+    """Return all shapes as text for messages."""
     return "; ".join(f"{shape.style}: {shape.signatures}" for shape in SHAPES)
 
 
@@ -173,7 +175,7 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "generator": ("rng", "generator", "random_generator"),
     "episodes": ("n_episodes", "num_training", "numtraining", "num_episodes", "episodes", "max_episodes"),
 }
-"""What each role may be called, in small letters, the clearest name first; underscores may be left out."""
+"""Lower-case names of each role, the clearest first. Underscores are optional."""
 
 _ROLE_OF: Final = {name: role for role, names in NAMES.items() for name in names}
 _WITHOUT_UNDERSCORES: Final = {
@@ -184,29 +186,33 @@ _LONGEST: Final = 40
 
 
 def role_of(name: str) -> str:
-    """Return what a parameter called ``name`` stands for, empty where that is not known.
-
-    ``nextState`` and ``next_state`` are the same; so are ``Q`` and ``q``.
-    """
+    """Return the role of a parameter, or "". Case and underscores are ignored."""
     small = name.lower()
     return _ROLE_OF.get(small) or _WITHOUT_UNDERSCORES.get(small.replace("_", ""), "")
 
 
 def signature_of(called: Callable[..., Any], name: str) -> inspect.Signature:
-    """Return the parameters of ``called``, the agent's ``name``; raises UserError where none can tell."""
+    """Return the signature of `called`, the agent's `name`. Raises UserError if it has none."""
     try:
         return inspect.signature(called)
     except (TypeError, ValueError) as fault:
-        raise UserError(f"{name}: its parameters cannot be told ({one_line(str(fault), 80)})") from fault
+        raise UserError(f"{name}: its parameters cannot be read ({one_line(str(fault), 80)})") from fault
 
 
 def bound_roles(
     called: Callable[..., Any], name: str, known: Iterable[str], left_to_defaults: Container[str] = ()
 ) -> dict[str, str]:
-    """Return parameter → role for the parameters of ``called``, the agent's ``name``, that are to be given.
+    """Return the role of each parameter that must be given. Parameters with a default are left to it, if
+    their role is not in `known`, or is in `left_to_defaults`.
 
-    Those that have a default and no role in ``known``, or one in ``left_to_defaults``, are left to it. Raises
-    UserError, naming all that cannot be bound.
+    Args:
+        called: Method of the agent.
+        name: Its name for messages.
+        known: Roles with values.
+        left_to_defaults: Roles for which a default has precedence.
+
+    Raises:
+        UserError: Parameters cannot be bound. The message names all of them.
     """
     known, roles, unknown = frozenset(known), dict[str, str](), []
     for parameter in signature_of(called, name).parameters.values():
@@ -221,9 +227,10 @@ def bound_roles(
 
 
 def bind(called: Callable[..., Any], name: str, known: Iterable[str]) -> Callable[[Mapping[str, Any]], Any]:
-    """Return what calls ``called``, the agent's ``name``, with the values of its roles among ``known``.
+    """Return a function that calls `called`, the agent's `name`, with values by role.
 
-    Raises UserError where a parameter has no role among them and no default.
+    Raises:
+        UserError: A parameter has neither a known role nor a default.
     """
     roles = tuple(bound_roles(called, name, known).items())
 
@@ -240,12 +247,18 @@ def constructor_arguments(
     given: Mapping[str, float],
     defaults: Mapping[str, float],
 ) -> dict[str, Any]:
-    """Return the arguments for the constructor of an agent called ``name``, by the names of its parameters.
+    """Return the arguments for an agent's constructor by parameter. A constructor with `**arguments`
+    receives only numbers and the legal actions.
 
-    ``surroundings`` are values by role that do not come from a person: environment, sizes, seed. Of numbers
-    that are ``given`` the parameter gets them, else its own default, else that of ``defaults``. A constructor
-    that takes ``**arguments`` gets no more than what is given, and the legal actions. Raises UserError,
-    naming all parameters that cannot be bound.
+    Args:
+        called: The constructor.
+        name: Name of the agent.
+        surroundings: Environment, sizes and seed by role.
+        given: Numbers from the user by role, which have precedence.
+        defaults: Numbers by role for parameters without a default.
+
+    Raises:
+        UserError: Parameters cannot be bound. The message names all of them.
     """
     values, unknown = dict[str, Any](), []
     parameters = signature_of(called, name).parameters
@@ -271,7 +284,7 @@ def constructor_arguments(
 def _arguments_of_any_name(
     numbers: Mapping[str, float], surroundings: Mapping[str, Any], named: Iterable[str]
 ) -> dict[str, Any]:
-    """Return what Berkeley's ``**args`` hands on to its base class, but for what is ``named`` itself."""
+    """Return the arguments that Berkeley's `**args` passes to its base class, except `named` ones."""
     usual = {
         "actionFn": surroundings["legal_actions"],
         "alpha": numbers["alpha"],
@@ -291,8 +304,8 @@ def _cannot_bind(name: str, unknown: Iterable[str], known: Iterable[str]) -> str
     names = ", ".join(one_line(each, _LONGEST) for each in unknown)
     understood = ", ".join(NAMES[role][0] for role in NAMES if role in frozenset(known))
     return (
-        f"{name}: nothing is known that its parameter {names} could be given; give it a default, or call it "
-        f"one of {understood} or alike. The shapes: {shapes_in_words()}"
+        f"{name}: unknown parameter {names}; give it a default, or rename it to one of "
+        f"{understood}. The shapes: {shapes_in_words()}"
     )
 
 
@@ -303,12 +316,12 @@ _FOLDER = Path(__file__).parent / "skeletons"
 
 
 def skeleton(style: Style) -> str:
-    """Return the text of an agent in ``style`` whose update is still to be written."""
+    """Return the text of an agent in `style` without its update."""
     return (_FOLDER / f"{style.value}.py.txt").read_text(encoding="utf-8")
 
 
 def write_skeleton(path: Path, style: Style) -> None:
-    """Write an agent in ``style`` to the new file ``path``. Raises UserError where that cannot be."""
+    """Write an agent in `style` to the new file `path`. Raises UserError if that fails."""
     from rl_tui.common.files import write_new
 
     if path.suffix != ".py":

@@ -1,7 +1,5 @@
-"""Which class or function of a file is an agent, and the file as a module.
-
-The file is read before it is run: what its text says is enough to tell its agents. A base class may stand in
-another file of the same folder; of other base classes nothing is known.
+"""Finding the agents in a file, and running it as a module. Agents are recognized from the source before
+it is run. A base class may be in another file of the same folder. Other base classes are unknown.
 """
 
 from __future__ import annotations
@@ -27,14 +25,14 @@ from rl_tui.programs.own_agents.binding import (
 )
 
 _DEEPEST: Final = 8
-"""Base classes behind base classes that are followed."""
+"""Most levels of base classes."""
 _MOST_NAMED: Final = 6
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
 _DEFINITIONS: Final = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class AgentPlace(NamedTuple):
-    """An agent in a file: the ``name`` of its class or function, and the line where that begins."""
+    """An agent in a file: `name` of its class or function, shape, and first line."""
 
     name: str
     style: Style
@@ -42,23 +40,22 @@ class AgentPlace(NamedTuple):
 
 
 class AgentName(NamedTuple):
-    """What ``FILE.py[:NAME]`` says: ``name`` is empty where the file has only one agent."""
+    """Parts of `FILE.py[:NAME]`. `name` is empty if the file has only one agent."""
 
     path: Path
     name: str
 
     @classmethod
     def read(cls, text: str) -> AgentName:
-        """Return what ``text`` says. A colon in the path is part of it, unless ``.py:`` comes before it."""
+        """Parse `text`. Only a colon after `.py` separates the name."""
         path, colon, name = text.rpartition(".py:")
         return cls(Path(f"{path}.py"), name) if colon else cls(Path(text), "")
 
 
 def agents_in(tree: ast.Module, folder: Path) -> list[AgentPlace]:
-    """Return the agents that the file of ``tree`` has, in its order; ``folder`` is where it lies.
-
-    An abstract class is none. A bare function counts only in a file that has no class of a shape, and makes
-    no environment of its own: there it belongs to a script.
+    """Return the agents in the file of `tree`, in its `folder`, in order, without abstract classes. Bare
+    functions count only without a class of a known shape, and without an environment, because they belong
+    to a script there.
     """
     classes = [
         AgentPlace(each.name, style, each.lineno)
@@ -74,9 +71,15 @@ def agents_in(tree: ast.Module, folder: Path) -> list[AgentPlace]:
 
 
 def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
-    """Return the agent called ``name`` in the file of ``tree`` at ``path``, the only one if that is empty.
+    """Return the agent `name`, or the only one if that is empty.
 
-    Raises UserError where there is none, or there are several.
+    Args:
+        tree: Syntax tree of the file.
+        path: Path of the file.
+        name: Name of a class or function, or "".
+
+    Raises:
+        UserError: There is no such agent, or there are several.
     """
     file, places = shown(path.name), agents_in(tree, path.parent)
     if name:
@@ -91,15 +94,15 @@ def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
         return places[0]
     if places:
         names = ", ".join(each.name for each in places[:_MOST_NAMED])
-        raise UserError(f"{file} has several agents ({names}): say which, as in {path.name}:{places[0].name}")
+        raise UserError(
+            f"{file} has several agents ({names}); choose one, as in {path.name}:{places[0].name}"
+        )
     raise UserError(f"{file}: no class or function in it has the shape of an agent: {shapes_in_words()}")
 
 
 def runs_when_imported(tree: ast.Module) -> bool:
-    """Return whether the file of ``tree`` is a script, whatever classes it has: importing it takes steps.
-
-    It makes an environment where it is imported, or loops there and makes one somewhere. What stands below a
-    question for ``__name__`` does not run then.
+    """Return True if importing the file would take steps: it makes an environment on import, or has a loop
+    on import and makes one somewhere. Code below a test of `__name__` does not count.
     """
     run = [each for each in tree.body if not (isinstance(each, _DEFINITIONS) or _asks_for_name(each))]
     if any(makes_environment(each) for each in run):
@@ -109,10 +112,8 @@ def runs_when_imported(tree: ast.Module) -> bool:
 
 
 def load_module(code: CodeType, path: Path) -> ModuleType:
-    """Run ``code``, that of the file ``path``, as a module of the file's name, and return it.
-
-    Its ``__name__`` is not ``__main__``, so that a loop below that question does not run. Modules of its
-    folder can be imported. Raises what the file raises.
+    """Run `code` of the file `path` as a module named after the file. `__name__` is not `__main__`, so
+    that guarded loops do not run. Modules in its folder can be imported. Raises any exception of the file.
     """
     folder = str(path.absolute().parent)
     if folder not in sys.path:
@@ -132,7 +133,7 @@ def _classes(tree: ast.Module) -> Iterator[ast.ClassDef]:
 
 
 def _style(node: ast.ClassDef, tree: ast.Module, folder: Path) -> Style | None:
-    """Return the style of a class, None where it is no agent or an abstract one."""
+    """Return the style of a class, or None if it is abstract or not an agent."""
     methods = _methods(node, tree, folder, _DEEPEST)
     style = style_of_methods(frozenset(methods))
     if style is None or any(_is_abstract(methods[name]) for name in SHAPE_OF[style].methods):
@@ -141,7 +142,6 @@ def _style(node: ast.ClassDef, tree: ast.Module, folder: Path) -> Style | None:
 
 
 def _methods(node: ast.ClassDef, tree: ast.Module, folder: Path, deepest: int) -> dict[str, _Function]:
-    """Return the methods of a class by name, with those of base classes that can be found."""
     methods: dict[str, _Function] = {}
     for base in reversed(node.bases):
         if isinstance(base, ast.Name) and deepest:
@@ -154,7 +154,7 @@ def _methods(node: ast.ClassDef, tree: ast.Module, folder: Path, deepest: int) -
 def _class_called(
     name: str, but: ast.ClassDef, tree: ast.Module, folder: Path
 ) -> Iterator[tuple[ast.ClassDef, ast.Module]]:
-    """Yield the class of that name in the file, or in the file of the folder that it is imported from."""
+    """Yield the class `name` in the file, or in the file of the folder from which it is imported."""
     for each in _classes(tree):
         if each.name == name and each is not but:
             yield each, tree
@@ -173,11 +173,11 @@ def _parsed(path: Path) -> ast.Module | None:
     try:
         return ast.parse(read_bytes(path, "a Python file")[0])
     except (UnreadableError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return None  # what is wrong with it is said when it is imported
+        return None  # its error is reported when it is imported
 
 
 def _is_abstract(method: _Function) -> bool:
-    """Return whether a method only stands for those of derived classes."""
+    """Return True if a method must be overridden."""
     if any(_last_name(each) == "abstractmethod" for each in method.decorator_list):
         return True
     last = method.body[-1]
@@ -186,12 +186,11 @@ def _is_abstract(method: _Function) -> bool:
 
 
 def _last_name(node: ast.AST | None) -> str:
-    """Return the name at the end of ``node``: that of a variable or attribute; else nothing."""
     return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
 
 
 def _named(tree: ast.Module, folder: Path, name: str) -> AgentPlace | None:
-    """Return the agent of that name. A function that is named may be called anything."""
+    """Return the agent `name`. A function given by name may have any name."""
     for each in tree.body:
         if isinstance(each, ast.ClassDef) and each.name == name:
             style = _style(each, tree, folder)
@@ -215,5 +214,5 @@ def _asks_for_name(node: ast.stmt) -> bool:
 
 
 def makes_environment(tree: ast.AST) -> bool:
-    """Return whether a ``make`` is called anywhere: ``gymnasium.make(…)`` or the name alone."""
+    """Return True if `make` is called anywhere, as in `gymnasium.make(…)`."""
     return any(_last_name(each.func) == "make" for each in ast.walk(tree) if isinstance(each, ast.Call))

@@ -27,11 +27,11 @@ from rl_tui.programs.own_agents.loading import AgentPlace
 
 
 Mask = npt.NDArray[np.int8] | None
-"""1 for each action that is legal, [A]; None: all are."""
+"""1 for each available action, `[A]`, or None for all."""
 
 
 class Happened(NamedTuple):
-    """One step: ``mask`` says what is legal in ``next_state``."""
+    """One step. `mask` has the available actions in `next_state`."""
 
     state: int
     action: int
@@ -43,23 +43,23 @@ class Happened(NamedTuple):
 
 
 class AgentPlayer(Protocol):
-    """One agent in the loop."""
+    """An agent in the loop."""
 
     def begin(self, state: int, mask: Mask) -> Any:
         """Begin an episode and return its first action."""
         ...
 
     def after(self, step: Happened) -> Any:
-        """Learn from ``step`` and return the next action, whatever it is where the episode is over."""
+        """Learn from `step` and return the next action, which is irrelevant after an end."""
         ...
 
     def end(self, episode: int) -> None:
-        """End the episode of that number, from 0."""
+        """End the episode `episode`, from 0."""
         ...
 
 
 class MethodsPlayer:
-    """An agent that is an object with one method to choose an action and one to learn."""
+    """An object with one method to choose an action and one to learn."""
 
     def __init__(self, agent: Any, shape: AgentShape, env: Any) -> None:
         self._env, self._either = env, shape.done_is_either
@@ -78,7 +78,7 @@ class MethodsPlayer:
         return self._choose({"env": self._env, "state": state, "episode": self._episode})
 
     def after(self, step: Happened) -> Any:
-        """Let it learn, and return the next action."""
+        """Let the agent learn, and return the next action."""
         over = step.terminated or step.truncated
         given = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
         if self._looks_ahead:
@@ -89,14 +89,14 @@ class MethodsPlayer:
         return None if over else self.begin(step.next_state, step.mask)
 
     def end(self, episode: int) -> None:
-        """Let ε decay."""
+        """Decay ε."""
         if self._decay is not None:
             self._decay({"episode": episode})
         self._episode = episode + 1
 
 
 class LegalActions:
-    """Berkeley's ``actionFn``: the actions of the state that the agent is in, () after the end."""
+    """Berkeley's `actionFn`: the actions of the agent's current state, () after the end."""
 
     def __init__(self, actions: int) -> None:
         self._all = tuple(range(actions))
@@ -104,18 +104,18 @@ class LegalActions:
         self._ended_in: int | None = None
 
     def __call__(self, state: Any) -> tuple[int, ...]:
-        """Return the actions that can be taken in ``state``; all of them where it was never entered."""
+        """Return the available actions in `state`, or all if it was never entered."""
         return () if state == self._ended_in else self._known.get(state, self._all)
 
     def enter(self, state: int, mask: Mask, *, terminated: bool = False) -> None:
-        """Note that the agent is in ``state`` now, where the episode is over if it ``terminated``."""
+        """Record that the agent is in `state`, after a terminal step if `terminated`."""
         self._ended_in = state if terminated else None
         if mask is not None and not terminated:
             self._known[state] = tuple(np.flatnonzero(mask).tolist())
 
 
 class BerkeleyPlayer:
-    """An agent of Berkeley's course, which asks for the legal actions itself."""
+    """An agent of Berkeley's course, which asks for the available actions itself."""
 
     def __init__(self, agent: Any, legal: LegalActions) -> None:
         shape = SHAPE_OF[Style.BERKELEY]
@@ -129,18 +129,18 @@ class BerkeleyPlayer:
         return self._choose({"state": state})
 
     def after(self, step: Happened) -> Any:
-        """Let it learn, and return the next action."""
+        """Let the agent learn, and return the next action."""
         self._legal.enter(step.next_state, step.mask, terminated=step.terminated)
         self._update(step._asdict())
         over = step.terminated or step.truncated
         return None if over else self._choose({"state": step.next_state})
 
     def end(self, episode: int) -> None:
-        """Do nothing: this shape hears nothing of it."""
+        """Ignore the end, which this shape is not told."""
 
 
 class GluePlayer:
-    """An agent in RL-Glue's shape: ``agent_end`` comes only where the world ended the episode."""
+    """An agent in RL-Glue's shape. `agent_end` is called only after a terminal step."""
 
     def __init__(self, agent: Any) -> None:
         roles = SHAPE_OF[Style.RL_GLUE].roles
@@ -154,20 +154,19 @@ class GluePlayer:
         return self._start({"state": state})
 
     def after(self, step: Happened) -> Any:
-        """Let it learn, and return the next action."""
+        """Let the agent learn, and return the next action."""
         if step.terminated:
             return self._end({"reward": step.reward})
-        # At a truncation too, for the last step to be learned from; the action it returns is never taken
+        # also at a truncation, so that the last step is learned; the returned action is never taken
         return self._step({"reward": step.reward, "state": step.next_state})
 
     def end(self, episode: int) -> None:
-        """Do nothing: this shape hears nothing of it."""
+        """Ignore the end, which this shape is not told."""
 
 
 class FunctionPlayer:
-    """ε-greedy with random ties around a bare function that updates the table ``q``, [S, A].
-
-    The function may change ``q``, or return another one. ``numbers`` are its hyper-parameters by role.
+    """An ε-greedy policy with random ties around a bare function, which updates the table `q`, `[S, A]`,
+    in place or returns another one. `numbers` are its hyper-parameters by role.
     """
 
     def __init__(
@@ -195,11 +194,11 @@ class FunctionPlayer:
             return self._random.choice(legal)
         row = np.asarray(self.q[state], float).tolist()
         best = max(row[action] for action in legal)
-        ties = [action for action in legal if row[action] == best] or legal  # none where one is no number
+        ties = [action for action in legal if row[action] == best] or legal  # none if a value is not a number
         return self._random.choice(ties)
 
     def after(self, step: Happened) -> Any:
-        """Let it learn, and return the next action."""
+        """Let the function learn, and return the next action."""
         ahead = self.begin(step.next_state, step.mask) if self._looks_ahead else None
         given = {"q": self.q, "done": step.terminated, "next_action": ahead}
         values = {**step._asdict(), **self._numbers, **given}
@@ -209,7 +208,7 @@ class FunctionPlayer:
         return self.begin(step.next_state, step.mask) if ahead is None else ahead
 
     def end(self, episode: int) -> None:
-        """Let ε decay."""
+        """Decay ε."""
         least, decay = self._numbers.get("epsilon_min", 0.0), self._numbers.get("epsilon_decay", 0.0)
         if decay > 0.0:
             start = self._numbers["epsilon"]
@@ -220,15 +219,13 @@ class FunctionPlayer:
 
 
 _IN_INFO: Final = frozenset({"alpha", "gamma", "epsilon"})
-"""The numbers that RL-Glue's ``agent_info`` holds."""
+"""Numbers in RL-Glue's `agent_info`."""
 
 
 @dataclass(frozen=True, slots=True)
 class GivenSettings:
-    """With what an agent learns.
-
-    ``given`` are numbers by role that a person gave, ``defaults`` those of the scenario, which hold alpha,
-    gamma and epsilon at least. ``episodes`` is None where the number of steps ends it.
+    """The settings of an agent. `given` are numbers from the user by role. `defaults` are those of the
+    scenario, with at least alpha, gamma and epsilon. `episodes` is None if a number of steps ends it.
     """
 
     given: Mapping[str, float]
@@ -238,19 +235,18 @@ class GivenSettings:
 
     @property
     def small_seed(self) -> int:
-        """The seed in 32 bits: NumPy's legacy generators, which many agents use, take no more."""
+        """The seed in 32 bits, the limit of NumPy's legacy generators, which many agents use."""
         return self.seed % 2**32
 
     @property
     def numbers(self) -> dict[str, float]:
-        """What holds by role for who has no default of its own."""
+        """All numbers by role, for parameters without a default."""
         return {**self.defaults, **self.given}
 
 
 class ReadyAgent(NamedTuple):
-    """The agent, what plays it, and which of the given numbers, by role, it does not take.
-
-    Of a bare function the first two are the same.
+    """The agent, its player, and the given numbers that it does not use. For a bare function, the first
+    two are the same.
     """
 
     agent: Any
@@ -259,9 +255,17 @@ class ReadyAgent(NamedTuple):
 
 
 def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings) -> ReadyAgent:
-    """Make the agent of ``built``, the class or function at ``place``, for ``env``.
+    """Make the agent for `env`.
 
-    Raises UserError, naming all that cannot be bound, and whatever its constructor raises.
+    Args:
+        built: Class or function of the agent.
+        place: Its name and shape.
+        env: Environment.
+        settings: Seed, episodes and hyper-parameters.
+
+    Raises:
+        UserError: Parameters cannot be bound. The message names all of them.
+        Exception: Any exception of the constructor.
     """
     sizes = int(env.observation_space.n), int(env.action_space.n)
     if place.style == Style.FUNCTION:
@@ -301,7 +305,7 @@ def _of_function(update: Any, name: str, sizes: tuple[int, int], settings: Given
 
 
 def _agent_info(sizes: tuple[int, int], settings: GivenSettings) -> dict[str, float | int]:
-    """Return what RL-Glue's ``agent_init`` is given."""
+    """Return the argument for RL-Glue's `agent_init`."""
     numbers = settings.numbers
     return {
         "num_states": sizes[0],

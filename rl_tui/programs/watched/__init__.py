@@ -1,1 +1,1 @@
-"""Programs of other people that learn: run in a process of their own, and recorded as they go."""
+"""Users' learning programs, run and recorded in a separate process."""

@@ -1,4 +1,4 @@
-"""All that a watched program has told so far."""
+"""Everything a watched program has reported."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from rl_tui.programs.watched.messages import (
 from rl_tui.programs.watched.recording import Recording
 
 MOST_OUTPUT: Final = 2_000
-"""Lines of output that are kept."""
+"""Most lines of output."""
 GARBLED: Final = "what came from the program is garbled: something else wrote into rl-tui's pipe"
 _COUNTED: Final = (0, 2, 5, 6, 7)
-"""The columns of steps that are whole numbers, other than states."""
+"""Integer columns of steps, other than states."""
 _STATES: Final = (1, 4)
 _EPISODE: Final = 6
 _COUNTS: Final = ("number", "actions", "time_limit", "heard")
@@ -52,12 +52,21 @@ _NONE_OF_OURS: Final = (ValueError, LookupError, TypeError, AttributeError, Arit
 
 @dataclass(frozen=True, slots=True)
 class ProgramEnvironment:
-    """An environment that the program made.
+    """An environment of the program.
 
-    ``parts`` are the sizes of the parts of an observation, one for a plain number, ``first_state`` what each
-    counts from. ``kwargs`` is None where it was made with something that is no plain data. ``transitions`` is
-    its table, ``[s][a]`` a list of (probability, next state, reward, ended), where only the program has it;
-    ``start`` are then the probabilities to begin in each state, None where it does not tell them.
+    Attributes:
+        number: Number of the environment.
+        id: Id of the environment.
+        kwargs: Its arguments, or None if they are not plain data.
+        parts: Sizes of an observation's parts, one for a plain number.
+        actions: Number of actions.
+        time_limit: Longest episode in steps, 0 for none.
+        first_action: First action.
+        first_state: First value of each part.
+        wrappers: Class names of its wrappers.
+        transitions: Its table if only the program has it, `[s][a]` a list of (probability, next state,
+            reward, terminated).
+        start: Probability of each start state for that table, None if unknown.
     """
 
     number: int
@@ -74,31 +83,31 @@ class ProgramEnvironment:
 
     @property
     def states(self) -> int:
-        """How many observations there may be."""
+        """Number of possible observations."""
         return int(np.prod(self.parts))
 
 
 @dataclass(frozen=True, slots=True)
 class FoundTable:
-    """The table of a program: its way in the code, its form, and what else might be one."""
+    """The table of a program: its path in the code, its form, and other candidates."""
 
     name: str
     form: str
     """array, dict-of-arrays, dict-of-pairs or lists."""
     shape: tuple[int, ...]
     dtype: str
-    """As NumPy calls it; empty where it is Python's own numbers."""
+    """NumPy's name, or "" for Python numbers."""
     others: tuple[str, ...] = ()
     other_forms: tuple[str, ...] = ()
-    """The form of each of ``others``."""
+    """Form of each of `others`."""
     file: str = ""
     line: int | None = None
-    """Where it was made, if that is known."""
+    """Line that made it, if known."""
 
 
 @dataclass(frozen=True, slots=True)
 class ProgramError:
-    """What a program raised."""
+    """The exception of a program."""
 
     type: str
     text: str
@@ -109,7 +118,7 @@ class ProgramError:
 
 @dataclass(frozen=True, slots=True)
 class ProgramAgent:
-    """The agent without a loop that a program is; ``done_is_either`` as its shape has it."""
+    """An agent without a loop. `done_is_either` belongs to its shape."""
 
     name: str
     style: str
@@ -118,7 +127,7 @@ class ProgramAgent:
 
 @dataclass(slots=True)
 class OutputLine:
-    """One line that a program wrote, after so many steps; ``stream`` is "out" or "err"."""
+    """A line of output after `step` steps. `stream` is "out" or "err"."""
 
     step: int
     stream: str
@@ -127,45 +136,47 @@ class OutputLine:
 
 @dataclass(slots=True)
 class ProgramLog:
-    """What came through the pipe, put in its place by :meth:`take`."""
+    """The contents of all frames, sorted by `take`."""
 
     recording: Recording = field(default_factory=Recording)
     episodes: int = 0
-    """How many have begun, over all environments."""
+    """Number of episodes begun, over all environments."""
     environments: list[ProgramEnvironment] = field(default_factory=list)
     table: FoundTable | None = None
     shared_at: int | None = None
-    """The step at which rows of the table were seen to be one and the same object."""
+    """Step at which rows of the table were the same object, or None."""
     agent: ProgramAgent | None = None
-    """None for a script with a loop of its own."""
+    """The agent, or None for a script with its own loop."""
     numbers: dict[str, float] = field(default_factory=dict)
-    """Numbers that the program's code holds, by name."""
+    """Numbers in the code by name."""
     lines: dict[tuple[str, int], int] = field(default_factory=dict)
-    """How often each line (file, number) changed the table while that was looked at."""
+    """Number of changes by line (file, number), while traced."""
     called: dict[str, tuple[str, int]] = field(default_factory=dict)
-    """The first line (file, number) that called ``step``, and that which called ``reset``."""
+    """The first line (file, number) that called `step`, and `reset`."""
     output: deque[OutputLine] = field(default_factory=lambda: deque(maxlen=MOST_OUTPUT))
     notes: list[str] = field(default_factory=list)
     refused: str = ""
-    """Why it cannot be watched; empty if it can."""
+    """Reason why it cannot be watched, else ""."""
     error: ProgramError | None = None
     waiting_at: int | None = None
-    """The step at which it waits; None: it goes on."""
+    """Step at which it waits, or None."""
     stopped_by: str | None = None
-    """What it met there, None where it may simply go no further."""
+    """The event that it met there, or None."""
     heard: int = 0
-    """How many lines it had heard of the watching side when it last said that it waits."""
+    """Number of lines that it had read at its last report."""
     started: bool = False
-    """Whether the program's own code has begun to run."""
+    """True once the program's own code runs."""
     stands_at: tuple[str, int] | None = None
-    """The line (file, number) where it has stood for long without a step, None where it goes on."""
+    """Line (file, number) at which it is without a step, or None."""
     ended: bool = False
     is_garbled: bool = False
-    """Whether something came that is none of ours."""
+    """True if a frame is not from our code."""
 
     @property
     def table_now(self) -> FoundTable | None:
-        """The table, its shape as it is now: a dict grows. ``(rows, actions)`` where a row is a state's."""
+        """The table with its current shape, as a dict grows. `(rows, actions)` if there is a row for each
+        state.
+        """
         table, actions = self.table, self.recording.actions
         if table is None or not table.form.startswith("dict") or not actions:
             return table
@@ -175,7 +186,7 @@ class ProgramLog:
         return replace(table, shape=(int(is_there.sum()),) if by_pair else (rows, actions))
 
     def frozen(self) -> ProgramLog:
-        """Return it as it is now, without output, which another thread may read while this one grows."""
+        """Return a snapshot without output for another thread."""
         return replace(
             self,
             recording=self.recording.frozen(),
@@ -188,7 +199,7 @@ class ProgramLog:
         )
 
     def take(self, letter: bytes, payload: bytes) -> None:
-        """Take in one frame. One that is none of ours is an end: no more counts of what the program says."""
+        """Process one frame. An invalid one ends the program's messages."""
         if self.is_garbled and letter != OWN_MESSAGE:
             return
         try:
@@ -211,7 +222,7 @@ class ProgramLog:
     _found_at: int = 0
     _found_actions: int = 0
     _unfinished: dict[str, OutputLine] = field(default_factory=dict)
-    """The last line of each stream, as long as it may be replaced."""
+    """Last line of each stream, while it may be replaced."""
 
     def _take_steps(self, numbers: npt.NDArray[np.float64]) -> None:
         until = 1 + int(numbers[0]) * STEP_WIDTH
@@ -269,7 +280,7 @@ class ProgramLog:
             case MessageKind.NUMBERS:
                 self.numbers.update(said["numbers"])
             case MessageKind.CALLED:
-                if self.agent is None:  # else the loop is ours
+                if self.agent is None:  # otherwise the loop is ours
                     self.called[said["method"]] = (said["file"], said["line"])
             case MessageKind.TRANSITIONS:
                 self.environments[said["number"]] = replace(
@@ -284,7 +295,7 @@ class ProgramLog:
             case MessageKind.OUTPUT:
                 self._take_output(said)
             case MessageKind.NOTE:
-                if said["text"] not in self.notes:  # once, however often the program does it
+                if said["text"] not in self.notes:  # once, however often it happens
                     self.notes.append(said["text"])
             case MessageKind.STARTED:
                 self.started = True
@@ -317,7 +328,7 @@ class ProgramLog:
         self.output.append(line)
 
     def _take_end(self, status: int | None, text: str) -> None:
-        """Take in that the process is over, which is an error where the program did not say so itself."""
+        """Record the end of the process, which is an error if the program did not report it."""
         if not (self.ended or self.error or self.refused):
             if text or status is None:
                 self.error = ProgramError("Ended", text)
@@ -330,26 +341,26 @@ class ProgramLog:
         self.ended = True
 
     def _why_not_started(self) -> str:
-        """Return why our own side in the process failed, by the last that it wrote."""
+        """Return the reason why our own code in the process failed, from its last output."""
         written = [line.text for line in self.output if line.stream == "err" and line.text.strip()]
         why = f": {written[-1].strip()}" if written else ""
-        return f"rl-tui could not start its own part of the process, which is no fault of the script{why}"
+        return f"rl-tui could not start its own part of the process; the script is not at fault{why}"
 
 
 def _death_in_words(status: int) -> str:
-    """Return how a process ended whose ``status`` is not 0, as subprocess counts it."""
+    """Describe the end of a process with a `status` other than 0, as in subprocess."""
     if status > 0:
         return f"the program ended at once, by os._exit({status})"
     try:
         name = signal.Signals(-status).name
     except ValueError:
         name = str(-status)
-    reason = "; where nobody sent it, memory may have run out" if name == "SIGKILL" else ""
+    reason = "; the system sends it, for example, when memory runs out" if name == "SIGKILL" else ""
     return f"the program was ended by the signal {name}{reason}"
 
 
 def _check_types(said: Mapping[str, Any]) -> None:
-    """Raise TypeError where a message holds something else than ours do: a program may write anything."""
+    """Raise TypeError if a message has wrong types, because a program may write anything."""
     for name, value in said.items():
         is_unknown_step = name == "step" and said["kind"] == MessageKind.OUTPUT
         if value is None and (name in _MAY_BE_NULL or is_unknown_step):
@@ -377,5 +388,5 @@ def _is_whole(value: object) -> bool:
 
 
 def _is_within(numbers: npt.NDArray[np.float64], end: int) -> bool:
-    """Return whether all ``numbers`` are from 0 on and below ``end``; NaN is not."""
+    """Return True if all `numbers` are in [0, end). NaN is not."""
     return bool(((numbers >= 0) & (numbers < end)).all())

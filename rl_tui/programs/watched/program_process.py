@@ -28,41 +28,39 @@ from rl_tui.programs.watched.program_log import GARBLED, ProgramError, ProgramLo
 
 
 LONGEST_LINE: Final = 500
-"""Characters of a line that are kept."""
+"""Longest stored line in characters."""
 MOST_A_SECOND: Final = 300
-"""Lines of one second that are kept; of the others only the last ones."""
+"""Most lines per second. Of more, only the last ones are kept."""
 LAST_KEPT: Final = 20
-"""How many of the last ones are kept where there are more."""
+"""Number of last lines kept."""
 
-_LONGEST_RAW: Final = 4 * LONGEST_LINE  # bytes: a character has at most so many
-# What moves a cursor or sets colours: CSI and OSC sequences, and others of two characters
+_LONGEST_RAW: Final = 4 * LONGEST_LINE  # bytes; a character has at most four
+# cursor and colour sequences: CSI, OSC, and others of two characters
 _ESCAPES: Final = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(?:\x07|\x1b\\)?|[@-Z\\-_])")
 
 
 class WrittenLine(NamedTuple):
-    """One line; one that it ``replaces`` was its beginning, or an earlier state of it."""
+    """A line that may replace its beginning or an earlier state."""
 
     text: str
     replaces: bool
 
 
 class WrittenLines:
-    """The lines of one stream, put together from pieces of any size, in bounded memory.
-
-    A carriage return begins its line anew, as progress bars do it. A line without an end is told as it
-    is, and again as it goes on.
+    """The lines of one stream, assembled from pieces of any size in bounded memory. A carriage return
+    restarts a line, as in progress bars. An unfinished line is reported at once, and again as it grows.
     """
 
     def __init__(self) -> None:
         self._rest = b""
-        self._is_begun = False  # the beginning of the line that has no end yet
+        self._is_begun = False  # of the unfinished line
         self._second = -1
         self._room = MOST_A_SECOND
         self._left_out = 0
         self._last: deque[bytes] = deque(maxlen=LAST_KEPT)
 
     def take(self, piece: bytes, now: float) -> Iterator[WrittenLine]:
-        """Yield the lines that are known with ``piece``, which came at ``now``, in seconds on any clock."""
+        """Yield the lines known after `piece`, which arrived at `now` (seconds on any clock)."""
         if int(now) != self._second:
             yield from self._catch_up()
             self._second, self._room = int(now), MOST_A_SECOND
@@ -77,13 +75,13 @@ class WrittenLines:
             yield WrittenLine(text, replaces)
 
     def end(self) -> Iterator[WrittenLine]:
-        """Yield what is left when nothing more will come."""
+        """Yield the remaining lines at the end."""
         yield from self._catch_up()
         if self._rest.strip() and not self._is_begun:
             yield self._written(self._rest)
 
     def _without_flood(self, text: bytes) -> bytes:
-        """Count the whole lines of ``text``, keep the last ones, and return the one without an end."""
+        """Count the complete lines in `text`, keep the last ones, and return the unfinished one."""
         *flood, rest = text.rsplit(b"\n", LAST_KEPT + 1)
         if flood:
             self._left_out += text.count(b"\n")
@@ -92,7 +90,7 @@ class WrittenLines:
         return rest
 
     def _catch_up(self) -> Iterator[WrittenLine]:
-        """Yield how many lines were left out, and the last ones of them."""
+        """Yield the number of skipped lines, and the last ones of them."""
         left_out = self._left_out - len(self._last)
         if left_out > 0:
             yield WrittenLine(f"… {left_out:,} lines left out", False)
@@ -107,14 +105,14 @@ class WrittenLines:
 
 
 def _shortened(line: bytes) -> bytes:
-    """Return as much of a line without an end as its text needs, and what tells that it was longer."""
+    """Return the part of an unfinished line that its text needs, with a sign that it was longer."""
     if len(line) > _LONGEST_RAW:
         line = line[line.rfind(b"\r", 0, len(line) - 1) + 1 :]
     return line[: _LONGEST_RAW + 1]
 
 
 def _text_of(line: bytes) -> str:
-    """Return what a terminal would show of ``line``, as harmless characters."""
+    """Return what a terminal would show of `line`, without control characters."""
     line = line.rstrip(b"\r")
     shown = line[line.rfind(b"\r") + 1 :][: _LONGEST_RAW + 1].decode("utf-8", "replace")
     text = printable(_ESCAPES.sub("", shown).expandtabs(8)).rstrip()
@@ -125,12 +123,12 @@ def _text_of(line: bytes) -> str:
 
 
 _CHUNK: Final = 1 << 20
-_LOOK_AGAIN: Final = 0.5  # seconds, after which a process is asked whether it still lives
-_BEHIND_OUTPUT: Final = 10  # milliseconds, in which a step comes that was taken before something was written
-_FAREWELL: Final = 1.0  # seconds that a process may take to end once its pipe is closed
+_LOOK_AGAIN: Final = 0.5  # seconds between checks that the process lives
+_BEHIND_OUTPUT: Final = 10  # milliseconds in which an earlier step arrives after output
+_FAREWELL: Final = 1.0  # seconds that a process may take to end after its pipe is closed
 _CLOSED_ITS_PIPE: Final = "the program closed the pipe by which it was watched, and was ended"
 _ENVIRONMENT: Final = {"PYTHONHASHSEED": "0", "MPLBACKEND": "Agg", "SDL_VIDEODRIVER": "dummy"}
-# ascii, since what stands in a command line is written in the encoding of the system
+# ascii, because the command line uses the encoding of the system
 _SCRIPT: Final = """\
 import sys
 sys.path[:] = {path!a}
@@ -141,13 +139,21 @@ main({said!a})
 
 @dataclass(frozen=True, slots=True)
 class ProgramRequest:
-    """What to run: a script, or an agent without a loop.
+    """A program to run: a script, or an agent without a loop.
 
-    ``agent`` is the class or function in ``path`` that is an agent (empty: the only one), None where ``path``
-    is a script with a loop of its own. An agent learns in ``scenario``, an id or a path, for ``episodes``.
-    What is random about that world is drawn from ``scenario_seed``, from ``seed`` if that is None.
-    ``hyperparameters`` are given to its constructor by name, ``defaults`` where it has no default itself.
-    ``steps`` ends the program after so many, ``memory`` is how many bytes it may ask the system for.
+    Attributes:
+        path: File of the program.
+        arguments: Arguments of a script.
+        seed: Seed of all generators.
+        steps: Limit of steps, if any.
+        table: Name of the table, if given by the user.
+        agent: Class or function of an agent ("" for the only one), or None for a script.
+        scenario: Id or path, for an agent.
+        scenario_seed: Seed of the world, default `seed`.
+        episodes: Episodes of an agent.
+        hyperparameters: Numbers from the user by name.
+        defaults: Numbers for parameters without a default.
+        memory: Memory limit in bytes, if any.
     """
 
     path: Path
@@ -165,10 +171,11 @@ class ProgramRequest:
 
 
 class ProgramProcess:
-    """The process of ``request``, in a session of its own, which ends with :meth:`end`.
+    """The process of `request` in its own session, until `end`. It may take `allowed` steps at first. It
+    ends with this process, together with everything it started in its session.
 
-    It may take ``allowed`` steps at first. It ends with this process too, however that ends, and all that it
-    started in its session. Raises OSError where no process can be started.
+    Raises:
+        OSError: The process cannot be started.
     """
 
     def __init__(self, request: ProgramRequest, allowed: int = NO_LIMIT) -> None:
@@ -199,26 +206,23 @@ class ProgramProcess:
         self._listen(pipes[1][0], pipes[2][0])
 
     def allow(self, steps: int, what: Mapping[str, Any] | None = None) -> None:
-        """Let it take steps until it has taken ``steps`` in all; 0 holds it at its next step.
-
-        ``what`` else it is told, if anything, it hears before it takes the next one.
+        """Allow `steps` in all, 0 to stop at the next one. It reads `what`, if given, before its next
+        step.
         """
         if not self.closed:
             self._allowed[0] = steps
             self.ask(what or {})
 
     def ask(self, what: Mapping[str, Any]) -> None:
-        """Tell it something, which it hears when it waits. This never waits itself."""
+        """Send a request, which it reads when it waits. This never blocks."""
         if not self.closed:
             self.asked += 1
             self._unsent += json.dumps({"number": self.asked, **what}).encode() + b"\n"
             self._send()
 
     def frames(self, seconds: float | None = 0.0) -> Iterator[tuple[bytes, bytes]]:
-        """Return what has come, waiting for at most ``seconds`` (None: for as long as it takes).
-
-        What the program wrote on stdout and stderr is among it, behind the steps that it took meanwhile. The
-        last of all is a message of its end.
+        """Return new frames, waiting up to `seconds` (None for no limit). Output of the program is
+        included, after the steps taken before it. The last frame is a message about its end.
         """
         if self.closed:
             return iter(())
@@ -232,18 +236,18 @@ class ProgramProcess:
         return iter(found)
 
     def end(self) -> None:
-        """End it and all that it started."""
+        """Kill it and everything that it started."""
         self._kill()
         self._process.wait()
         self._to_close.close()
         self.closed = True
 
     def _listen(self, stdout: int, stderr: int) -> None:
-        """Prepare to read its pipes, and to write into its own, without ever waiting for it."""
+        """Prepare nonblocking pipes."""
         os.set_blocking(self._asking, False)
         self._unsent = b""
         self.asked = 0
-        """How many lines it was told so far."""
+        """Number of requests so far."""
         self._bytes = bytearray()
         self._streams = {stdout: ("out", WrittenLines()), stderr: ("err", WrittenLines())}
         self._poll, self._poll_steps = select.poll(), select.poll()
@@ -252,37 +256,36 @@ class ProgramProcess:
             os.set_blocking(descriptor, False)
             self._poll.register(descriptor, select.POLLIN)
         self.closed = False
-        """Whether it is over: nothing more will come."""
+        """True once nothing more will arrive."""
 
     @property
     def exit_status(self) -> int | None:
-        """How it ended, None while it has not."""
+        """Exit status of the process, or None while it runs."""
         return self._process.poll()
 
     def _send(self) -> None:
-        with suppress(OSError):  # it is over, or its pipe is full
+        with suppress(OSError):  # it has ended, or its pipe is full
             while self._unsent:
                 self._unsent = self._unsent[os.write(self._asking, self._unsent) :]
 
     def _wait(self, seconds: float | None) -> None:
-        """Wait until there is something to read, or the process is over.
-
-        A child of the program may keep its pipe open then, so that this is looked at now and then.
+        """Wait until there is something to read, or the process has ended. Its child may keep the pipe
+        open, so the process is checked regularly.
         """
         until = None if seconds is None else time.monotonic() + seconds
         while True:
             left = _LOOK_AGAIN if until is None else min(_LOOK_AGAIN, until - time.monotonic())
             ready = self._poll.poll(max(0.0, left) * 1000)
             if ready and all(descriptor != self._reading for descriptor, _ in ready):
-                self._poll_steps.poll(_BEHIND_OUTPUT)  # of the step that it belongs to
+                self._poll_steps.poll(_BEHIND_OUTPUT)  # the step that the output belongs to
             if ready or self._process.poll() is not None:
                 return
             if until is not None and time.monotonic() >= until:
                 return
 
     def _read_frames(self) -> bool:
-        """Take in what has come from the watched side; return whether nothing more can."""
-        is_over = self._process.poll() is not None  # looked at first: it may write, and then end
+        """Read new bytes. Return True if nothing more can arrive."""
+        is_over = self._process.poll() is not None  # checked first, because it may write and then end
         try:
             chunk = os.read(self._reading, _CHUNK)
         except BlockingIOError:
@@ -303,11 +306,11 @@ class ProgramProcess:
 
     @property
     def _is_garbled(self) -> bool:
-        """Whether what comes next is longer than any frame of ours."""
+        """True if the next frame is longer than any of ours."""
         return len(self._bytes) >= HEADER.size and HEADER.unpack_from(self._bytes)[1] > LARGEST_FRAME
 
     def _read_output(self) -> list[tuple[bytes, bytes]]:
-        """Return what has come on both streams, as messages."""
+        """Return new output of both streams as messages."""
         found, now = [], time.monotonic()
         for descriptor, (stream, lines) in list(self._streams.items()):
             try:
@@ -321,7 +324,7 @@ class ProgramProcess:
         return found
 
     def _farewell(self) -> list[tuple[bytes, bytes]]:
-        """See it to its end, and return what it left behind, and how it ended."""
+        """Wait for its end, and return the remaining frames with the exit status."""
         found, until = [], time.monotonic() + _FAREWELL
         self._poll.unregister(self._reading)
         while not self._is_garbled and self._process.poll() is None and time.monotonic() < until:
@@ -340,12 +343,12 @@ class ProgramProcess:
 
     def _kill(self) -> None:
         with suppress(ProcessLookupError, PermissionError):
-            if not self.closed:  # later its number may be that of others
+            if not self.closed:  # later its number may belong to another process
                 os.killpg(self._process.pid, signal.SIGKILL)
 
 
 def _script(request: ProgramRequest, descriptors: Mapping[str, int]) -> str:
-    """Return what Python runs; the current folder is no place to import from."""
+    """Return the code for Python, without imports from the current folder."""
     said = {
         "path": str(request.path),
         "arguments": list(request.arguments),
@@ -365,22 +368,21 @@ def _script(request: ProgramRequest, descriptors: Mapping[str, int]) -> str:
 
 
 def _pipe(reading: ExitStack, writing: ExitStack) -> tuple[int, int]:
-    """Return the ends of a pipe, each of which is closed with a stack, as large as it may be."""
+    """Return the ends of a pipe, each closed with its stack, with the largest buffer."""
     ends = os.pipe()
     for end, closing in zip(ends, (reading, writing), strict=True):
         closing.callback(os.close, end)
     with suppress(ImportError, AttributeError, OSError):
         import fcntl  # not on Windows
 
-        # on Linux; a small one holds a program up between two frames
+        # on Linux; a small buffer would block a program between two frames
         fcntl.fcntl(ends[1], fcntl.F_SETPIPE_SZ, _CHUNK)
     return ends
 
 
 def _memory_file(closing: ExitStack) -> int:
-    """Return a descriptor of a page of memory that two processes can share.
-
-    On Linux neither can make it smaller, which would end the other as soon as it reads there.
+    """Return a descriptor of a memory page shared by two processes. On Linux neither can shrink it, which
+    would crash the other.
     """
     if not hasattr(os, "memfd_create"):
         descriptor = closing.enter_context(tempfile.TemporaryFile()).fileno()  # noqa: SIM115
@@ -411,10 +413,10 @@ def _message(kind: str, **more: Any) -> tuple[bytes, bytes]:
 
 
 TIME_LIMIT: Final = "TimeLimit"
-"""The type of the error of a program that took too long."""
+"""Type of the error of a program that took too long."""
 _LOOK: Final = 0.1  # seconds
 _AFTER_THE_END: Final = 3.0
-"""Seconds that a program may go on once its steps are taken, or it has said that it is over."""
+"""Seconds that a program may continue after its steps or its end."""
 
 
 def watched_to_the_end(
@@ -423,10 +425,19 @@ def watched_to_the_end(
     seconds: float | None = None,
     log: ProgramLog | None = None,
 ) -> ProgramLog:
-    """Return all that the program of ``request`` told until it ended, or ``seconds`` were over.
+    """Run the program of `request` to its end.
 
-    ``on_progress`` is called about ten times a second, or oftener, and may raise to end it. ``log`` is what
-    takes it in, if that is at hand. Raises OSError where no process can be started.
+    Args:
+        request: Program to run.
+        on_progress: Called about ten times a second, and may raise to stop it.
+        seconds: Time limit, if any.
+        log: Receives its messages, default a new one.
+
+    Returns:
+        Everything it reported.
+
+    Raises:
+        OSError: The process cannot be started.
     """
     log, process = log or ProgramLog(), ProgramProcess(request)
     limit = math.inf if seconds is None else time.monotonic() + seconds

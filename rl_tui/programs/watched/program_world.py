@@ -1,4 +1,4 @@
-"""The world that a watched program learns in: what is drawn of it, and whether its exact answer is known."""
+"""The world of a watched program: its drawing, and its transition table if known."""
 
 from __future__ import annotations
 
@@ -32,30 +32,29 @@ _UNKNOWN: Final = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProgramWorld:
-    """The world of an environment of a program, and how the program's numbers stand for ours.
-
-    The program counts observations from 0 and has a cell, observation · A + action, for each of its table.
-    Our world may have several states for one observation: Blackjack deals a 21 that pays otherwise than one
-    that was drawn. P are the pairs of our world.
+    """The world of a program's environment, with maps between its numbers and ours. The program's
+    observations count from 0, and its table has a cell, observation · A + action, for each pair. Our world
+    may have several states for one observation, such as Blackjack's natural 21, which has another reward.
+    P is the number of our pairs.
     """
 
     scenario: Scenario
-    """What ours learns in where it stands beside the program."""
+    """Scenario of built-in runs for comparison."""
     world: World
-    """The world, with a table of transitions where that is known."""
+    """The world, with a transition table if known."""
     cell_of_pair: IntArray
-    """[P], the cell of the program's table for each pair; several pairs may share one."""
+    """The cell of each pair, possibly shared, `[P]`."""
     pair_of_cell: IntArray
-    """[observations · A], the pair of each cell; −1 where nothing can be done."""
+    """The pair of each cell, −1 if there is none, `[observations · A]`."""
     state_of: IntArray
-    """[observations], the state in which an observation is made in the middle of an episode; −1: none."""
+    """The state of an observation within an episode, −1 if there is none, `[observations]`."""
     first_state_of: IntArray
-    """[observations], as ``state_of``, of the first observation of an episode."""
+    """The same for the first observation of an episode."""
     ends: Mapping[str, int] = field(default_factory=dict)
-    """The states in which a game of Blackjack ends, which are no observations; else empty."""
+    """Blackjack's final states, which are not observations, else empty."""
 
     def is_same(self, other: ProgramWorld) -> bool:
-        """Return whether ``other`` was made of the same environment in the same way."""
+        """Return True if `other` was made from the same environment in the same way."""
         mine, theirs = self.scenario, other.scenario
         is_made_alike = (mine.id, mine.section) == (theirs.id, theirs.section)
         spaces = self.world.space, other.world.space
@@ -63,32 +62,34 @@ class ProgramWorld:
         return is_made_alike and sizes[0] == sizes[1] and not isinstance(mine.section, _Unknown)
 
     def q_of(self, table: FloatArray) -> FloatArray:
-        """Return the estimates of our pairs, [P], by the program's ``table``, [cells]; absent ones are 0."""
+        """Return the estimates of our pairs, `[P]`, from the program's `table`, `[cells]`, 0 for missing
+        entries.
+        """
         return np.nan_to_num(table)[self.cell_of_pair]
 
     def state(self, observation: int, episode_step: int) -> int:
-        """Return our state where ``observation`` is made after so many steps of an episode."""
+        """Return our state of `observation` after `episode_step` steps of an episode."""
         known = self.state_of if episode_step else self.first_state_of
         return max(int(known[observation]), 0)
 
     def landing(self, observation: int, reward: float, *, terminated: bool) -> int:
-        """Return our state into which a step led that observed this, with that reward."""
+        """Return our state after a step with this observation and reward."""
         if terminated and self.ends:
             return self.ends[WON if reward > 0.0 else DREW if reward == 0.0 else LOST]
         return max(int(self.state_of[observation]), 0)
 
     def pair(self, observation: int, action: int, episode_step: int) -> int:
-        """Return our pair for an action after so many steps of an episode; −1 where we have none."""
+        """Return our pair of an action after `episode_step` steps of an episode, or −1."""
         found = self.world.space.pair_of(self.state(observation, episode_step), action)
         return _UNKNOWN if found is None else found
 
 
 def world_of_program(environment: ProgramEnvironment) -> ProgramWorld:
-    """Return the world of ``environment``.
+    """Return the world of `environment`: by its id and arguments, else by the program's table, else with
+    states and actions only, without exact results.
 
-    It is known by the id and what it was made with; else by a table that only the program has; else it has
-    the states and actions alone, and no exact answer. Raises UserError only where it is too large to be
-    shown.
+    Raises:
+        UserError: It is too large.
     """
     cells = environment.states * environment.actions
     if cells > MOST_PAIRS:
@@ -104,25 +105,25 @@ def world_of_program(environment: ProgramEnvironment) -> ProgramWorld:
 
 
 class _Unknown(WorldSection):
-    """Stands for the file of a world that only the program knows."""
+    """Replaces the file of a world that only the program knows."""
 
     def build(self, generator: np.random.Generator) -> World:
-        """Refuse: nobody but the program can make this world."""
+        """Refuse to build the world."""
         raise WorldRefusedError(("id",), "a world that only the program knows", "one that can be made here")
 
 
 def _attempt(
     build: Callable[[ProgramEnvironment], ProgramWorld | None], environment: ProgramEnvironment
 ) -> ProgramWorld | None:
-    """Return what ``build`` makes, None where it fails: what a program sends may be anything."""
+    """Return the result of `build`, or None if it fails, because a program may send anything."""
     try:
         return build(environment)
-    except Exception:  # an environment that is made here may raise anything
+    except Exception:  # an environment may raise anything here
         return None
 
 
 def _of_ours(environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return the world of one of our scenarios, by its id as an environment, or the file it is made of."""
+    """Return the world of one of our scenarios, by its environment id or file."""
     if not environment.id.startswith(OWN_IDS):
         return None
     kwargs = environment.kwargs or {}
@@ -132,7 +133,7 @@ def _of_ours(environment: ProgramEnvironment) -> ProgramWorld | None:
 
 
 def _of_registered(environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return the world of an environment that Gymnasium knows here too: by its table, else stepped."""
+    """Return the world of an environment registered here too, by its table or simulated."""
     if environment.kwargs is None:
         return None
     kwargs = {name: value for name, value in environment.kwargs.items() if name not in _NOT_OF_THE_WORLD}
@@ -147,7 +148,7 @@ def _of_registered(environment: ProgramEnvironment) -> ProgramWorld | None:
 
 
 def _of_transitions(environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return the world by the table and the start that the program has."""
+    """Return the world from the program's table and start states."""
     from rl_tui.worlds.gym.table_layout import layout_of
 
     if environment.transitions is None or environment.start is None:
@@ -172,7 +173,7 @@ def _transitions(table: Any) -> Iterator[Transition]:
 
 
 def _fitting(scenario: Scenario, world: World, environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return ``world`` with the program's own time limit, None where its sizes are others."""
+    """Return `world` with the program's time limit, or None if its sizes differ."""
     limit = min(max(environment.time_limit, 0), LONGEST_TIME_LIMIT)
     if world.space.time_limit != limit:
         world = replace(world, space=replace(world.space, time_limit=limit))
@@ -193,7 +194,7 @@ def _program_world(scenario: Scenario, world: World, environment: ProgramEnviron
 
 
 def _blackjack(scenario: Scenario, world: World, environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return the world of Blackjack by its computed table, in which a natural is a state of its own."""
+    """Return the world of Blackjack with its computed table, in which a natural is a separate state."""
     space = world.space
     if not isinstance(space, TabularMDP) or len(environment.parts) != 3:
         return None
@@ -222,14 +223,14 @@ def _blackjack(scenario: Scenario, world: World, environment: ProgramEnvironment
 
 
 def _inverse(cell_of_pair: IntArray, environment: ProgramEnvironment) -> IntArray:
-    """Return the pair of each cell, [cells]; of several the first."""
+    """Return the pair of each cell, `[cells]`, the first of several."""
     pair_of_cell = np.full(environment.states * environment.actions, _UNKNOWN)
     pair_of_cell[cell_of_pair[::-1]] = np.arange(len(cell_of_pair))[::-1]
     return pair_of_cell
 
 
 def _bare_world(environment: ProgramEnvironment) -> World:
-    """Return the states and actions alone."""
+    """Return a world with states and actions only."""
     from rl_tui.worlds.gym.stepped_layout import product_grid
 
     space: FiniteSpace = all_pairs(
@@ -254,7 +255,7 @@ def _action_names(environment: ProgramEnvironment) -> tuple[str, ...]:
 
 
 def _scenario(environment: ProgramEnvironment, section: WorldSection) -> Scenario:
-    """Return a scenario in memory, of no file."""
+    """Return a scenario in memory without a file."""
     name = _name(environment)
     return Scenario(
         id=name,

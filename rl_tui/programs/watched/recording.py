@@ -17,9 +17,8 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class Columns:
-    """Columns of the types ``dtypes``, [N] each. What :meth:`views` gives out never changes.
-
-    Up to ``room`` rows nothing is ever moved; room that is not written to takes no memory yet.
+    """N rows in columns of the types `dtypes`. Results of `views` never change. Up to `room` rows nothing
+    is moved, and unused room takes no memory.
     """
 
     def __init__(self, dtypes: Sequence[npt.DTypeLike], room: int = 0) -> None:
@@ -30,7 +29,7 @@ class Columns:
         return self._length
 
     def add(self, parts: Sequence[npt.NDArray[Any]]) -> None:
-        """Add ``parts``, an array for each column, all of one length."""
+        """Append `parts`, an array of equal length for each column."""
         end = self._length + len(parts[0])
         if end > len(self._rooms[0]):
             self._move(0, 2 * end)
@@ -43,21 +42,21 @@ class Columns:
         return [column[: self._length] for column in self._rooms]
 
     def frozen(self) -> Columns:
-        """Return them as they are now, which another thread may read."""
+        """Return a snapshot for another thread."""
         frozen = Columns(())
         frozen._rooms, frozen._length = self.views(), self._length
         return frozen
 
     def forget(self, first: int) -> None:
-        """Forget the ``first`` rows."""
+        """Drop the `first` rows."""
         self._move(first, len(self._rooms[0]))
 
     def clear(self) -> None:
-        """Forget all rows."""
+        """Drop all rows."""
         self.forget(self._length)
 
     def _move(self, first: int, room: int) -> None:
-        """Go on in other memory, of ``room`` rows, with what stands from row ``first`` on."""
+        """Move the rows from `first` on to new memory of `room` rows."""
         kept = [column[first : self._length] for column in self._rooms]
         self._rooms = [np.empty(room, column.dtype) for column in kept]
         self._length -= first
@@ -69,10 +68,10 @@ class Columns:
 
 
 MOST_STEPS: Final = 4_000_000
-"""Steps that are kept; when there are more the older half is forgotten."""
+"""Most stored steps. Beyond that, the older half is dropped."""
 
-_CHANGES_OF_A_STEP: Final = 4  # that are kept for each step, on an average
-_ROOM_FOR_A_BATCH: Final = 200_000  # steps, of which a batch rarely has more
+_CHANGES_OF_A_STEP: Final = 4  # on average, for each stored step
+_ROOM_FOR_A_BATCH: Final = 200_000  # steps; a batch rarely has more
 BETWEEN_KEYFRAMES: Final = 100_000  # changes
 _STEP_TYPES: Final = (*[np.int64] * 3, np.float64, np.int64, np.bool_, np.bool_, np.int64, np.int64)
 _CHANGE_TYPES: Final = (np.int64, np.int64, np.float64, np.float64)
@@ -81,7 +80,7 @@ Doubles = npt.NDArray[np.float64]
 
 
 class StepColumns(NamedTuple):
-    """N steps as columns, [N] each, oldest first."""
+    """N steps as columns, `[N]` each, oldest first."""
 
     environment: IntArray
     state: IntArray
@@ -91,40 +90,43 @@ class StepColumns(NamedTuple):
     terminated: BoolArray
     truncated: BoolArray
     episode: IntArray
-    """From 0, over all environments, in the order in which episodes began."""
+    """From 0 over all environments, in the order of their beginnings."""
     episode_step: IntArray
-    """From 0 within its episode."""
+    """From 0 within the episode."""
 
 
 class ChangeColumns(NamedTuple):
-    """M changes of the table as columns, [M] each, oldest first."""
+    """M changes of the table as columns, `[M]` each, oldest first."""
 
     step: IntArray
-    """To which step it belongs, as the program counts them from 0."""
+    """Step of the change, from 0 over the program."""
     cell: IntArray
     """State · A + action."""
     before: FloatArray
-    """NaN where the table had no such entry."""
+    """Old value, NaN for a missing entry."""
     after: FloatArray
 
 
 class Recording:
-    """The steps and changes of a program so far; ``first`` is the number of the first step that is kept.
+    """The steps and changes of a program. With more than `most` steps, or four times as many changes, the
+    older half is dropped, and `initial` becomes the table at that time.
 
-    ``initial`` is the table as it was found at step ``found_at``, [S·A], with NaN where there was no entry;
-    None while no table was found. ``actions`` is A. When there are more than ``most`` steps, or four times
-    as many changes, the older half is forgotten; the table as it was then becomes the initial one.
+    Attributes:
+        first: Number of the first stored step.
+        actions: Number of actions, A.
+        found_at: Step at which the table was found.
+        initial: The table at `found_at`, `[S·A]`, NaN for missing entries, or None.
     """
 
     def __init__(self, most: int = MOST_STEPS) -> None:
         self.first = 0
         self.count = 0
-        """How many steps were taken in all."""
+        """Number of steps taken."""
         self.actions = 0
         self.found_at = 0
         self.initial: FloatArray | None = None
         self.rebound: list[int] = []
-        """The steps after which another object was the table."""
+        """Steps after which another object was the table."""
         self._most, self._most_changes = most, most * _CHANGES_OF_A_STEP
         room = most + _ROOM_FOR_A_BATCH
         self._steps, self._changes = Columns(_STEP_TYPES, room), Columns(_CHANGE_TYPES, room)
@@ -132,14 +134,14 @@ class Recording:
         self._keyframes: list[tuple[int, FloatArray]] = []
 
     def find_table(self, step: int, actions: int, content: FloatArray) -> None:
-        """Take ``content``, [S·A], for the table as it was before step ``step``."""
+        """Begin with the table `content`, `[S·A]`, as it was before `step`."""
         self.found_at, self.actions, self.initial = step, actions, content
         self._latest = content.copy()
         self._changes.clear()
         self._keyframes.clear()
 
     def add(self, steps: Doubles, changes: Doubles) -> None:
-        """Add steps, [n, 8], and changes, [m, 4], as they come through the pipe."""
+        """Add steps, `[n, 8]`, and changes, `[m, 4]`, as received."""
         if len(steps):
             self._steps.add(_columns(steps.reshape(-1, STEP_WIDTH)))
             self.count += len(steps)
@@ -152,18 +154,19 @@ class Recording:
 
     @property
     def steps(self) -> StepColumns:
-        """All steps that are kept."""
+        """All stored steps."""
         return StepColumns(*self._steps.views())
 
     @property
     def changes(self) -> ChangeColumns:
-        """All changes of the steps that are kept."""
+        """All changes of stored steps."""
         return ChangeColumns(*self._changes.views())
 
     def table_at(self, step: int) -> FloatArray:
-        """Return the table after ``step`` steps, [S·A]; NaN where it has no entry.
+        """Return the table after `step` steps, `[S·A]`, NaN for missing entries.
 
-        Raises ValueError where no table was found, or that moment is not kept.
+        Raises:
+            ValueError: No table was found, or the step is no longer stored.
         """
         if self.initial is None:
             raise ValueError("no table was found")
@@ -178,11 +181,11 @@ class Recording:
         table = table.copy()
         table[changes.cell[begin:until]] = changes.after[
             begin:until
-        ]  # of several of one cell the last counts
+        ]  # the last of several changes of a cell counts
         return table
 
     def frozen(self) -> Recording:
-        """Return it as it is now, which another thread may read while this one grows."""
+        """Return a snapshot for another thread."""
         frozen = copy(self)
         frozen._steps, frozen._changes = self._steps.frozen(), self._changes.frozen()
         frozen._latest, frozen._keyframes = self._latest.copy(), list(self._keyframes)
@@ -190,7 +193,7 @@ class Recording:
         return frozen
 
     def _keep_latest(self, cell: IntArray, after: FloatArray) -> None:
-        """Keep the table as it is now, and now and then as it was, from where others are found quickly."""
+        """Update the latest table, and store keyframes from which others are computed."""
         if self.initial is not None:
             self._latest[cell] = after
             last = self._keyframes[-1][0] if self._keyframes else 0

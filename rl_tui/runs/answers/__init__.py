@@ -1,1 +1,1 @@
-"""Exact answers to what a person asks of a run: policies, flip points, waits."""
+"""Exact answers to questions about a run: policies, flip points, waits."""

@@ -1,4 +1,4 @@
-"""What is said of the wait for the first update that tells anything, on screen and off it."""
+"""Texts about the wait for the first update, for the screen and for reports."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from rl_tui.agents.exact.first_update import Cause, FirstUpdate, Wait
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.words import counted
 
-NOTHING_IN_THE_WAY: Final = "nothing stands in the way: the first episode already moves an estimate"
+NOTHING_IN_THE_WAY: Final = "no obstacle: the first episode already changes an estimate"
 _WHOLE_FROM: Final = 1_000
 _SHORT_FROM: Final = 10**12
 Writer = Callable[[float], str]
 
 
 def episodes_in_words(number: float) -> str:
-    """Return a number of episodes, be it a mean or a median: ``71.7``, ``184,616``, ``6.23e15``."""
+    """Format a number of episodes (mean or median): `71.7`, `184,616`, `6.23e15`."""
     if number >= _SHORT_FROM:
         return f"{number:.3g}".replace("e+", "e")
     return f"{number:,.0f}" if number >= _WHOLE_FROM or number == int(number) else f"{number:.1f}"
 
 
 def number_in_words(number: float) -> str:
-    """Return a setting, or the chance of one episode: ``1``, ``0.0139398``, ``5.41665e-6``."""
+    """Format a setting or a probability: `1`, `0.0139398`, `5.41665e-6`."""
     mantissa, e, exponent = f"{number:.6g}".partition("e")
     return f"{mantissa}e{int(exponent)}" if e else mantissa
 
 
 def wait_in_words(wait: Wait, in_words: Writer = number_in_words) -> str:
-    """Return what one episode's chance, which ``in_words`` writes, means for how many it takes."""
+    """Say how many episodes the first update takes. `in_words` formats its probability."""
     if wait.chance == 1.0:
         return NOTHING_IN_THE_WAY
     if wait.chance == 0.0:
@@ -45,9 +45,16 @@ def wait_in_words(wait: Wait, in_words: Writer = number_in_words) -> str:
 def cause_in_words(
     answer: FirstUpdate, settings: Hyperparameters, time_limit: int, in_words: Writer = number_in_words
 ) -> str:
-    """Return what is to blame, or that no single setting is; empty where nothing stands in the way.
+    """Name the setting that delays the first update.
 
-    Settings are as ``in_words`` writes them.
+    Args:
+        answer: Probability, wait and cause.
+        settings: Current settings of the agent.
+        time_limit: Longest episode in steps.
+        in_words: Formats the values of settings.
+
+    Returns:
+        A clause, "no single setting is to blame: …", or "" if nothing delays the update.
     """
     if answer.wait.chance == 1.0:
         return ""
@@ -70,7 +77,7 @@ def cause_in_words(
 
 
 def setting_in_words(setting: str, value: float | str, in_words: Writer = number_in_words) -> str:
-    """Return a setting and its value, as ``in_words`` writes it: ``ε 1``, ``ties random``, ``Q₀ 1``."""
+    """Format a setting with its symbol: `ε 1`, `ties random`, `Q₀ 1`."""
     number = value if isinstance(value, str) else in_words(value)
     return f"{PARAMETERS[setting].symbol} {number}"
 

@@ -1,4 +1,4 @@
-"""The flips of a world: every γ at which its optimal actions change, and Q* between them."""
+"""The flip points of one world: each γ at which the optimal actions change, and Q* in between."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 GAMMAS: Final = 200
-"""Equal parts of 0 to 1 at whose ends Q* is worked out: more than a chart has columns of dots."""
+"""Number of equal intervals of γ in [0, 1] for Q*: more than a chart has columns."""
 MOST_VALUES: Final = 300_000
-"""Of all pairs at all γ, which are one message: a world of very many actions has fewer γ."""
+"""Most values of Q* in one message, over all γ and pairs. Worlds with many pairs get fewer γ."""
 MOST_SECONDS: Final = 300
-"""Of a processor. The dearest of the shipped worlds takes 5."""
+"""Limit of CPU time in seconds. The slowest shipped world takes 5."""
 _MOST_DECIMALS: Final = 12
 
 
 class FlipState(StrEnum):
-    """How far they are known."""
+    """Progress of the computation."""
 
     NOT_ASKED = "not asked"
     PENDING = "pending"
@@ -38,7 +38,12 @@ class FlipState(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OptimalValueCurves:
-    """Q* as a function of γ: ``q``, [G, P], at the rising ``gamma``, [G], from 0 to at most 1."""
+    """Q* as a function of γ.
+
+    Attributes:
+        gamma: Rising values of γ in [0, 1], `[G]`.
+        q: Q* at each γ, `[G, P]`.
+    """
 
     gamma: FloatArray
     q: FloatArray
@@ -46,20 +51,20 @@ class OptimalValueCurves:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlipAnswer:
-    """The flips of one world, rising in γ, as far as they are known."""
+    """The flip points of one world, in rising γ, as far as they are known."""
 
     state: FlipState = FlipState.NOT_ASKED
-    """How far they are known."""
+    """Progress of the computation."""
     reason: str = ""
-    """Why they will not be known, or not soon, in words; mostly empty."""
+    """Why the flip points are unknown or delayed, usually empty."""
     flips: tuple[Flip, ...] = ()
-    """All of them."""
+    """All flip points."""
     curves: OptimalValueCurves | None = None
-    """Q*(γ); None where it is not known, and where each step ends its episode."""
+    """Q*(γ), or None if unknown, or if every step ends its episode."""
 
     @property
     def is_idle(self) -> bool:
-        """Whether γ changes nothing, since each step ends its episode."""
+        """True if γ changes nothing, because every step ends its episode."""
         return self.state is FlipState.KNOWN and self.curves is None
 
 
@@ -69,12 +74,18 @@ HELD_UP: Final = FlipAnswer(FlipState.PENDING, MACHINE_IS_BUSY)
 
 
 def refused(reason: str) -> FlipAnswer:
-    """Return the answer that they will not be known, for this ``reason``."""
+    """Return an answer without flip points, with the `reason`."""
     return FlipAnswer(FlipState.REFUSED, reason)
 
 
 def beyond(answer: FlipAnswer, flip: Flip, *, is_above: bool) -> float:
-    """Return the roundest γ, of two decimals or more, on one side of ``flip`` and before the next one."""
+    """Return the γ with the fewest decimals (at least two) between `flip` and its neighbour.
+
+    Args:
+        answer: All flip points of the world.
+        flip: One of them.
+        is_above: Choose a γ above the flip point, else below it.
+    """
     gammas = [each.gamma for each in answer.flips]
     place = gammas.index(flip.gamma)
     if is_above:
@@ -91,13 +102,15 @@ def beyond(answer: FlipAnswer, flip: Flip, *, is_above: bool) -> float:
 
 
 def work(mdp: TabularMDP, tell: Callable[[FlipAnswer, float], None]) -> None:
-    """Tell all flips of ``mdp``, or why there are none; what a process of its own does."""
+    """Compute the flip points of `mdp` and send them with `tell`. This is the work of a background
+    process.
+    """
     bound_processor_time(MOST_SECONDS)
     tell(worked_out(mdp), 1.0)
 
 
 def worked_out(mdp: TabularMDP) -> FlipAnswer:
-    """Return all flips of ``mdp`` and Q* from γ = 0 to 1, or why there are none."""
+    """Compute all flip points of `mdp` and Q*(γ), or return the reason why there are none."""
     from rl_tui.agents.exact.flips import flips
     from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
 
@@ -109,7 +122,7 @@ def worked_out(mdp: TabularMDP) -> FlipAnswer:
 
 
 def optimal_value_curves(mdp: TabularMDP) -> OptimalValueCurves:
-    """Return Q* from γ = 0 to 1, where there is one at 1, else to the last γ that has one."""
+    """Compute Q* at equally spaced γ from 0 to 1, or to the last γ at which Q* exists."""
     from rl_tui.agents.exact.exact_model import exact_model
     from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
     from rl_tui.agents.exact.policy_iteration import policy_iteration

@@ -1,4 +1,4 @@
-"""The flips of the worlds of a playground: each worked out once, when it is asked for."""
+"""The flip points of a playground's worlds, each computed once, on request."""
 
 from __future__ import annotations
 
@@ -22,17 +22,18 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 WORK: Final = "rl_tui.runs.answers.flip_answer:work"
-"""What runs in its process: fractions of thousands of digits would hold the interpreter for seconds."""
+"""Runs in a process of its own: fractions of thousands of digits would block the interpreter for seconds."""
 TOO_LONG: Final = "working them out took too long, or its process was ended"
 KEPT: Final = 4
-"""Worlds of which the flips are kept: as many as there are lanes."""
+"""Number of worlds whose flip points are remembered: one for each run."""
 
 
 class FlipAnswers:
-    """Has flips worked out in a process of their own; not at the lowest priority, since it ends soon.
+    """Computes flip points in a separate process, at normal priority because it is short.
 
-    ``on_news`` is called, from any thread, when an answer has come. With ``automatic`` off :meth:`begin`
-    works them out itself, so that what is known does not depend on the time.
+    Args:
+        on_news: Called from any thread when an answer has arrived.
+        automatic: False to compute within `begin`, so that results do not depend on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -41,7 +42,7 @@ class FlipAnswers:
         self._answers: list[tuple[TabularMDP, FlipAnswer]] = []
 
     def begin(self, mdp: TabularMDP | None) -> None:
-        """Have the flips of ``mdp`` worked out, in place of those of any other world; once."""
+        """Start to compute the flip points of `mdp`, once. This stops the computation for any other world."""
         if mdp is None or self.of(mdp).state is not FlipState.NOT_ASKED:
             return
         known = at_once(mdp)
@@ -57,7 +58,7 @@ class FlipAnswers:
             self._keep(mdp, refused(f"no process can be started: {error}"))
 
     def of(self, mdp: TabularMDP | None) -> FlipAnswer:
-        """Return what is known of the flips of ``mdp`` by now."""
+        """Return what is known about the flip points of `mdp`."""
         if mdp is None:
             return refused(NO_TABLE)
         process = self._background.process
@@ -66,17 +67,17 @@ class FlipAnswers:
         return next((answer for world, answer in self._answers if world is mdp), NOT_ASKED)
 
     def close(self) -> None:
-        """End what is being worked out, from any thread, and begin nothing any more."""
+        """Stop the computation and refuse new ones. Safe from any thread."""
         self._background.close()
 
     def _keep(self, mdp: TabularMDP, answer: FlipAnswer) -> None:
-        # of worlds without flips, which may be large, the last one alone is kept
+        # answers without flip points refer to large worlds: remember only the newest of them
         known = [each for each in self._answers if each[1].state is FlipState.KNOWN]
         self._answers = [*known, (mdp, answer)][-KEPT:]
 
 
 def at_once(mdp: TabularMDP) -> FlipAnswer | None:
-    """Return the answer where there is nothing to work out, else None."""
+    """Return the answer if no computation is needed, else None."""
     from rl_tui.agents.exact.flips import why_refused
 
     if mdp.terminated.all():

@@ -1,4 +1,4 @@
-"""The policies that a person may ask about."""
+"""The policies whose values a user can ask for."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from enum import StrEnum
 
 
 class PolicyKind(StrEnum):
-    """One policy of a world and of the agent in it."""
+    """A policy of a world and its agent."""
 
-    UNIFORM = "uniform"  # every legal action as likely as any other
-    OPTIMAL = "optimal"  # best for the γ in force
-    GREEDY = "greedy"  # greedy for the estimates of this moment
-    BEHAVIOUR = "behaviour"  # what the agent does now, exploring as it does
-    DRAWN = "drawn"  # what a person drew
+    UNIFORM = "uniform"  # all available actions equally likely
+    OPTIMAL = "optimal"  # optimal for the current γ
+    GREEDY = "greedy"  # greedy for the current estimates
+    BEHAVIOUR = "behaviour"  # what the agent does, including exploration
+    DRAWN = "drawn"  # drawn by the user

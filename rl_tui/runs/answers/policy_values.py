@@ -1,4 +1,4 @@
-"""The exact values of a policy in a run, or the reason why there are none."""
+"""Exact values of a policy in a run, or the reason why there are none."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DrawnPolicy:
-    """The numbers of states and of the actions chosen there, by state; elsewhere it acts at random."""
+    """A deterministic policy for some states, random elsewhere: (state, action) numbers, sorted by state."""
 
     choices: tuple[tuple[int, int], ...] = ()
 
     def with_action(self, state: int, action: int | None) -> DrawnPolicy:
-        """Return the policy with ``action`` in ``state``; None: with no choice there."""
+        """Return a copy with `action` in `state`, or None removes the choice."""
         chosen = dict(self.choices)
         chosen.pop(state, None)
         if action is not None:
@@ -39,19 +39,19 @@ class DrawnPolicy:
         return DrawnPolicy(tuple(sorted(chosen.items())))
 
     def fitting(self, space: FiniteSpace) -> DrawnPolicy:
-        """Return the policy without what is no legal choice in ``space``."""
+        """Return a copy without choices that are unavailable in `space`."""
         legal = self.pairs(space)
         return DrawnPolicy(tuple(choice for choice in self.choices if choice[0] in legal))
 
     def pairs(self, space: FiniteSpace) -> dict[int, int]:
-        """Return the pair chosen in each state of ``space`` in which what was chosen is legal."""
+        """Return the pair chosen in each state, without unavailable choices."""
         chosen = {
             state: space.pair_of(state, action) for state, action in self.choices if state < space.states
         }
         return {state: pair for state, pair in chosen.items() if pair is not None}
 
     def chances(self, space: FiniteSpace) -> FloatArray:
-        """Return π(a|s) of each pair of ``space``, [P]; uniform where nothing that is legal was chosen."""
+        """Return π(a|s) of each pair, `[P]`, uniform in states without an available choice."""
         return policy_of_choices(space, self.pairs(space))
 
 
@@ -59,7 +59,11 @@ class DrawnPolicy:
 
 
 def left_to_chance(mdp: TabularMDP, drawn: DrawnPolicy) -> BoolArray:
-    """Return where nothing is drawn, though there is a choice and the policy may come there, [S]."""
+    """Mark the states where the policy acts at random for lack of a choice.
+
+    Returns:
+        `[S]`, True if the state is reachable, has several actions, and none is drawn.
+    """
     policy = drawn.chances(mdp)
     goes_on = (policy[mdp.outcome_pair] > 0.0) & (mdp.probability > 0.0) & ~mdp.terminated
     source = mdp.pair_state[mdp.outcome_pair[goes_on]]
@@ -71,13 +75,13 @@ def left_to_chance(mdp: TabularMDP, drawn: DrawnPolicy) -> BoolArray:
 
 
 class LeftToChance:
-    """The same of two lanes, maybe in two worlds, worked out again only where drawing or world are others."""
+    """Cache of `left_to_chance` for two runs."""
 
     def __init__(self) -> None:
         self._known: list[tuple[TabularMDP, DrawnPolicy, BoolArray]] = []
 
     def of(self, mdp: TabularMDP, drawn: DrawnPolicy) -> BoolArray:
-        """Return the states in which ``drawn`` may come to act at random for want of a choice, [S]."""
+        """Mark the reachable states where `drawn` acts at random for lack of a choice, `[S]`."""
         for its_mdp, its_drawn, left in self._known:
             if its_mdp is mdp and its_drawn is drawn:
                 return left
@@ -98,12 +102,16 @@ NO_CHANCES: Final = "its chances have no closed form, or are too many"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PolicyAnswer:
-    """What one policy is worth; all None while that is worked out, or where it is ``refused``.
+    """The exact values of one policy. All fields are None while pending, and if `refused`.
 
-    ``policy`` is π(a|s), [P], ``v`` V^π, [S], and ``q`` Q^π, [P], for the γ in force and without a time
-    limit; NaN where there is no value, at γ = 1 only. ``value_at_start`` is V^π on average at the start. The
-    others are of an episode within the time limit: the ``expected_return``, undiscounted, the expected
-    ``steps``, and the probability ``ends`` that it ends. Each is None where it is not known exactly.
+    Attributes:
+        policy: π(a|s), `[P]`.
+        v: V^π for the current γ, without time limit, `[S]`, or NaN if a state has no value (γ = 1 only).
+        q: Q^π for the current γ, without time limit, `[P]`; NaN as for `v`.
+        value_at_start: Mean of V^π over the start states.
+        expected_return: Expected undiscounted return of an episode within the time limit.
+        steps: Expected steps of an episode within the time limit.
+        ends: Probability that an episode ends within the time limit.
     """
 
     policy: FloatArray | None = None
@@ -114,11 +122,11 @@ class PolicyAnswer:
     steps: float | None = None
     ends: float | None = None
     refused: str = ""
-    """Why there is no answer; empty where there is one, and while it is worked out."""
+    """Reason why there is no answer, empty if there is one, or it is pending."""
 
     @property
     def is_known(self) -> bool:
-        """Whether it has been worked out."""
+        """True once the values are known."""
         return self.policy is not None
 
 
@@ -126,7 +134,7 @@ PENDING: Final = PolicyAnswer()
 
 
 def worth_of(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyAnswer:
-    """Return what ``policy``, [P], is worth for ``gamma`` in [0, 1]."""
+    """Evaluate `policy`, `[P]`, in `mdp` for `gamma` in [0, 1]."""
     from rl_tui.agents.exact.policy_figures import figures
 
     found = figures(mdp, policy, gamma)
@@ -137,7 +145,16 @@ def worth_of(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyAnswer:
 
 
 def action_values(mdp: TabularMDP, v: FloatArray, gamma: float) -> FloatArray:
-    """Return q(s, a) of every pair, [P], where it goes on with ``v``, [S] (equation 4.6)."""
+    """Back up state values to action values (equation 4.6).
+
+    Args:
+        mdp: World with a transition table.
+        v: Values of the next states, `[S]`.
+        gamma: Discount in [0, 1].
+
+    Returns:
+        q(s, a), `[P]`.
+    """
     first = mdp.first_outcome[:-1]
     later = np.where(mdp.terminated, 0.0, v[mdp.next_state])
     gain = mdp.probability * (mdp.reward + gamma * later)
@@ -146,23 +163,19 @@ def action_values(mdp: TabularMDP, v: FloatArray, gamma: float) -> FloatArray:
 
 
 class _Question(NamedTuple):
-    """What has to be evaluated."""
-
     mdp: TabularMDP
     policy: FloatArray
     gamma: float
 
     def is_answered_by(self, other: _Question) -> bool:
-        """Return whether ``other`` is the same question."""
         is_same_world = self.mdp is other.mdp and self.gamma == other.gamma
         return is_same_world and np.array_equal(self.policy, other.policy)
 
 
 class PolicyAnswers:
-    """What the policies of runs are worth, worked out again only where policy, γ or world are others.
-
-    What takes longer than a frame may is worked out by :meth:`work`, while a run stands still; with
-    ``automatic`` off, where nothing may depend on the time, it is worked out when it is asked for.
+    """Policy values of several runs, cached until policy, γ or world change. A slow evaluation happens in
+    `work`, while the run is paused. With `automatic` off, `of` evaluates at once, so that nothing depends
+    on timing.
     """
 
     def __init__(self, *, automatic: bool) -> None:
@@ -174,9 +187,13 @@ class PolicyAnswers:
     def of(
         self, run: Run, exact: Answer, drawn: DrawnPolicy, *, is_still: bool
     ) -> Mapping[PolicyKind, PolicyAnswer]:
-        """Return what each policy is worth in ``run``, as far as it is known; ``exact`` is its best answer.
+        """Return the known values of each policy in `run`.
 
-        A run that ``is_still`` takes no step before it is told otherwise.
+        Args:
+            run: Run whose estimates and world are used.
+            exact: Optimal answer for this run.
+            drawn: Policy drawn by the user.
+            is_still: True if the run is paused, so that a slow evaluation may begin.
         """
         mdp = run.learner.mdp
         waits = not is_still and mdp is not None and not is_quick(mdp)
@@ -184,7 +201,7 @@ class PolicyAnswers:
         answers = {}
         for kind in PolicyKind:
             if waits and kind not in known:
-                # no policy is built only to be refused
+                # do not build a policy only to refuse it
                 answers[kind] = PolicyAnswer(refused=_refusal(kind, run, exact) or WHILE_RUNNING)
                 continue
             asked = _question(kind, run, exact, drawn)
@@ -194,7 +211,7 @@ class PolicyAnswers:
         return answers
 
     def work(self, run: Run, exact: Answer, drawn: DrawnPolicy) -> bool:
-        """Work out one of the answers that :meth:`of` lacks of ``run``; return whether there was one."""
+        """Compute one answer that `of` lacks for `run` and return True if one was missing."""
         for kind in PolicyKind:
             asked = _question(kind, run, exact, drawn)
             if not isinstance(asked, PolicyAnswer) and self._kept(run, kind, asked) is None:
@@ -221,7 +238,7 @@ class PolicyAnswers:
 
 
 def _question(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> _Question | PolicyAnswer:
-    """Return what to evaluate, or the answer where there is nothing to evaluate."""
+    """Return the question to evaluate, or an answer if there is nothing to evaluate."""
     mdp, refused = run.learner.mdp, _refusal(kind, run, exact)
     if mdp is None or refused:
         return PolicyAnswer(refused=refused)
@@ -232,7 +249,7 @@ def _question(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> 
 
 
 def _refusal(kind: PolicyKind, run: Run, exact: Answer) -> str:
-    """Return why there is no answer, as far as that is known without the policy; empty where it is not."""
+    """Return the reason why there is no answer, if it is known without the policy, else ""."""
     learner = run.learner
     if learner.mdp is None:
         return NO_TABLE
@@ -246,7 +263,7 @@ def _refusal(kind: PolicyKind, run: Run, exact: Answer) -> str:
 
 
 def _policy(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> FloatArray | PolicyAnswer:
-    """Return π(a|s), [P], or the answer where there is none: it is worked out, or has no closed form."""
+    """Return π(a|s), `[P]`, or an answer if the policy is pending or has no closed form."""
     from rl_tui.agents.exact.policy_figures import greedy_policy, uniform_over, uniform_policy
 
     space, learner = run.world.space, run.learner
@@ -265,7 +282,7 @@ def _policy(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> Fl
 
 
 def _behaviour(run: Run) -> FloatArray | PolicyAnswer:
-    """Return π(a|s) of the agent as it acts in this episode, [P], or why that is not known."""
+    """Return the agent's π(a|s) in this episode, `[P]`, or the reason why it is unknown."""
     from rl_tui.agents.policies.chances import all_chances
 
     learner, space = run.learner, run.world.space

@@ -1,4 +1,4 @@
-"""The states in which an edit of the world turned the best actions, by the answers before and after."""
+"""States whose optimal actions were changed by an edit of the world."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Before:
-    """The last answer known of a world before the one in force, and what of its states there is here."""
+    """The last known solution of an earlier world, and how its states map to the current one."""
 
     solution: Solution
     space: FiniteSpace
@@ -26,9 +26,8 @@ class _Before:
 
 
 class TurnedStates:
-    """Remembers the answer of the world before the last stroke, until that of the world after it has come.
-
-    Strokes that follow one another before an answer has come count as one.
+    """Compares the optimal actions before and after the last edit. Edits that follow before a solution has
+    arrived count as one.
     """
 
     def __init__(self) -> None:
@@ -38,10 +37,14 @@ class TurnedStates:
         self._turned: tuple[Solution, frozenset[int]] | None = None
 
     def of(self, run: Run, answer: Solution | None) -> frozenset[int]:
-        """Return the states of ``run`` whose best actions its last stroke turned, those new left out.
+        """Return the states of `run` whose optimal actions changed with the last edit.
 
-        ``answer`` is that of the world in force, for the γ in force; None while it is not known. None are
-        turned as long as one of both answers is missing, or is for another γ.
+        Args:
+            run: Run in the edited world.
+            answer: Solution of the current world for the current γ, or None while unknown.
+
+        Returns:
+            State numbers without new states. Empty until both solutions are known for the same γ.
         """
         if run.edited is not self._world:
             self._before = self._remembered(run)
@@ -54,7 +57,7 @@ class TurnedStates:
         return self._turned[1]
 
     def _remembered(self, run: Run) -> _Before | None:
-        """Return the world before, where a stroke made the one of ``run`` from it; None elsewhere."""
+        """Return the earlier world if one edit leads from it to the world of `run`, else None."""
         before, between = self._world, self._before
         if before is None or not _follows(run.edited, before):
             return None
@@ -69,14 +72,14 @@ class TurnedStates:
 
 
 def _follows(now: EditedWorld, before: EditedWorld) -> bool:
-    """Return whether one stroke, or undoing or redoing one, made ``now`` of the world ``before``."""
+    """Return True if one edit, undo or redo turns `before` into `now`."""
     if before.draft is None:
         return now.done is not None and now.done.further is None
     return any(way is not None and way.draft is before.draft for way in (now.done, now.undone))
 
 
 def _through(now: IntArray, was: IntArray) -> IntArray:
-    """Return what each of ``now``, numbers in a world between, was in the world before that."""
+    """Compose two maps of numbers: `now` into a world in between, `was` from there to the first one."""
     return np.where(now == NEW, NEW, was[now])
 
 

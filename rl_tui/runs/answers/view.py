@@ -1,4 +1,4 @@
-"""Answers to the user's questions about a run, as a snapshot holds them."""
+"""Answers about a run, in the form that a snapshot holds."""
 
 from __future__ import annotations
 
@@ -35,10 +35,13 @@ _Settings = tuple[TabularMDP, str, Hyperparameters, bool]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FirstUpdateView:
-    """The wait of one run for its first update, by the settings in force, as if it began with them.
+    """The wait of one run for its first update, as if the run began with the current settings.
 
-    Either ``answer`` is there, or ``refused`` says why there is none. ``has_moved`` tells whether an estimate
-    has moved already, and ``is_long`` that none has in many episodes.
+    Attributes:
+        answer: The wait, or None if refused.
+        refused: Reason why there is no answer, else "".
+        has_moved: True if an estimate has already changed.
+        is_long: True if no estimate has changed in many episodes.
     """
 
     answer: FirstUpdate | None
@@ -48,15 +51,14 @@ class FirstUpdateView:
 
 
 class FirstUpdates:
-    """The waits of runs, in whichever worlds they are."""
+    """Cache of waits, by world and settings."""
 
     def __init__(self) -> None:
         self._known: OrderedDict[_Settings, tuple[FirstUpdate | None, str]] = OrderedDict()
 
     def of(self, run: Run, *, is_asked: bool) -> FirstUpdateView | None:
-        """Return the wait of ``run``; None where nobody has asked and something was learned, or may soon be.
-
-        Of a large world nothing is said unless somebody has asked.
+        """Return the wait of `run`, or None if nobody asked and the run learns or has only begun. In a
+        large world the answer is given on request only.
         """
         learner = run.learner
         has_many = not learner.plans and learner.episodes >= MANY_EPISODES
@@ -74,7 +76,7 @@ class FirstUpdates:
             return None, NO_TABLE
         if visits_of(mdp) > DEAREST_LIVE:
             return None, TOO_LARGE
-        # estimates start from what the recipe says, whatever is set later
+        # Q₀ applies at the start only, so its current value does not matter
         values = replace(learner.hyperparameters, initial_q=run.recipe.hyperparameters.initial_q)
         settings = (mdp, learner.algorithm, values, values.alpha_at(learner.episodes) == 0.0)
         if settings not in self._known:
@@ -100,21 +102,23 @@ def _worked_out(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AnswersView:
-    """The answers for one run at one step."""
+    """Answers for one run at one step."""
 
     is_hidden: bool = False
-    """Whether whatever would give the answer away is to be hidden; False where there is no exact answer."""
+    """True if exact answers are to be hidden, or False if there is none."""
     kept_back: frozenset[str] = frozenset()
-    """What a lesson keeps back until a page of it is done: names of what a page may hide."""
+    """Names of what the lesson hides until a page is done."""
     studied: PolicyKind | None = None
-    """The policy whose values are asked for; None: of none."""
+    """The policy whose values are shown, or None."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
-    """The policy that a person drew."""
+    """The policy drawn by the user."""
     left_to_chance: BoolArray | None = None
-    """The states in which it may come to act at random for want of a choice, [S]; None: it is not studied."""
+    """States where the drawn policy acts at random for lack of a choice, `[S]`, or None if it is not
+    studied.
+    """
     policies: Mapping[PolicyKind, PolicyAnswer] = field(default_factory=dict)
-    """What each policy is worth, as far as it is known; none while nobody asks."""
+    """Values of each policy, as far as known, empty unless requested."""
     first_update: FirstUpdateView | None = None
-    """The wait for the first update; None: nobody has asked, and something was learned or may soon be."""
+    """The wait for the first update, or None unless requested or long."""
     flips: FlipAnswer = NOT_ASKED
-    """Every γ at which the optimal actions of its world change."""
+    """Every γ at which the optimal actions of the world change."""

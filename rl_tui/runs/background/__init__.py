@@ -1,1 +1,1 @@
-"""Questions that a process of its own answers in the background."""
+"""Computations in a background process, which keep the screen free."""

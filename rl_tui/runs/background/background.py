@@ -1,4 +1,4 @@
-"""Questions that are answered in the background, as seen by the program that asks."""
+"""The asking side of background computations."""
 
 from __future__ import annotations
 
@@ -19,31 +19,39 @@ from rl_tui.worlds.gym import modules
 Asked = TypeVar("Asked")
 Known = TypeVar("Known")
 
-ENDED_BY_ITSELF: Final = "its process ended by itself"
-_LOOKS: Final = 1.0  # seconds from one look to the next at whether it gets on
+ENDED_BY_ITSELF: Final = "its process ended without an answer"
+_LOOKS: Final = 1.0  # seconds between two checks of progress
 
 
 class Background(Generic[Asked, Known]):
-    """Answers one request at a time, in a process of its own.
+    """Answers one request at a time in a separate process.
 
-    The function ``work`` (``module:name``) runs in it: :func:`~rl_tui.runs.background.child.main` says how it
-    is called. What it answers with should be values of modules that are imported here too. ``on_news`` is
-    called, from any thread, when there is more to tell.
+    Args:
+        work: Function that computes, as `module:name`. See `child.main` for its signature. Its answers
+            must consist of values from modules that are imported here too.
+        on_news: Called from any thread when the answer or the progress has changed.
     """
 
     def __init__(self, work: str, on_news: Callable[[], None]) -> None:
         self.process: AnsweringProcess[Asked, Known] | None = None
-        """What is under way, or was last; None where nothing was asked."""
+        """The current or last process, or None before the first request."""
         self._work = work
         self._on_news = on_news
-        self._lock = threading.Lock()  # guards the process and whether there may be one
+        self._lock = threading.Lock()  # guards `process` and `_is_closed`
         self._is_closed = False
 
     def begin(self, request: Asked, known: Known) -> AnsweringProcess[Asked, Known] | None:
-        """Begin to answer ``request``, in place of any other; None once this is closed.
+        """Start to answer `request`, replacing any other. Call it from one thread only.
 
-        ``known`` is the answer until the first one comes. To be called from one thread. Raises OSError where
-        no process can be started.
+        Args:
+            request: Sent to the process.
+            known: The answer until the first one arrives.
+
+        Returns:
+            The process, or None once closed.
+
+        Raises:
+            OSError: The process cannot be started.
         """
         self.end()
         with self._lock:
@@ -52,14 +60,14 @@ class Background(Generic[Asked, Known]):
             return self.process
 
     def end(self) -> None:
-        """End what is under way, and forget it."""
+        """Stop and forget the current process."""
         with self._lock:
             process, self.process = self.process, None
         if process is not None:
             process.end()
 
     def close(self) -> None:
-        """End what is under way, from any thread, and begin nothing any more."""
+        """Stop the current process and refuse new ones. Safe from any thread."""
         with self._lock:
             self._is_closed = True
             if self.process is not None:
@@ -67,21 +75,23 @@ class Background(Generic[Asked, Known]):
 
 
 class AnsweringProcess(Generic[Asked, Known]):
-    """A process that answers ``request`` by ``work``, and ends with this one, however that ends.
+    """A process that answers `request`, and ends no later than this program. `on_news` is called from
+    another thread when an answer arrives, when the process ends, and when it starts or stops waiting for a
+    processor.
 
-    ``on_news`` is called, in a thread of its own, when an answer has come, when no more will come, and when
-    the process is held up or no longer is. Raises OSError where no process can be started.
+    Raises:
+        OSError: The process cannot be started.
     """
 
     def __init__(self, work: str, request: Asked, known: Known, on_news: Callable[[], None]) -> None:
         self.request = request
-        """What is asked."""
+        """The question."""
         self.known = known
-        """The last answer."""
+        """The latest answer."""
         self.failed = ""
-        """Why no more answers come, though the work is not done; empty unless it was broken off."""
+        """Why the work stopped early, empty unless it failed."""
         self.pace = Pace()
-        """How it gets on."""
+        """Progress of the work."""
         self._on_news = on_news
         self._over = threading.Event()
         self._process = python_process(
@@ -93,7 +103,7 @@ class AnsweringProcess(Generic[Asked, Known]):
         try:
             threading.Thread(target=self._watch, name=f"pace of {work}", daemon=True).start()
             self._reader.start()
-        except RuntimeError as error:  # there may be only so many threads
+        except RuntimeError as error:  # the system limits the number of threads
             self._process.kill()
             self._process.wait()
             self._over.set()
@@ -101,35 +111,35 @@ class AnsweringProcess(Generic[Asked, Known]):
 
     @property
     def is_held_up(self) -> bool:
-        """Whether a busy machine keeps it waiting."""
+        """True while a busy machine keeps the process waiting."""
         return self.pace.is_held_up and not self._over.is_set()
 
     def why_failed(self, ended: str) -> str:
-        """Return why no more answers come, ``ended`` where the process ended by itself; empty if they may."""
+        """Return why the work stopped early, with `ended` for an unexplained end, or "" if it did not."""
         return ended if self.failed == ENDED_BY_ITSELF else self.failed
 
     @property
     def how_long(self) -> str:
-        """How long the rest takes, or that the machine is busy; empty where neither is known."""
+        """Time left, or a note that the machine is busy, empty if unknown."""
         return how_long(self.pace.seconds_left, is_held_up=self.is_held_up)
 
     def end(self) -> None:
-        """End it, whatever it is doing; this does not wait."""
+        """Stop the process without waiting for its end."""
         self._process.kill()
 
     def wait(self) -> None:
-        """Wait until it has ended, be it by :meth:`end`."""
+        """Wait until the process has ended."""
         self._reader.join()
 
     def _talk(self) -> None:
-        """Ask, take in what it answers, and see it to its end."""
+        """Send the request, read the answers, and reap the process."""
         stdin, stdout = self._process.stdin, self._process.stdout
         assert stdin is not None
         assert stdout is not None
         failed = ENDED_BY_ITSELF
         with open(stdout.fileno(), "rb", closefd=False) as answers, stdout, stdin:
             try:
-                with suppress(OSError):  # it has ended already
+                with suppress(OSError):  # the process has already ended
                     _send(stdin, pickle.dumps((frozenset(modules.ALLOWED), self.request)))
                 for message in _messages(answers):
                     if isinstance(message, str):
@@ -148,7 +158,7 @@ class AnsweringProcess(Generic[Asked, Known]):
         self._on_news()
 
     def _watch(self) -> None:
-        """Notice when it does not get on: no answer says so."""
+        """Report when the process starts or stops waiting for a processor, since it sends no answer then."""
         was_held_up = False
         while not self._over.wait(_LOOKS):
             if self.is_held_up is not was_held_up:
@@ -163,9 +173,9 @@ def _send(stdin: IO[bytes], message: bytes) -> None:
 
 
 def _messages(stdout: IO[bytes]) -> Iterator[Any]:
-    """Yield what is sent, until no more is, or more at once than there may be."""
+    """Yield the messages of the process until it closes the pipe or sends one that is too long."""
     while 0 < (length := int.from_bytes(stdout.read(LENGTH), "big")) <= LONGEST:
         sent = stdout.read(length)
         if len(sent) < length:
             return
-        yield pickle.loads(sent)  # our own program wrote it
+        yield pickle.loads(sent)  # written by our own program

@@ -1,6 +1,5 @@
-"""The other side: what runs in a process that answers one request, and ends with its stdin.
-
-It imports little, so that it has its priority before it loads what the work needs.
+"""The process that answers one request and ends with its stdin. It lowers its priority before it imports
+what the work needs.
 """
 
 from __future__ import annotations
@@ -14,28 +13,27 @@ from contextlib import suppress
 from typing import IO, Final
 
 NICENESS: Final = 5
-"""How much lower its priority is at first: another process may wait for the machine code it gets."""
+"""Priority at first, mild because another process may be waiting for the machine code compiled here."""
 LAST_NICENESS: Final = 19
 SESSION_NICENESS: Final = 10
-"""That of its session, where Linux shares processors out among sessions: it gets some tenth of one."""
+"""Priority of the session where Linux divides processors among sessions: about a tenth of a processor."""
 LENGTH: Final = 8
-"""Bytes before each message that say how long it is."""
+"""Number of bytes that hold the length of a message."""
 LONGEST: Final = 4_000_000
-"""Bytes of one answer. The curves of four lanes are a tenth of it, Q*(γ) of all pairs is the longest."""
+"""Largest answer in bytes. Curves of four runs take a tenth; Q*(γ) of all pairs is the largest."""
 LONGEST_REASON: Final = 200
-"""Characters of a text that says why the work failed."""
+"""Longest failure text in characters."""
 
 
 def main(work: str) -> None:
-    """Let the function ``work`` (``module:name``) answer the request on stdin, then end the process.
-
-    It is called with the request and a function that sends an answer and the share of the work that is done.
-    The last message is a text: why the work failed, empty where it did not.
+    """Answer the request on stdin with the function `work` (`module:name`), then end the process. `work`
+    receives the request and a function that sends an answer with the completed share (0 to 1). The last
+    message is the reason for a failure, or "".
     """
     stdin, stdout = _own_pipes()
     with suppress(AttributeError, OSError):
         os.nice(NICENESS)
-    modules, request = pickle.load(stdin)  # our own program wrote it
+    modules, request = pickle.load(stdin)  # written by our own program
     threading.Thread(target=_end_with, args=(stdin,), daemon=True).start()
 
     def send(message: object) -> None:
@@ -48,13 +46,13 @@ def main(work: str) -> None:
     try:
         send(_failure_of(work, modules, request, lambda answer, share: send((answer, share))))
     finally:
-        os._exit(0)  # an environment may have left threads behind, and would want a farewell
+        os._exit(0)  # an environment may have left threads that block a normal exit
 
 
 def _failure_of(
     work: str, modules: frozenset[str], request: object, tell: Callable[[object, float], None]
 ) -> str:
-    """Do the work, in which an environment may import ``modules``; return why it failed, empty if not."""
+    """Do the work. `modules` may be imported by an environment. Return why it failed, or ""."""
     from rl_tui.common.errors import UserError
     from rl_tui.common.findings import one_line
     from rl_tui.worlds.gym.modules import ALLOWED
@@ -62,24 +60,24 @@ def _failure_of(
     ALLOWED.update(modules)
     try:
         pkgutil.resolve_name(work)(request, tell)
-    except Exception as error:  # whatever a world may do to this process
+    except Exception as error:  # a world may raise anything
         name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
         return one_line(f"{name}{error}", LONGEST_REASON)
     return ""
 
 
 def let_others_go_first() -> None:
-    """Take the lowest priority that still gets on where others never rest; nothing raises it again."""
+    """Take the lowest priority that still makes progress on a busy machine. This cannot be undone."""
     for thread in _threads():
         with suppress(AttributeError, OSError):
             os.setpriority(os.PRIO_PROCESS, thread, LAST_NICENESS)
-    # Linux may share the processor out among sessions first, and this process has one of its own
+    # Linux may divide processors among sessions first, and this process has its own session
     with suppress(OSError), open("/proc/self/autogroup", "w", encoding="ascii") as of_session:
         of_session.write(str(SESSION_NICENESS))
 
 
 def bound_processor_time(seconds: int) -> None:
-    """End this process once it has used so many seconds of a processor, where the system can see to it."""
+    """Let the system end this process after `seconds` of CPU time, if it supports limits."""
     with suppress(ImportError, OSError, ValueError):
         import resource
 
@@ -87,7 +85,9 @@ def bound_processor_time(seconds: int) -> None:
 
 
 def _own_pipes() -> tuple[IO[bytes], IO[bytes]]:
-    """Keep stdin and stdout for this module: an environment reads nothing there, and prints into the void."""
+    """Take over stdin and stdout, so that an environment neither reads the request nor writes into the
+    answers.
+    """
     stdin, stdout = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDWR)
     for each in (0, 1):
@@ -101,7 +101,7 @@ def _end_with(stdin: IO[bytes]) -> None:
 
 
 def _threads() -> list[int]:
-    """Return all threads of this process, also those of a library: on Linux each has its own priority."""
+    """Return all threads of this process, including those of libraries: Linux sets priorities per thread."""
     try:
         return list(map(int, os.listdir("/proc/self/task")))
     except OSError:

@@ -1,4 +1,4 @@
-"""How a question gets on that is answered in the background."""
+"""Progress of a background computation."""
 
 from __future__ import annotations
 
@@ -10,30 +10,32 @@ from typing import Final
 from rl_tui.common.words import lasting
 
 PATIENCE: Final = 5.0
-"""Seconds without progress after which it is said that the machine is busy, if it is."""
+"""Seconds without progress before a busy machine is reported."""
 MACHINE_IS_BUSY: Final = "the machine is busy: waiting for a processor"
 
 
 def wants_all_processors() -> bool:
-    """Return whether other processes keep all processors busy; False where the system does not report it."""
+    """Return True if other processes use all processors, or False if the system does not report the load."""
     try:
-        wanting = os.getloadavg()[0] - 1.0  # one is the process that answers
+        wanting = os.getloadavg()[0] - 1.0  # one is the answering process
     except (AttributeError, OSError):
         return False
     return wanting >= (os.cpu_count() or 1)
 
 
 def how_long(seconds_left: float | None, *, is_held_up: bool) -> str:
-    """Return how long the rest takes, or that the machine is busy; empty where neither is known."""
+    """Return the time left, or a note that the machine is busy, or "" if unknown."""
     if is_held_up:
         return MACHINE_IS_BUSY
     return "" if seconds_left is None else f"about {lasting(seconds_left)} left"
 
 
 class Pace:
-    """When it last got on, how long the rest takes, and whether a busy machine keeps it waiting.
+    """Time of the last progress, time left, and whether a busy machine causes a delay.
 
-    ``clock`` gives seconds, ``is_busy`` whether other processes keep all processors busy.
+    Args:
+        clock: Returns seconds.
+        is_busy: Returns True if other processes use all processors.
     """
 
     def __init__(
@@ -46,7 +48,7 @@ class Pace:
         self._last: tuple[float, float] | None = None
 
     def note(self, share: float = 0.0) -> None:
-        """Note that it has got on; ``share`` of the whole is done, 0 where that is not known."""
+        """Record progress; `share` (0 to 1) of the work is done, 0 if unknown."""
         self._got_on = self._clock()
         if share > 0.0:
             self._last = self._got_on, share
@@ -54,14 +56,13 @@ class Pace:
 
     @property
     def is_held_up(self) -> bool:
-        """Whether it has not got on for a while because the machine is busy."""
+        """True if there was no progress for a while because the machine is busy."""
         return self._clock() - self._got_on >= PATIENCE and self._is_busy()
 
     @property
     def seconds_left(self) -> float | None:
-        """Seconds from the last result to the end at the pace until then; None before the first result.
-
-        What came before the first result may have been compiling, so later ones leave it out.
+        """Estimated seconds left, or None before the first result. The time before the first result is
+        excluded once there is a second one: it may include compilation.
         """
         if self._last is None or self._first is None:
             return None

@@ -1,1 +1,1 @@
-"""A run written down for others: as a command, a script, tables."""
+"""A run written as a command, a script or tables."""

@@ -1,4 +1,4 @@
-"""Values as a person would write them in a script."""
+"""Python literals as a person would write them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _INDENT: Final = "    "
 
 
 def literal(value: object) -> str:
-    """Return ``value`` in Python, texts in double quotes: numbers, texts, truth values, lists and tables."""
+    """Format `value` in Python, with double quotes."""
     if isinstance(value, bool) or value is None:
         return repr(value)
     if isinstance(value, str):
@@ -28,7 +28,7 @@ def literal(value: object) -> str:
 
 
 def listed(items: Iterable[str], opening: str = "[", closing: str = "]", before: str = "") -> str:
-    """Return ``before`` and the list of ``items``: in one line if it fits, else one a line."""
+    """Format `before` and a list of `items` on one line if it fits, else one item per line."""
     items = list(items)
     line = f"{before}{opening}{', '.join(items)}{closing}"
     if len(line) <= WIDEST:
@@ -37,7 +37,7 @@ def listed(items: Iterable[str], opening: str = "[", closing: str = "]", before:
 
 
 def packed(items: Iterable[str], before: str) -> str:
-    """Return ``before`` and the list of ``items``, as many a line as fit."""
+    """Format `before` and a list of `items`, with as many items per line as fit."""
     items = list(items)
     line = f"{before}[{', '.join(items)}]"
     if len(line) <= WIDEST:
@@ -54,6 +54,6 @@ def packed(items: Iterable[str], before: str) -> str:
 
 
 def table(entries: Mapping[str, Any], before: str) -> str:
-    """Return ``before`` and a dictionary of literals."""
+    """Format `before` and a dictionary of literals."""
     items = (f"{literal(key)}: {literal(value)}" for key, value in entries.items())
     return listed(items, "{", "}", before)

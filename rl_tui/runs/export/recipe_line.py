@@ -1,4 +1,4 @@
-"""The one command line that reproduces a run."""
+"""The command line that reproduces a run."""
 
 from __future__ import annotations
 
@@ -20,18 +20,27 @@ from rl_tui.worlds.gym.modules import OPTION, module_of
 _REPLAY: Final = "rl-tui replay SESSION.json"
 MOST_CHANGES: Final = 200
 LONGEST_LINE: Final = 100_000
-"""Bytes; some systems let no word of a command be longer than 131,072."""
+"""Longest command in bytes. Some systems limit a word to 131,072."""
 
 
 def recipe_line(
     recipe: Recipe, journal: Sequence[JournalEntry], step: int, action_names: Sequence[str]
 ) -> str:
-    """Return the ``rl-tui train`` command that does again what was done up to ``step``, quoted for a shell.
+    """Write the `rl-tui train` command that repeats a run up to `step`.
 
-    It names every setting that counts and is not the scenario's own. ``action_names``, [A], are those of the
-    world. Of step 0 it is the command that trains as long as the scenario says. Raises UserError where a
-    saved session is the better way: the journal has more than 200 entries by then, or very long ones, or no
-    file holds the scenario.
+    Args:
+        recipe: Start of the run.
+        journal: Changes on the way.
+        step: Last step; 0 gives the command that trains as long as the scenario says.
+        action_names: Names in the world, `[A]`.
+
+    Returns:
+        The command, quoted for a shell, with every setting that differs from the scenario and has an
+        effect.
+
+    Raises:
+        UserError: The journal is too long for a line, or no file holds the scenario. A saved session is
+            better then.
     """
     entries = _without_passing(entries_until(journal, step))
     if len(entries) > MOST_CHANGES:
@@ -62,7 +71,7 @@ def recipe_line(
 
 
 def entries_until(journal: Sequence[JournalEntry], step: int) -> list[JournalEntry]:
-    """Return what of ``journal`` belongs to the run at ``step``: changes of that step count, a step not."""
+    """Return the entries that apply to the run at `step`: changes at that step count, actions do not."""
     return [
         entry
         for entry in journal
@@ -71,9 +80,8 @@ def entries_until(journal: Sequence[JournalEntry], step: int) -> list[JournalEnt
 
 
 def _without_passing(entries: Sequence[JournalEntry]) -> list[JournalEntry]:
-    """Return ``entries`` without settings that the next one takes back: a slider passes many values.
-
-    A policy that came and went stays: one that learns begins anew.
+    """Drop settings that the next entry overwrites, such as the values that a slider passes. A policy
+    stays: if it learns, its return begins anew.
     """
     kept: list[JournalEntry] = []
     for entry in entries:
@@ -88,16 +96,15 @@ def _is_taken_back(entry: JournalEntry, after: JournalEntry) -> bool:
     if entry.step != after.step:
         return False
     if isinstance(one, OrderSweep) and isinstance(other, OrderSweep):
-        return True  # the last order counts
+        return True  # only the last order counts
     if not (isinstance(one, SetParameter) and isinstance(other, SetParameter)):
         return False
     return one.name == other.name != "policy"
 
 
 def scenario_name(scenario: Scenario) -> str:
-    """Return what to call ``scenario`` on the command line: its id where that finds it, else its file.
-
-    What counts is what stands in there: of a session that was gone on with, the file may be elsewhere.
+    """Return the name of `scenario` on the command line: its id if that finds the same text, else its
+    file. The text decides, because the file of a resumed session may have moved.
     """
     if scenario.id.startswith(PREFIX):
         return scenario.id
@@ -116,7 +123,7 @@ def scenario_name(scenario: Scenario) -> str:
 
 
 def allowance(scenario: Scenario) -> list[str]:
-    """Return the option without which the environment of ``scenario`` would be refused, if there is one."""
+    """Return the option that allows the environment of `scenario`, or an empty list."""
     from rl_tui.worlds.gym.section import GymnasiumSection
 
     section = scenario.section
@@ -132,9 +139,8 @@ def _holds(file: Path, text: str) -> bool:
 
 
 def _settings(recipe: Recipe, entries: Sequence[JournalEntry]) -> list[str]:
-    """Return the options that make ``recipe`` of its scenario.
-
-    Those without effect are left out, unless what is changed on the way may give them one.
+    """Return the options that turn the scenario into `recipe`. Options without effect are left out, unless
+    a later change may give them one.
     """
     usual = recipe_for(recipe.scenario)
     idle = [] if any(map(_brings_others, entries)) else without_effect(recipe, PARAMETERS)
@@ -147,7 +153,7 @@ def _settings(recipe: Recipe, entries: Sequence[JournalEntry]) -> list[str]:
 
 
 def _brings_others(entry: JournalEntry) -> bool:
-    """Return whether other hyper-parameters may count after ``entry``."""
+    """Return True if other hyper-parameters may apply after `entry`."""
     change = entry.change
     return isinstance(change, SwitchAlgorithm) or (
         isinstance(change, SetParameter) and change.name == "policy"

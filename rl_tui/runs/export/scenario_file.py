@@ -1,4 +1,4 @@
-"""Drawn worlds as scenario files: where they are written, and what is never written over."""
+"""Scenario files of edited worlds, with rules that protect existing files."""
 
 from __future__ import annotations
 
@@ -30,21 +30,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ScenarioFile:
-    """The file of a drawn world: what it said when it was read or written last.
-
-    ``path`` is None where there is no file to write to: none at all, or a shipped one.
+    """The file of an edited world, as last read or written. `path` is None if there is no file to
+    overwrite: none exists, or it is a shipped one.
     """
 
     text: str
     path: Path | None = None
 
     def text_with(self, draft: Draft) -> str:
-        """Return what it says with the world of ``draft``: see :func:`saved_text`."""
+        """Return the text of the file with the world of `draft`. See `saved_text`."""
         return saved_text(self.text, draft)
 
     @property
     def has_changed(self) -> bool:
-        """Whether somebody else has written to it since."""
+        """True if another program has changed the file since."""
         if self.path is None or not self.path.exists():
             return False
         try:
@@ -53,11 +52,11 @@ class ScenarioFile:
             return True
 
     def written(self, path: Path, text: str) -> ScenarioFile:
-        """Write ``text`` to ``path``, and return that file: over this one, else over none.
+        """Write `text` to `path`, overwriting only this file itself. If this file had no path, the new
+        name also becomes the title, so that titles stay distinct. The caller checks `has_changed` first.
 
-        Where this one has no path, the new one has its name for a title too: two scenarios of one title
-        could not be told apart. Whether this one :attr:`has_changed` is for others to ask. Raises UserError,
-        in a line, where it cannot be written.
+        Raises:
+            UserError: The file cannot be written.
         """
         if self.path is None:
             text = named(text, path.stem)
@@ -75,12 +74,12 @@ class ScenarioFile:
 
 
 def new_world(kind: str) -> Scenario:
-    """Return a blank world of that kind, one of ``BLANK``, which has no file yet."""
+    """Return a blank world of a `kind` in `BLANK`, without a file."""
     return scenario_of(template_text(kind), Path(f"my-world{SUFFIX}"))
 
 
 def file_of(scenario: Scenario) -> ScenarioFile:
-    """Return the file of ``scenario``; where it has none, the beginning of one."""
+    """Return the file of `scenario`, or the first lines of one if it has none."""
     text = scenario.text or f"title = {value_text(scenario.title)}\n"
     path = scenario.source.absolute()
     is_its_own = (
@@ -90,9 +89,8 @@ def file_of(scenario: Scenario) -> ScenarioFile:
 
 
 def is_on_screen(scenario: Scenario, recipe: Recipe, mdp: TabularMDP | None) -> bool:
-    """Return whether ``scenario`` is the one of ``recipe`` in the world of ``mdp``, and nothing else differs.
-
-    So it is once what was drawn has been saved. Of a large world it is not looked for.
+    """Return True if `scenario` equals the scenario of `recipe` in the world of `mdp`, as it does once an
+    edited world is saved. Large worlds return False without a comparison.
     """
     if mdp is None or mdp.states > LIVE_STATES or _head(scenario) != _head(recipe.scenario):
         return False
@@ -104,23 +102,25 @@ def is_on_screen(scenario: Scenario, recipe: Recipe, mdp: TabularMDP | None) -> 
 
 
 def _head(scenario: Scenario) -> tuple[object, ...]:
-    """Return all that a file says besides its world."""
+    """Return everything in a file except the world."""
     defaults, answer = dict(scenario.defaults), scenario.hides_answer
     texts = scenario.title, scenario.summary, scenario.guess, scenario.see, scenario.try_this, scenario.notes
     return *texts, scenario.preview_steps, scenario.order, defaults, answer
 
 
 def offered_name(scenario: Scenario) -> str:
-    """Return a name that is free among the user's scenarios."""
-    # a dot in its id would look like an ending
+    """Return a free name among the user's scenarios."""
+    # a dot would look like the start of a suffix
     stem = scenario.id.replace(".", "-")
     return free_name(stem, SUFFIX, user_folder(), shipped_names()).removesuffix(SUFFIX)
 
 
 def path_named(text: str, file: ScenarioFile) -> Path:
-    """Return where a scenario of that name or path is written: a name is one of the user's scenarios.
+    """Return the path for a scenario of this name or path. A name belongs to the user's folder. It may be
+    the path of `file`.
 
-    It may be that of ``file``. Raises UserError, in a line, where nothing can be written there.
+    Raises:
+        UserError: Nothing can be written there.
     """
     name = text.strip()
     is_path = "/" in name or "\\" in name
@@ -135,7 +135,7 @@ def path_named(text: str, file: ScenarioFile) -> Path:
     except RuntimeError as error:
         raise UserError(f"{name}: {error}") from error
     if path == file.path or (not is_path and not path.parent.is_dir()):
-        return path  # that folder is made where it is not there
+        return path  # the folder is created when the file is written
     return new_path(str(path))
 
 
@@ -144,13 +144,13 @@ def _own_path(stem: str) -> Path:
 
 
 def _write_over(path: Path, text: str) -> None:
-    """Write ``text`` in place of what is in ``path``; the rights of the file stay, and a link to it."""
+    """Replace the content of `path`, preserving its permissions, its BOM and a symbolic link."""
     path = path.resolve()
     if not path.is_file() or path.parent == shipped_folder().resolve():
-        raise UserError(f"{path} is no file of yours any more: save it under another name")
+        raise UserError(f"{path}: not one of your own files; save it under another name")
     content = text.encode()
     with open_plain(path, "a scenario file") as stream:
         mark = codecs.BOM_UTF8 if stream.read(len(codecs.BOM_UTF8)) == codecs.BOM_UTF8 else b""
     with path.open("r+b"):
-        pass  # a file that may not be written stays as it is, whatever its folder allows
+        pass  # the permission of the file counts, even if the folder allows a replacement
     write_atomically(path, mark + content, stat.S_IMODE(path.stat().st_mode))

@@ -1,7 +1,5 @@
-"""A run as a plain Python script that uses only Gymnasium and NumPy, as a student might write it.
-
-The script is another program. Its random numbers differ, and so do its steps. The world and the
-algorithm are the same, so it learns the same.
+"""A run as a plain Python script that needs only Gymnasium and NumPy. The script draws other random
+numbers, so its steps differ. World and algorithm are the same.
 """
 
 from __future__ import annotations
@@ -35,7 +33,7 @@ _SCHEDULES: Final = {
 
 
 class ParameterText:
-    """The hyper-parameters of one algorithm, in the words of a script."""
+    """The hyper-parameters of one algorithm, as text for a script."""
 
     def __init__(self, algorithm: str, hyperparameters: Hyperparameters) -> None:
         self.algorithm = BY_ID[algorithm]
@@ -46,7 +44,7 @@ class ParameterText:
 
     @property
     def flags(self) -> set[str]:
-        """What lines of a text may be for: the words chosen, such as ``ties first``, and the step size."""
+        """Conditions for lines of a text: chosen words, such as `ties first`, and the kind of step size."""
         words = {
             f"{name} {self.hyperparameters.value(name)}"
             for name, parameter in PARAMETERS.items()
@@ -55,9 +53,8 @@ class ParameterText:
         return {*words, "sample average"} if self.sample_average else words
 
     def constants(self, episodes: int, seed: int, episodes_of_run: int = 0) -> str:
-        """Return the lines of the constants, each with what it is beside it.
-
-        ``episodes_of_run`` are those of the run on screen, which had another number mostly; 0: not known.
+        """Return the lines of the constants, each with a comment. `episodes_of_run` is the number in the
+        run on screen, or 0 if unknown.
         """
         constants = [*self._parameters()]
         if not self.algorithm.planner:
@@ -68,7 +65,7 @@ class ParameterText:
         return "\n".join(f"{f'{name} = {value}':<{width}}  # {text}" for name, value, text in constants)
 
     def _parameters(self) -> list[tuple[str, str, str]]:
-        # What is a word and no number is in the text itself
+        # words are not constants: they select lines of the text
         skipped = {"initial_q", *(name for name in self.used if PARAMETERS[name].range is None)}
         for name, parts in _SCHEDULES.items():
             if not self.is_scheduled(name):
@@ -86,22 +83,22 @@ class ParameterText:
         return self.name_of(name), repr(self.hyperparameters.value(name)), f"{symbol}{parameter.help}"
 
     def name_of(self, name: str) -> str:
-        """Return what the constant of a hyper-parameter is called."""
+        """Return the name of the constant for a hyper-parameter."""
         return _NAMES.get(name, name.upper())
 
     def is_scheduled(self, name: str) -> bool:
-        """Return True if ``name``, epsilon or alpha, changes from episode to episode."""
+        """Return True if `name`, epsilon or alpha, has a schedule."""
         schedule, _, decay = _SCHEDULES[name]
         if name not in self.used or (name == "alpha" and self.sample_average):
             return False
         return self.hyperparameters.value(schedule) != "constant" and self.hyperparameters.value(decay) != 0.0
 
     def schedules(self) -> str:
-        """Return the lines at the start of an episode that say what a schedule makes of ε and α."""
+        """Return the lines that compute ε and α at the start of an episode."""
         return "\n".join(self._schedule(name) for name in _SCHEDULES if self.is_scheduled(name))
 
     def in_episode(self, text: str) -> str:
-        """Return ``text`` with ``epsilon`` for ``EPSILON``, and so for α, where a schedule changes it."""
+        """Replace `EPSILON` and `ALPHA` by variables if they have a schedule."""
         for name in filter(self.is_scheduled, _SCHEDULES):
             text = re.sub(rf"\b{name.upper()}\b", name, text)
         return text
@@ -117,7 +114,7 @@ class ParameterText:
 
     @property
     def counts_visits(self) -> bool:
-        """Whether the script counts how often each pair is taken."""
+        """True if the script counts the visits of each pair."""
         averages = self.sample_average and not self.algorithm.counts_updates
         return averages or (self.policy.counts_visits and not self.algorithm.planner)
 
@@ -132,9 +129,10 @@ _LEAST_VARIANCE: Final = 1e-12
 
 
 def learner_text(params: ParameterText, text: WorldText, space: FiniteSpace) -> list[str]:
-    """Return the parts that make the world, choose actions, learn, and print what was learned.
+    """Return the parts of a script that learns: world, actions, learning, report.
 
-    Raises UserError where the algorithm or the policy has no text for scripts.
+    Raises:
+        UserError: The algorithm or the policy has no text for scripts.
     """
     flags = {*params.flags, *(["time limit"] if text.truncates else [])}
     reward_flags, noise = _known_rewards(params, space)
@@ -163,9 +161,10 @@ def learner_text(params: ParameterText, text: WorldText, space: FiniteSpace) -> 
 
 
 def planner_text(params: ParameterText, text: WorldText) -> list[str]:
-    """Return the parts that make the world, plan with its model, and play what was planned.
+    """Return the parts of a script that plans with a model and plays the result.
 
-    Raises UserError where the world of the script has no model, or the algorithm no text for scripts.
+    Raises:
+        UserError: The script's world has no model, or the algorithm has no text for scripts.
     """
     if not text.starts:
         raise UserError(
@@ -194,16 +193,16 @@ def planner_text(params: ParameterText, text: WorldText) -> list[str]:
 
 
 def _texts_of(row: Algorithm | Policy, params: ParameterText, flags: set[str]) -> dict[str, str]:
-    """Return the texts beside the kernel of an algorithm or a policy; raises UserError if there are none."""
+    """Return the texts next to the kernel of an algorithm or policy. Raises UserError if there are none."""
     try:
         texts = sections(row.module, flags)
-    except (FileNotFoundError, ModuleNotFoundError, ValueError) as error:  # no text, no package, none named
+    except (FileNotFoundError, ModuleNotFoundError, ValueError) as error:  # no text, no package, no name
         raise UserError(f"there is no script for {row.id} yet") from error
     return {name: params.in_episode(text) for name, text in texts.items()}
 
 
 def _tables(params: ParameterText, algorithm: dict[str, str], policy: dict[str, str]) -> str:
-    """Return the tables: Q, and what the algorithm and the policy need besides."""
+    """Return the lines that create Q and the tables of the algorithm and policy."""
     lines = [_NEW_Q]
     if params.counts_visits:
         averages = params.sample_average and not params.algorithm.counts_updates
@@ -214,7 +213,7 @@ def _tables(params: ParameterText, algorithm: dict[str, str], policy: dict[str, 
 
 
 def _known_rewards(params: ParameterText, space: FiniteSpace) -> tuple[list[str], str]:
-    """Return what posterior sampling is told of the arms of a bandit: a flag, or a line with their noise."""
+    """Return what posterior sampling knows about the arms: a flag, or a line with their variances."""
     from rl_tui.agents.policies.thompson import new_rule
 
     if not is_bandit(space):
@@ -222,19 +221,20 @@ def _known_rewards(params: ParameterText, space: FiniteSpace) -> tuple[list[str]
     rule = new_rule(space, params.hyperparameters)
     if rule.bernoulli:
         return ["bernoulli"], ""
-    # A reward without noise settles the mean at once; the least variance spares a division by 0
+    # Without noise the first reward gives the mean; the least variance avoids a division by 0
     variances = [max(float(each), _LEAST_VARIANCE) for each in rule.variance]
     variance = repr(variances[0]) if len(set(variances)) == 1 else f"np.array({variances})"
-    return [], f"VARIANCE = {variance}  # σ², the noise of the rewards, is told to this rule"
+    return [], f"VARIANCE = {variance}  # σ², the noise of the rewards, is known to this rule"
 
 
 def _argmax(own: dict[str, str], parts: list[str]) -> list[str]:
-    """Return the function that finds the best action, if any of ``parts`` calls it."""
     return [own["argmax"]] if any(" argmax(" in each or "[argmax(" in each for each in parts) else []
 
 
 def _report(text: WorldText, params: ParameterText) -> str:
-    """Return what prints the policy; values that a planner has worked out are equal but for rounding."""
+    """Return the lines that print the policy. A planner's equal values differ by rounding errors, so they
+    are compared with a tolerance.
+    """
     worked_out = "np.isclose(values, values.max(), rtol=0, atol=1e-6)"
     equals = worked_out if params.algorithm.planner else "values == values.max()"
     return fill(text.report, {**text.report_pieces, "equals": equals})
@@ -262,13 +262,22 @@ def script(
     episodes_of_run: int = 0,
     lane: str = "",
 ) -> str:
-    """Return the script that trains the algorithm of ``recipe`` for ``episodes`` episodes.
+    """Write the script that trains the algorithm of `recipe`.
 
-    ``world`` is that of the recipe, if it is at hand. ``changed`` says that a run came to these settings on
-    the way only, which the script then says. It also says how many ``episodes_of_run`` there were, if that is
-    another number, and of which ``lane`` it is (``1 of 2``), if there were several. Raises UserError, in a
-    line, where there can be none: the world is too large to be read, its observations are no short script's
-    business, or the algorithm cannot work in it.
+    Args:
+        recipe: World, algorithm and settings.
+        episodes: Episodes to train.
+        world: World of the recipe, if already built.
+        changed: True if the run had other settings at first. The script then says so.
+        episodes_of_run: Episodes of the run, named in the script if the number differs.
+        lane: Which of several runs this is (`1 of 2`), or "".
+
+    Returns:
+        The source of the script.
+
+    Raises:
+        UserError: The world is too large to read, its observations are too complex for a short script, or
+            the algorithm cannot work in it.
     """
     world = world or begin(recipe).world
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
@@ -288,7 +297,7 @@ def script(
 
 
 def _separate(parts: list[str]) -> list[str]:
-    """Return the parts, with the two empty lines that belong around functions and classes."""
+    """Put two empty lines around functions and classes."""
     blocks: list[str] = []
     for index, part in enumerate(parts):
         before = parts[index - 1] if index else ""
@@ -298,7 +307,6 @@ def _separate(parts: list[str]) -> list[str]:
 
 
 def _ends_in_body(part: str) -> bool:
-    """Return whether ``part`` ends inside a function or a class."""
     for line in reversed(part.split("\n")):
         if line and not line.startswith((" ", ")", "]", "}")):
             return line.startswith(("def ", "class "))
@@ -306,7 +314,7 @@ def _ends_in_body(part: str) -> bool:
 
 
 def _remarks_on_run(changed: bool, lane: str) -> list[str]:
-    """Return in which ways the run was more than the script."""
+    """Return sentences about differences between the run and the script."""
     return [*([f"It contains lane {lane} only."] if lane else []), *([_CHANGED] if changed else [])]
 
 

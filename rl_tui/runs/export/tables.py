@@ -1,4 +1,4 @@
-"""The estimates, the episodes and the drawn policy of a run as files for other programs."""
+"""Estimates, episodes and drawn policy of a run as files."""
 
 from __future__ import annotations
 
@@ -27,14 +27,15 @@ from rl_tui.worlds.world import World
 
 
 def policy_text(space: FiniteSpace, drawn: DrawnPolicy) -> str:
-    """Return ``drawn`` as the JSON that ``rl-tui evaluate`` reads."""
+    """Format `drawn` as the JSON that `rl-tui evaluate` reads."""
     return json.dumps(policy_document(space, drawn.pairs(space)), indent=1, ensure_ascii=False) + "\n"
 
 
 def evaluate_line(recipe: Recipe, file: str) -> str:
-    """Return the command that says what the policy in ``file`` is worth, quoted for a shell.
+    """Return the command that evaluates the policy in `file` with the γ of `recipe`, quoted for a shell.
 
-    γ is that of ``recipe``. Raises UserError where no file holds the scenario.
+    Raises:
+        UserError: No file holds the scenario.
     """
     scenario = recipe.scenario
     seed = ["--seed", str(recipe.seed)] if scenario.section.drawn_from_seed else []
@@ -44,23 +45,31 @@ def evaluate_line(recipe: Recipe, file: str) -> str:
 
 
 def q_array(space: FiniteSpace, q: FloatArray) -> FloatArray:
-    """Return ``q``, [P], as an array [S, A]: NaN where an action is not legal."""
+    """Return `q`, `[P]`, as an array `[S, A]` with NaN for unavailable actions."""
     table: FloatArray = np.full((space.states, len(space.action_names)), np.nan)
     table[space.pair_state, space.pair_action] = q
     return table
 
 
 def write_q_array(path: Path, space: FiniteSpace, q: FloatArray) -> None:
-    """Write :func:`q_array` as a new .npy file. Raises UserError where that cannot be."""
+    """Write `q_array` as a new .npy file. Raises UserError if that fails."""
     with new_file(path) as stream:
         np.save(stream.buffer, q_array(space, q), allow_pickle=False)
 
 
 def write_q_csv(path: Path, space: FiniteSpace, q: FloatArray, visits: IntArray) -> None:
-    """Write ``q`` and ``visits``, [P] each, as a new CSV file. Raises UserError where that cannot be.
+    """Write estimates and visits as a new CSV file, with all digits. There is one row for each nonterminal
+    state. Each action has a column for its estimate and one for its visits, both empty if the action is
+    unavailable.
 
-    A row for each state in which something can be done; a column for each action, empty where it is not
-    legal, and then one for the visits of each. Estimates keep all their digits.
+    Args:
+        path: File to create.
+        space: Names of states and actions.
+        q: Estimates, `[P]`.
+        visits: Visits, `[P]`.
+
+    Raises:
+        UserError: The file cannot be written.
     """
     actions = list(space.action_names)
     with new_file(path) as stream:
@@ -82,11 +91,18 @@ def write_returns(
     world: World | None = None,
     on_progress: OnProgress = no_progress,
 ) -> None:
-    """Write every episode finished by ``step`` as a new CSV file: run, episode, return, length.
+    """Write all episodes finished by `step` as a new CSV file: run, episode, return, length.
 
-    The run is done again for it, headless, in its ``world`` at the start, if that is at hand. An exception of
-    ``on_progress`` breaks it off and leaves no file. Raises UserError where the file cannot be written or the
-    run breaks down.
+    Args:
+        path: File to create.
+        recipe: Start of the run, which is repeated without a screen.
+        journal: Changes of the run.
+        step: Last step.
+        world: World at the start, if already built.
+        on_progress: Called during the run. Its exception stops the run and leaves no file.
+
+    Raises:
+        UserError: The file cannot be written, or the run breaks down.
     """
     with new_file(path) as stream:
         stream.write(HEADER)
@@ -101,10 +117,18 @@ def estimates_again(
     world: World | None = None,
     on_progress: OnProgress = no_progress,
 ) -> tuple[FloatArray, IntArray]:
-    """Return Q and visits, [P] each, of the run at ``step``, which is done again, headless.
+    """Repeat a run up to `step` and return its estimates and visits. Snapshots of a large world hold only
+    the visible part.
 
-    ``world`` is its own at the start, if that is at hand. Of a large world a snapshot holds what is in view
-    only.
+    Args:
+        recipe: Start of the run.
+        journal: Changes of the run.
+        step: Last step.
+        world: World at the start, if already built.
+        on_progress: Called during the run.
+
+    Returns:
+        Q and visits, `[P]` each.
     """
     run = Run(recipe, begin(recipe, world), evaluate=False)
     _do_again(run, journal, step, on_progress)
@@ -115,6 +139,6 @@ def _do_again(run: Run, journal: Sequence[JournalEntry], step: int, on_progress:
     try:
         train(run, Goal(steps=step), on_progress, journal)
     except UserError:
-        # The last step of a run that breaks down belongs to it
+        # a run that breaks down at `step` still has that step
         if run.step < step:
             raise

@@ -1,8 +1,6 @@
-"""Templates of exported scripts, and the text of a world made from them.
-
-``# [tables]`` begins a section. A line that ends in ``#: ties first, not time limit`` is used only if
-the first flag is set and the second is not. ``$name`` is a place for a piece of text, a line ``#
-$name`` for a piece of several lines.
+"""Templates of exported scripts and of their worlds. `# [tables]` begins a section. A line ending in `#:
+ties first, not time limit` is used only if the first flag is set and the second is not. `$name` is
+replaced by a piece of text, and a line `# $name` by several lines.
 """
 
 from __future__ import annotations
@@ -14,10 +12,6 @@ from importlib.resources import files
 from typing import Final
 
 # Sections and places
-#
-# ``# [tables]`` begins a section. A line that ends in ``#: ties first, not time limit`` is kept only if the
-# first of these flags is set and the second is not. ``$name`` is a place for a piece, a line ``# $name`` one
-# for a piece of several lines.
 
 
 ENDING: Final = ".py.txt"
@@ -27,10 +21,12 @@ _LINE_OF_PLACE: Final = re.compile(r"( *)(?:# )?\$(\w+)")
 
 
 def sections(module: str, flags: Collection[str] = ()) -> dict[str, str]:
-    """Return the sections of the text beside ``module``, by name, with the lines that ``flags`` call for.
+    """Return the sections of the template next to `module`, by name, with the lines selected by `flags`.
 
-    Raises FileNotFoundError where there is no such text, ModuleNotFoundError where there is no such package,
-    ValueError where the module is in none.
+    Raises:
+        FileNotFoundError: The template does not exist.
+        ModuleNotFoundError: The package does not exist.
+        ValueError: The module is not in a package.
     """
     package, _, name = module.rpartition(".")
     text = (files(package) / f"{name}{ENDING}").read_text(encoding="utf-8")
@@ -50,10 +46,11 @@ def _holds(flag: str, flags: Collection[str]) -> bool:
 
 
 def fill(text: str, pieces: Mapping[str, str]) -> str:
-    """Return ``text`` with each ``$name`` replaced by its piece.
+    """Replace each `$name` in `text` by its piece. A line with only a place takes a piece of several
+    lines, with its own indentation, and disappears if the piece is empty.
 
-    A line that is nothing but a place takes a piece of several lines, indented as it is itself, and is left
-    out where the piece is empty. Raises KeyError where a piece is missing.
+    Raises:
+        KeyError: A piece is missing.
     """
     lines: list[str] = []
     for line in text.split("\n"):
@@ -76,14 +73,19 @@ NOISY_FIELDS: Final = f"{FIELDS}, noise"
 
 @dataclass(frozen=True, slots=True)
 class WorldText:
-    """A world in the words of a script.
+    """A world as text for a script.
 
-    ``setup`` makes ``env``. ``outcomes(state, action)``, for those who plan, gives ``fields``; it is there
-    already or comes with ``model``. ``starts`` is the expression of the states to start in, empty where
-    there is no model. ``new_table`` makes a table of estimates. ``report`` prints the policy, once
-    ``report_pieces`` and ``$equals``, which values are equally good, are filled in.
-    ``truncates`` says whether episodes are cut off. ``imports`` are lines, ``remarks`` sentences for the head
-    of the script.
+    Attributes:
+        setup: Lines that make `env`.
+        new_table: Lines that make a table of estimates.
+        report: Lines that print the policy, with places for `report_pieces` and `$equals`.
+        model: Lines that define `outcomes(state, action)`, if `setup` does not.
+        starts: Expression for the start states, empty without a model.
+        fields: Fields of an outcome.
+        report_pieces: Pieces for `report`.
+        truncates: True if episodes have a time limit.
+        imports: Import lines.
+        remarks: Sentences for the head of the script.
     """
 
     setup: str
@@ -99,7 +101,15 @@ class WorldText:
 
 
 def environment(states: str, actions: str, start: str, *, fields: str = FIELDS, time_limit: int = 0) -> str:
-    """Return the class that steps through ``outcomes``, and ``env``; the first three are expressions."""
+    """Return the class that steps through `outcomes`, and the line that makes `env`.
+
+    Args:
+        states: Expression for the number of states.
+        actions: Expression for the number of actions.
+        start: Expression for a start state.
+        fields: Fields of an outcome.
+        time_limit: Longest episode in steps, or 0 for none.
+    """
     flags = {"noise"} if fields == NOISY_FIELDS else set()
     pieces = {"states": states, "actions": actions, "start": start, "fields": fields}
     text = sections(f"{__package__}.world", {*flags, "time limit"} if time_limit else flags)["environment"]
@@ -107,12 +117,12 @@ def environment(states: str, actions: str, start: str, *, fields: str = FIELDS, 
 
 
 def between(arrows: Iterable[str]) -> str:
-    """Return, as a literal, what stands between moves that are equally good: some are two characters."""
+    """Return the literal that separates equally good moves. It is not empty if some have two characters."""
     return '""' if all(len(each) == 1 for each in arrows) else '"/"'
 
 
 def arrow(step: tuple[int, int] | None, name: str) -> str:
-    """Return a move as characters that every terminal has; another action by its first letter."""
+    """Return a move in ASCII characters. Another action by its first letter."""
     if step is None:
         return name[:1]
     down, right = step

@@ -1,4 +1,4 @@
-"""A world as the text of a script: a map, an environment of Gymnasium, a bandit, or a table of outcomes."""
+"""The world of a script: a map, a Gymnasium environment, a bandit, or a table of outcomes."""
 
 from __future__ import annotations
 
@@ -41,24 +41,22 @@ if TYPE_CHECKING:
 
 
 def world_text(recipe: Recipe, world: World) -> WorldText:
-    """Return the text of the world of ``recipe``. Raises UserError, in a line, where there can be none."""
+    """Return the world of `recipe` as text for a script. Raises UserError if a script cannot describe it."""
     section = recipe.scenario.section
     if isinstance(section, GymnasiumSection):
         return _gymnasium_text(section, world)
     if isinstance(section, GridSection):
         return _grid_text(section, streams(recipe.seed).world)
     if world.prospects:
-        raise UserError(
-            f"no script for {recipe.scenario.id}: some of its states look alike, scripts have all"
-        )
+        raise UserError(f"no script for {recipe.scenario.id}: the agent cannot tell some of its states apart")
     if world.mdp is None:
-        raise UserError(f"no script for {recipe.scenario.id}: nobody knows what its actions lead to")
+        raise UserError(f"no script for {recipe.scenario.id}: its transitions are unknown")
     if isinstance(section, BanditSection):
         return _bandit_text(section, world.mdp)
     return _table_text(world.mdp)
 
 
-# Maps: a table of all outcomes is up to thirty times as long, and a reader cannot redraw its map
+# Maps: a table of all outcomes is up to thirty times longer, and readers could not edit the map
 
 
 MOST_ROWS: Final = 60
@@ -66,9 +64,10 @@ MOST_COLUMNS: Final = 90
 
 
 def _grid_text(section: GridSection, generator: Generator) -> WorldText:
-    """Return the text of the map of ``section``; ``generator`` is the world's stream, from its beginning.
+    """Return the text for the map of `section`. `generator` is the world's random stream from its start.
 
-    Raises UserError where the map is too large to be read.
+    Raises:
+        UserError: The map is too large to read.
     """
     _check_size(section)
     cells = section.cells(generator)
@@ -133,7 +132,7 @@ def _characters(there: Mapping[str, LegendEntry], quality: Callable[[LegendEntry
 
 
 def _rules(section: GridSection, there: Mapping[str, LegendEntry]) -> dict[str, Any]:
-    """Return the rules that a grid may have, as the constants of the script; empty or 0 where it has not."""
+    """Return the rules of the grid as constants of the script; unused ones are empty or 0."""
     turns = [(slip.turn, slip.probability) for slip in section.slips]
     paying = {each: entry for each, entry in there.items() if not entry.is_wall and entry.pays}
     return {
@@ -153,7 +152,6 @@ def _rules(section: GridSection, there: Mapping[str, LegendEntry]) -> dict[str, 
 
 
 def _reward(section: GridSection, flags: set[str]) -> str:
-    """Return the expression of the reward of a step."""
     cell = "state" if section.rewards == "leaving" else "entered"
     paid = f"REWARD.get(at({cell}), 0.0)" if "pays" in flags else ""
     if paid and cell == "entered" and "exits" in flags:
@@ -163,7 +161,7 @@ def _reward(section: GridSection, flags: set[str]) -> str:
 
 
 def _landing(flags: set[str]) -> str:
-    """Return the expression of where a move leads, and whether something stopped it if that counts."""
+    """Return the expression for the result of a move, including a bump if that has a reward."""
     name = "NAMES[(action + turn) % len(NAMES)]" if "turns" in flags else "NAMES[action]"
     gusts = ", gust, side_gust" if "gusts" in flags else ""
     return f"{'*' if 'bump_reward' in flags else ''}land(state, {name}{gusts})"
@@ -186,9 +184,10 @@ _LOOKUP_IMPORT: Final = "from collections import defaultdict"
 
 
 def _gymnasium_text(section: GymnasiumSection, world: World) -> WorldText:
-    """Return the text of the environment of ``section``, of which ``world`` was made.
+    """Return the text for the Gymnasium environment of `section`, from which `world` was made.
 
-    Raises UserError where its observations or actions are of a kind that a short script cannot number.
+    Raises:
+        UserError: A short script cannot number its observations or actions.
     """
     with closing(made(section.id, section.kwargs)) as environment:
         has_table = world.mdp is not None and hasattr(environment.unwrapped, "P")
@@ -212,7 +211,6 @@ def _gymnasium_text(section: GymnasiumSection, world: World) -> WorldText:
 
 
 def _make(section: GymnasiumSection) -> str:
-    """Return the expression that makes the environment."""
     plain = {key: value for key, value in section.kwargs.items() if key.isidentifier() and not iskeyword(key)}
     others = {key: value for key, value in section.kwargs.items() if key not in plain}
     given = [f"{key}={literal(value)}" for key, value in plain.items()]
@@ -243,7 +241,6 @@ def _tabular(world: World, make: str, truncates: bool) -> WorldText:
 
 
 def _map(grid: Grid, action_names: Sequence[str], arrows: Sequence[str]) -> list[str]:
-    """Return the lines that say how the policy is drawn."""
     letters = "".join(_LETTERS[kind] for kind in grid.kinds)
     rows = [letters[first : first + grid.columns] for first in range(0, len(letters), grid.columns)]
     return [
@@ -258,7 +255,7 @@ def _map(grid: Grid, action_names: Sequence[str], arrows: Sequence[str]) -> list
 def _observed(
     section: GymnasiumSection, environment: Env[Any, Any], make: str
 ) -> tuple[str, tuple[str, ...]]:
-    """Return the text that makes an environment whose observations are states, and what it imports."""
+    """Return the lines that make an environment whose observations are states, and their imports."""
     from gymnasium import spaces
 
     space = environment.observation_space
@@ -274,7 +271,6 @@ def _observed(
 
 
 def _edges(bins: BinsSection, space: Any) -> list[str]:
-    """Return the expression of the inner edges of each dimension."""
     if bins.edges is not None:
         return [literal([float(edge) for edge in inner]) for inner in bins.edges]
     low, high = bins.low or space.low.ravel().tolist(), bins.high or space.high.ravel().tolist()
@@ -289,7 +285,7 @@ def _edges(bins: BinsSection, space: Any) -> list[str]:
 
 
 def _bandit_text(section: BanditSection, mdp: TabularMDP) -> WorldText:
-    """Return the text of the bandit of ``section`` with the arms of ``mdp``."""
+    """Return the text for the bandit of `section` with the arms of `mdp`."""
     flags = {"bernoulli": section.rewards == BERNOULLI, "drift": bool(section.drift)}
     texts = sections(f"{__package__}.bandit", {name for name, is_set in flags.items() if is_set})
     means = [
@@ -311,14 +307,14 @@ def _bandit_text(section: BanditSection, mdp: TabularMDP) -> WorldText:
     )
 
 
-# Worlds whose states, actions and outcomes are written out
+# Worlds written as tables of outcomes
 
 
 MOST_OUTCOMES: Final = 2_000
 
 
 def _table_text(mdp: TabularMDP) -> WorldText:
-    """Return the text of the world of ``mdp``; raises UserError where it would be too long to read."""
+    """Return the text for the table of `mdp`. Raises UserError if it is too long to read."""
     if len(mdp.next_state) > MOST_OUTCOMES:
         raise UserError(
             f"this world has {len(mdp.next_state):,} outcomes, too many for a script that one can read: at "
@@ -348,7 +344,7 @@ def _table_text(mdp: TabularMDP) -> WorldText:
 
 
 def _ends_nowhere(mdp: TabularMDP) -> bool:
-    """Return whether an episode may end in a state in which one could go on."""
+    """Return True if an episode may end in a nonterminal state."""
     owned = mdp.first_pair[1:] > mdp.first_pair[:-1]
     return bool((mdp.terminated & owned[mdp.next_state]).any())
 
@@ -392,7 +388,6 @@ def _outcome(mdp: TabularMDP, outcome: int, noisy: bool) -> str:
 
 
 def _start(mdp: TabularMDP) -> tuple[str, str]:
-    """Return the expressions of one start and of all of them."""
     names = [literal(mdp.state_names[int(state)]) for state in mdp.start_state]
     places = [f"STATES.index({name})" for name in names]
     if len(places) == 1:

@@ -1,1 +1,1 @@
-"""Going back in a run, and on from there another way."""
+"""Going back in a run, and continuing in a different way."""

@@ -1,4 +1,4 @@
-"""The branches of a run: the first one, and one more for each change that was made in its past."""
+"""The branches of a run: the first, and one more for each change made in its past."""
 
 from __future__ import annotations
 
@@ -14,75 +14,75 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """One way a run went on, from step 0."""
+    """A continuation of a run, described from step 0."""
 
     name: str
-    """What it is called on screen."""
+    """Name on screen."""
     journal: tuple[JournalEntry, ...] = ()
-    """All that was changed; what it shares with its parent comes first."""
+    """All changes. Those shared with the parent come first."""
     parent: int | None = None
-    """The number of the branch it was forked from, None for the first."""
+    """Number of the parent branch, or None for the first."""
     fork: int = 0
-    """The step at which it parts from its parent."""
+    """Step at which it leaves its parent."""
     end: int = 0
-    """The furthest step it has come to."""
+    """Furthest step reached."""
     here: int = 0
-    """The step at which it stands, or was left."""
+    """Current step, or the step at which it was left."""
 
 
 FIRST: Final = Branch("branch 1")
-"""What every run begins on."""
+"""The branch on which every run begins."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunRecord:
-    """All that is needed to come back to where a run was: small, and free of arrays."""
+    """Everything needed to restore the position of a run: small and free of arrays."""
 
     recipe: Recipe
-    """What the run was made from."""
+    """Start of the run."""
     branches: tuple[Branch, ...] = (FIRST,)
-    """Every branch of it, at least one."""
+    """All branches, at least one."""
     branch: int = 0
-    """The number of the branch in force."""
+    """Number of the current branch."""
 
     @property
     def step(self) -> int:
-        """Where the run stands."""
+        """Current step."""
         return self.branches[self.branch].here
 
     @property
     def world_changes(self) -> list[WorldChange]:
-        """What made the world what it is where the run stands."""
+        """Edits of the world up to the current step."""
         changes = (entry.change for entry in self.branches[self.branch].journal if entry.step <= self.step)
         return [change for change in changes if isinstance(change, WorldChange)]
 
 
 class Furthest(NamedTuple):
-    """What a branch had reached at its end."""
+    """The end of a branch."""
 
     counters: Counters
-    """Its steps and episodes."""
+    """Steps and episodes there."""
     results: RunResults
-    """Its returns."""
+    """Results there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Timeline:
-    """Where a moment stands in time."""
+    """The position of a moment among all branches."""
 
     branches: tuple[Branch, ...] = (Branch("1"),)
-    """All branches, in the order in which they began; at least one."""
+    """All branches in the order in which they began, at least one."""
     branch: int = 0
-    """The place of the one in force, from 0."""
+    """Number of the current branch, from 0."""
     furthest: Furthest | None = None
-    """What that one had reached at its end, None where that is not known, as in a session that was loaded."""
+    """End of the current branch, or None if unknown, as in a loaded session."""
 
     @property
     def current(self) -> Branch:
-        """The branch in force."""
+        """The current branch."""
         return self.branches[self.branch]
 
     @property
     def in_past(self) -> bool:
-        """Whether the run has been further than here: to change something now forks it."""
+        """True if the run has been further. A change here begins a new branch."""
         return self.current.here < self.current.end

@@ -1,4 +1,4 @@
-"""A run that can go anywhere it has been, and on from there another way."""
+"""A run that can return to any earlier step and branch from there."""
 
 from __future__ import annotations
 
@@ -32,60 +32,64 @@ from rl_tui.runs.timeline.trail import (
     TrailReplay,
 )
 
-# Between two states that are kept in a seek it goes on for so many times as long as to keep one takes
+# While seeking, the time between two stored states is at least this many times the time to store one
 _COPY_SHARE: Final = 4
-_PATIENCE: Final = 0.015  # seconds after which an environment that is stepped is asked for no further step
+_PATIENCE: Final = 0.015  # seconds after which a simulated environment takes no further step
 
 
 @dataclass(slots=True, eq=False)
 class KeptBranch:
-    """A branch with all that is kept of it."""
+    """A branch with its stored states."""
 
     branch: Branch
-    """Its journal, and how far it has come."""
+    """Journal and furthest step."""
     checkpoints: Checkpoints
-    """States to come back to."""
+    """States to return to."""
     samples: TableSamples
     """Copies of Q along the branch."""
     furthest: Furthest | None = None
-    """What it had reached at its end, once the run has gone back from there."""
+    """Results at its end, once the run has gone back."""
 
 
 class BranchingRun:
-    """One recipe's run, every branch of it, and the way back.
+    """The run of one recipe with all its branches. It begins at the seed in the world `first`, on the
+    current branch of `record`, and advances along the journal of that branch. A change where the run has
+    been further begins a new branch. `seek_to` starts the way to another step or episode, and
+    `continue_seek` continues it piece by piece. Until the end of a seek, `run` keeps its position, unless
+    it only has to advance. A simulated environment cannot be reset to a state, so each seek starts at the
+    seed.
 
-    It begins at the seed, in the world ``first``, on the branch that ``record`` has in force.
-
-    It advances along the journal of the branch in force; a change where the run has been further begins a new
-    branch. :meth:`seek_to` begins to seek another step or episode, and :meth:`continue_seek` goes on with
-    that, piece by piece; until it is done, ``run`` stands where it stood, unless it only has to advance from
-    there. An environment that is stepped for real cannot be put back: then a seek begins at the seed.
-    ``clock`` gives seconds.
+    Args:
+        record: Recipe and branches.
+        first: World at the start.
+        clock: Returns seconds.
     """
 
     def __init__(
         self, record: RunRecord, first: EditedWorld, clock: Callable[[], float] = time.perf_counter
     ) -> None:
         self.recipe = record.recipe
-        """What the run was made from."""
+        """Start of the run."""
         self._first = first
         self._limits = limits()
         self.run = self._run_from_seed()
-        """The run as it stands."""
+        """The run at its current position."""
         self.seek: Seek | None = None
-        """The way to another step or episode, None where the run is where it has to be."""
+        """The current seek, or None."""
         pairs = first.world.space.pairs
         self._branches = [KeptBranch(each, Checkpoints(), TableSamples(pairs)) for each in record.branches]
         self._number = record.branch
         self.kept = self._branches[self._number]
-        """The branch in force."""
+        """The current branch."""
         self._clock = clock
         self._spent = 0.0
-        self._sought = 0.0  # seconds since something was kept in a seek
-        self._copying = 0.0  # seconds that keeping it took
+        self._sought = 0.0  # seconds since a state was stored while seeking
+        self._copying = 0.0  # seconds that storing it took
         self._spare: Run | None = None
         self.begun_at: int | None = None
-        """Where an episode's beginning was asked for: there the end of the one before is not shown."""
+        """Step at which an episode was sought by its beginning. The end of the previous episode is not
+        shown there.
+        """
         self._recorder = TrailRecorder()
         self._replay: TrailReplay | None = None
         self._watching: Watching | None = None
@@ -93,7 +97,7 @@ class BranchingRun:
 
     @property
     def timeline(self) -> Timeline:
-        """Where the run stands, or is to stand once a seek is done, among all that it has been through."""
+        """Position among all branches: that of the target during a seek."""
         seek, step, number = self.seek, self.run.step, self._number
         if seek is not None:
             target = seek.target
@@ -102,17 +106,17 @@ class BranchingRun:
         branches[number] = replace(branches[number], here=step)
         furthest = self._branches[number].furthest
         if furthest is not None and furthest.counters.step < branches[number].end:
-            furthest = None  # it has come further since
+            furthest = None  # it has advanced further since
         return Timeline(tuple(branches), number, furthest)
 
     @property
     def record(self) -> RunRecord:
-        """What is needed to come back to here."""
+        """Record of the current position."""
         timeline = self.timeline
         return RunRecord(self.recipe, timeline.branches, timeline.branch)
 
     def record_with(self, changes: Sequence[Change], taken: Callable[[], Sequence[str]]) -> RunRecord:
-        """Return the record as it is to be once ``changes`` are made here, as :meth:`apply` makes them."""
+        """Return the record after `changes` made here, as `apply` would make them; `taken` as for `apply`."""
         record, step = self.record, self.run.step
         if not changes:
             return record
@@ -126,19 +130,18 @@ class BranchingRun:
 
     @property
     def _forks(self) -> bool:
-        """Whether a change made here begins another branch: the run has been further."""
+        """True if a change made here begins a branch, because the run has been further."""
         run, branch = self.run, self.kept.branch
         return run.step < branch.end or run.changes < len(branch.journal)
 
     def watch(self, watching: Watching | None) -> None:
-        """Let :meth:`advance` stop right after what is watched for, until a seek comes to another world."""
+        """Stop `advance` right after the event `watching`, until a seek reaches another world."""
         self._watching, self._watched_in = watching, self.run.edited
         self.run.learner.watch(watching)
 
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
-        """Advance by ``steps`` or ``episodes``, whichever is first, along what is known of the branch.
-
-        It comes back earlier where another loop takes over: there a step may take a thousand times as long.
+        """Advance along the branch by at most `steps` and `episodes`. It returns early where another loop
+        takes over, because interpreted steps may take a thousand times as long.
         """
         run, kept = self.run, self.kept
         until = min(run.step + steps, _end_of_loop(run, kept.branch.journal))
@@ -156,10 +159,14 @@ class BranchingRun:
                 return
 
     def apply(self, change: Change, taken: Callable[[], Sequence[str]] = tuple) -> None:
-        """Change something before the next step; where the run has been further, on a branch of its own.
+        """Make a change before the next step, on a new branch if the run has been further.
 
-        ``taken`` gives names that such a branch must not have. Raises UserError where the change does not
-        fit, and in a kiosk where there are very many already.
+        Args:
+            change: Change to make.
+            taken: Returns names that a new branch must not have.
+
+        Raises:
+            UserError: The change does not fit, or a kiosk has too many of them.
         """
         self._check_room()
         kept, run, applied = self.kept, self.run, self.run.changes
@@ -176,11 +183,13 @@ class BranchingRun:
             self._branches.append(kept)
             self._put_in_force(len(self._branches) - 1)
         kept.branch = replace(kept.branch, journal=journal)
-        self._recorder.note(run.learner.last_step, run.world)  # a person may have taken a step
+        self._recorder.note(run.learner.last_step, run.world)  # the user may have taken a step
         self._keep(run, kept)
 
     def _new_name(self, taken: Callable[[], Sequence[str]]) -> str:
-        """Return the name of the next branch: a run that began as a branch of another has that one's name."""
+        """Return a free name for the next branch. A run that began as a branch has used that branch's
+        name.
+        """
         names, number = {*taken(), *(each.branch.name for each in self._branches)}, len(self._branches) + 1
         while f"branch {number}" in names:
             number += 1
@@ -199,11 +208,16 @@ class BranchingRun:
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
     ) -> None:
-        """Begin to seek ``step``, or where ``episode`` (from 1) begins, as far as the branch has come.
+        """Start to seek a step or the beginning of an episode, within the reached part of a branch.
 
-        With ``branch`` alone it is the step at which the run stands, or is to stand. Raises UserError where
-        there is no such branch, or the environment of a run from the seed cannot be made; the run then stays
-        where it stands.
+        Args:
+            step: Step to seek.
+            episode: Episode to seek, from 1.
+            branch: Number of the branch, default the current one. Alone, it seeks the current step.
+
+        Raises:
+            UserError: There is no such branch, or the environment cannot be made. The run then keeps its
+                position.
         """
         timeline = self.timeline
         number = timeline.branch if branch is None else branch
@@ -227,7 +241,7 @@ class BranchingRun:
             self._arrive(self.seek)
 
     def continue_seek(self, steps: int) -> int:
-        """Go on seeking by at most ``steps``, all of one loop; return how many were taken."""
+        """Continue to seek by at most `steps` of one loop and return the number of steps taken."""
         seek = self.seek
         if seek is None:
             return 0
@@ -237,48 +251,47 @@ class BranchingRun:
             self._keep_near(run, kept)
         until = min(before + steps, target.last_step, _end_of_loop(run, kept.branch.journal))
         if not run.learner.rewindable and target.step is not None:
-            # afterwards nothing can be replayed: the last steps are recorded on the way, one by one
+            # a simulated run cannot be replayed later, so its last steps are recorded one by one
             until = min(until, max(before + 1, target.step - MOST_STEPS))
         self._follow(run, kept, until, target.last_episode)
         if not run.learner.rewindable:
             self._recorder.note(run.learner.last_step, run.world)
         self._sought += self._clock() - start
         taken, done = run.step - before, seek.done
-        if taken == 0 and not done:  # the run is over before it is there
+        if taken == 0 and not done:  # the run ended before the target
             kept.branch = replace(kept.branch, end=run.step, journal=run.journal)
         if taken == 0 or done:
             self._arrive(seek)
         return taken
 
     def stop_seek(self) -> None:
-        """Seek no further; the run stays where it stands."""
+        """Stop seeking. The run keeps its position."""
         self.seek = None
         if self._watched_in is not self.run.edited:
-            self._watching = None  # other states and pairs have its numbers here
+            self._watching = None  # the numbers mean other states and pairs in this world
         self.run.learner.watch(self._watching)
 
     @property
     def trail(self) -> Trail:
-        """The steps of the episode up to the last one, as far as they are known; none while it seeks."""
+        """Known steps of the current episode up to the last one, empty while seeking."""
         return self._recorder.up_to(self.run.learner.last_step)
 
     @property
     def trail_to_find(self) -> int:
-        """How many steps the trail has once :meth:`find_trail` is done; 0 where it finds no more of them."""
+        """Length of the trail after `find_trail`, in steps, or 0 if it would find nothing more."""
         learner, recorder = self.run.learner, self._recorder
         last = learner.last_step
         if last is None or last.planned or recorder.given_up == last.step or self.seek is not None:
             return 0
-        # No step in another world is part of it
+        # steps in an earlier world are not part of it
         steps = min(MOST_STEPS, last.episode_step, last.step - learner.world_since)
         if len(recorder.up_to(last)) == steps:
             return 0
         return steps if learner.rewindable and learner.space.pairs <= MOST_PAIRS else 0
 
     def find_trail(self, seconds: float) -> None:
-        """Replay what is missing of the trail, for about ``seconds``; call it again for more.
-
-        Another run replays it, which leaves this one as it is.
+        """Replay missing steps of the trail for about `seconds`; call it again to continue. A second run
+        does the replay, so this one is unchanged.
         """
         steps, last = self.trail_to_find, self.run.step
         if not steps:
@@ -292,7 +305,7 @@ class BranchingRun:
             self._spare, self._replay = self._replay.run, None
 
     def cell_history(self, pair: int) -> CellHistory | None:
-        """Return how the estimate of ``pair`` came to be what it is; None if the world has no such pair."""
+        """Return the history of the estimate of `pair`, or None if the world has no such pair."""
         run, changes = self.run, self.run.world_changes
         if pair >= run.world.space.pairs:
             return None
@@ -300,11 +313,11 @@ class BranchingRun:
         return self.kept.samples.history(pair, run.step, run.learner.q, since)
 
     def _run_from_seed(self) -> Run:
-        # whatever the seed shapes is drawn again, but the same world need not be known twice
+        # draw again what depends on the seed, but share an equal world
         world = self._first.world
         beginning = Beginning(world, begin(self.recipe, world).streams)
         run = Run(self.recipe, beginning, edited=self._first, episode_limit=world.budget)
-        run.advance(steps=0)  # the mark of the beginning is taken before anything is shown
+        run.advance(steps=0)  # take the first mark before anything is shown
         return run
 
     def _run_at(self, state: RunState | None) -> Run:
@@ -320,7 +333,7 @@ class BranchingRun:
         if run is not self.run:
             self._spare = self.run if self.run.learner.rewindable else None
             self.run = run
-        # a checkpoint may be older than what was set there last, and at the seed nothing is set yet
+        # the checkpoint may precede settings of this step
         run.follow(self._branches[number].branch.journal, run.step)
         self._recorder.go_back(run.step)
         self._replay = None
@@ -332,16 +345,16 @@ class BranchingRun:
         self.stop_seek()
 
     def _put_in_force(self, number: int) -> None:
-        """Let the branch with this ``number`` be in force; all others share the memory kept for them."""
+        """Switch to the branch `number`. The other branches share their memory."""
         self._number, self.kept = number, self._branches[number]
-        self._recorder.given_up = -1  # it was for a step of another branch
+        self._recorder.given_up = -1  # it belonged to another branch
         left = [each for each in self._branches if each is not self.kept]
         for each in left:
             each.checkpoints.thin_out(len(left))
             each.samples.thin_out(len(left))
 
     def _follow(self, run: Run, kept: KeptBranch, last_step: int, last_episode: int) -> None:
-        """Advance ``run`` along the branch ``kept``, keeping what is needed to come back."""
+        """Advance `run` along the branch `kept` and store what is needed to return."""
         while True:
             if kept.samples.next_step == run.step:
                 kept.samples.add(run.learner.q)
@@ -350,14 +363,14 @@ class BranchingRun:
             run.follow(kept.branch.journal, until, last_episode)
             self._spent += self._clock() - start
             if before < kept.branch.end and kept.checkpoints.any_between(before, run.step):
-                self._spent = 0.0  # it has been here before: as many as are needed are kept already
+                self._spent = 0.0  # enough states were stored on the first visit
             self._keep(run, kept)
             ended = run.step >= last_step or run.learner.episodes >= last_episode
             if ended or run.noticed or run.timed_out or run.over or run.step == before:
                 return
 
     def _keep(self, run: Run, kept: KeptBranch) -> None:
-        """Note how far the branch ``kept`` has come, and keep a checkpoint if one is due."""
+        """Record how far the branch has reached, and store a checkpoint if one is due."""
         if run.step > kept.branch.end:
             kept.branch = replace(kept.branch, end=run.step)
         if self._spent >= kept.checkpoints.spacing and run.learner.rewindable:
@@ -365,17 +378,17 @@ class BranchingRun:
             kept.checkpoints.add(run.checkpoint())
 
     def _keep_near(self, run: Run, kept: KeptBranch) -> None:
-        """Keep where ``run`` is, so that the next seek is short, unless that slows this one."""
+        """Store the position of `run` for a short next seek, unless that slows this one down."""
         if not run.learner.rewindable or self._sought < _COPY_SHARE * self._copying:
             return
         start = self._clock()
         kept.checkpoints.add_near(run.checkpoint())
         self._copying = self._clock() - start
-        self._sought = -self._copying  # it is counted with what comes next
+        self._sought = -self._copying  # so that its duration is included in the next interval
 
 
 def _end_of_loop(run: Run, journal: Sequence[JournalEntry]) -> int:
-    """Return the step at which ``run`` goes on in another loop, which may not be there as machine code."""
+    """Return the step at which another loop takes over, which may not be compiled yet."""
     for entry in journal[run.changes :]:
         change = entry.change
         is_other = isinstance(change, SwitchAlgorithm) or (

@@ -1,4 +1,4 @@
-"""What is shown of runs side by side."""
+"""Runs side by side, as a snapshot shows them."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaneView:
-    """One of several runs side by side, as far as it is shown beside the others."""
+    """One of several runs, as far as it is shown next to the others."""
 
     name: str
-    """In a few words, what is different here."""
+    """How this run differs, in a few words."""
     algorithm: str
-    """The id of the algorithm in force."""
+    """Id of the current algorithm."""
     hyperparameters: Hyperparameters
-    """The hyper-parameters in force."""
+    """Current hyper-parameters."""
     step: int
     """Steps taken."""
     episodes: int
     """Finished episodes."""
     q: FloatArray
-    """[P], a copy of the estimates; of a large world empty."""
+    """A copy of the estimates, `[P]`, empty for a large world."""
     results: RunResults
-    """What the run has achieved."""
+    """Results so far."""
     past: LanePast | None = None
-    """What it was made from and what was changed in it; None where that is not told."""
+    """Recipe and changes of the run, or None if unknown."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,8 +37,8 @@ class RunGroupView:
     """All runs side by side."""
 
     lanes: tuple[LaneView, ...] = ()
-    """The runs, the one shown among them; empty where there is only one."""
+    """All runs, including the visible one, empty if there is only one."""
     shown: int = 0
-    """The place of the one shown, from 0."""
+    """Index of the visible run."""
     beside: int | None = None
-    """The place of the one that stands beside it, from 0; None where there is no other."""
+    """Index of the second visible run, or None."""

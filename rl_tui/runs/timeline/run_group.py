@@ -40,10 +40,14 @@ MOST: Final = 4
 
 
 class RunGroup:
-    """One to four branching runs of one scenario: the lanes of a playground.
+    """One to four branching runs of one scenario. The visible run leads. The others follow to its `step`,
+    unless they are over before. The runs begin at the seed, and `resume` seeks their positions.
 
-    The one shown leads: the others follow to ``step``, where it stands, unless they are over before. Each of
-    ``records`` begins at the seed: :meth:`resume` seeks where it stood. ``clock`` gives seconds.
+    Args:
+        records: One record for each run.
+        world: World at the start.
+        shown: Number of the visible run.
+        clock: Returns seconds.
     """
 
     def __init__(
@@ -55,64 +59,63 @@ class RunGroup:
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.shown: int
-        """The number of the run shown."""
+        """Number of the visible run."""
         self.step = 0
-        """The step at which all are to stand."""
+        """Step that all runs follow to."""
         self._beside: BranchingRun | None = None
         self._resumes = False
         self.first = EditedWorld(world)
-        """The world that all of them began in."""
+        """The world at the start, shared by all runs."""
         self._unit = "pull" if isinstance(world.drawing, Arms) else "step"
         self._pasts: list[LanePast] = []
         self._names: list[str] = []
         self._clock = clock
         self._runs = [self._new_run(record) for record in records]
         self.current: BranchingRun
-        """The run shown."""
+        """The visible run."""
         self._others: list[BranchingRun]
         self._lead(shown)
 
     def _lead(self, number: int) -> None:
-        """Let the run with this ``number`` be shown, and lead."""
         self.shown, self.current = number, self._runs[number]
         self._others = [run for run in self._runs if run is not self.current]
 
     @property
     def beside(self) -> BranchingRun | None:
-        """The run that stands beside the one shown: the one marked, else the next; None if it is alone."""
+        """The second visible run: the marked one, else the next, or None if there is only one."""
         if self._beside in self._others:
             return self._beside
         return self._runs[(self.shown + 1) % len(self._runs)] if self._others else None
 
     def mark(self, number: int) -> None:
-        """Let the run with this ``number`` stand beside the one shown."""
+        """Make `number` the second visible run."""
         if 0 <= number < len(self._runs):
             self._beside = self._runs[number]
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """Every run as it stands."""
+        """All runs at their current positions."""
         return tuple(each.run for each in self._runs)
 
     def records(self, to_come: Sequence[Change] = ()) -> tuple[RunRecord, ...]:
-        """Return what is needed to come back to here, once the run shown has made the changes ``to_come``."""
+        """Return the records of this position, after the visible run has made the changes `to_come`."""
         shown = self.current.record_with(to_come, self._names_taken)
         return tuple(shown if each is self.current else each.record for each in self._runs)
 
     @property
     def interpreted_loops(self) -> list[Loop]:
-        """Which loops of its runs are not there as machine code yet, that of the run shown first."""
+        """Loops that are not compiled yet, those of the visible run first."""
         runs = [each.run if each.seek is None else each.seek.run for each in (self.current, *self._others)]
         return [run.learner.loop for run in runs if not run.learner.is_compiled]
 
     @property
     def seeking(self) -> bool:
-        """Whether any seeks another step, or has to catch up."""
+        """True if a run seeks or has to catch up."""
         return self.current.seek is not None or any(self._is_elsewhere(each) for each in self._others)
 
     @property
     def progress(self) -> tuple[int, int]:
-        """How many steps are done by the one that is seeking now, and of how many."""
+        """Steps done by the seeking run, and steps to do."""
         if self.current.seek is not None:
             return self.current.seek.progress
         behind = next((each for each in self._others if self._is_elsewhere(each)), None)
@@ -121,14 +124,14 @@ class RunGroup:
         return (behind.run.step, self.step) if behind.seek is None else behind.seek.progress
 
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
-        """Let the one shown advance by ``steps`` or ``episodes``, and the others follow."""
+        """Advance the visible run by at most `steps` and `episodes`. The others follow."""
         self.current.advance(steps, episodes)
         self.step = self.current.run.step
         if self._others:
             self.follow()
 
     def follow(self) -> None:
-        """Let the others come to where the one shown stands now."""
+        """Advance the other runs to the step of the visible one."""
         self.step = self.current.run.step
         for each in self._others:
             each.run.learner.set_time_budget(math.inf)
@@ -136,7 +139,7 @@ class RunGroup:
                 each.advance(self.step - each.run.step)
 
     def resume(self, records: Sequence[RunRecord]) -> None:
-        """Begin to seek where the runs of ``records`` stood, of which these were made."""
+        """Start to seek the positions of `records`, from which these runs were made."""
         for each, record in zip(self._runs, records, strict=True):
             each.seek_to(step=record.step)
         self._resumes = True
@@ -144,11 +147,9 @@ class RunGroup:
         self._lead_if_there()
 
     def restarted(self, recipe: Recipe, *, keeps_edits: bool) -> tuple[RunRecord, ...]:
-        """Return runs that begin again: the one shown with ``recipe``, the others as they are now.
-
-        Those that had its seed go on to have it. One that had the seed which it takes gets the one given up,
-        so that seeds which differ go on to differ. Where it ``keeps_edits``, each begins in its world as it
-        is now: what was edited on the way comes at the start.
+        """Return records for a restart: `recipe` for the visible run, current settings for the others.
+        Runs that shared its seed share its new one. A run that already had the new seed gets the old one,
+        so that different seeds stay different. With `keeps_edits` each run begins in its current world.
         """
         before = self.current.recipe.seed
         seeds = {recipe.seed: before, before: recipe.seed}
@@ -163,21 +164,21 @@ class RunGroup:
         )
 
     def world_of(self, record: RunRecord) -> EditedWorld:
-        """Return the world in which the run of ``record``, one of these, was left."""
+        """Return the world at the position of `record`, one of these runs."""
         return self.first.after_all(record.world_changes, record.recipe)
 
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
     ) -> None:
-        """Let the one shown begin to seek, as :meth:`BranchingRun.seek_to` does; the others follow."""
+        """Let the visible run start to seek, as `BranchingRun.seek_to` does. The others follow."""
         self.current.seek_to(step=step, episode=episode, branch=branch)
         for each in self._others:
-            each.stop_seek()  # where it was going is no longer where it has to be
+            each.stop_seek()  # their targets are outdated
         self._resumes = False
         self._lead_if_there()
 
     def gather(self) -> None:
-        """Let the one shown lead again, unless it is over: then the others stay as far as they are."""
+        """Let the visible run lead again. If it is over, the others keep their positions."""
         if not self.current.run.over:
             self.step = self.current.run.step
 
@@ -191,10 +192,7 @@ class RunGroup:
             self.step = self.current.run.step
 
     def continue_seek(self, steps: int) -> int:
-        """Bring the next run that is elsewhere nearer to where it has to be, by at most ``steps``.
-
-        Returns how many were taken.
-        """
+        """Move the next run towards its target by at most `steps` and return the number of steps taken."""
         if self.current.seek is not None:
             taken = self.current.continue_seek(steps)
             self._lead_if_there()
@@ -212,32 +210,35 @@ class RunGroup:
 
     @property
     def trails_are_whole(self) -> bool:
-        """Whether nothing more can be found out of how the episodes of the two runs on view went."""
+        """True if the trails of the two visible runs are as complete as they can be."""
         return not any(each.trail_to_find for each in self._on_view)
 
     def find_trails(self, seconds: float) -> None:
-        """Find out for about ``seconds``, or infinity, how the episodes of the two runs on view went."""
+        """Complete the trails of the two visible runs, for about `seconds` (may be infinite)."""
         on_view = self._on_view
         for each in on_view:
             each.find_trail(seconds / len(on_view))
 
     @property
     def _on_view(self) -> list[BranchingRun]:
-        """The run shown and the one beside it."""
         return [each for each in (self.current, self.beside) if each is not None]
 
     def stop_seek(self) -> None:
-        """Seek no further; the others follow to where the one shown stands."""
+        """Stop seeking. The others follow to the position of the visible run."""
         self.current.stop_seek()
         self.step = self.current.run.step
 
     def add(self, changes: Sequence[Setting], *, next_seed: bool = False) -> None:
-        """Add a run that differs from the one shown by ``changes`` from the start.
+        """Add a run that differs from the visible one by `changes`. It repeats the changes on the way,
+        except those of the same settings and actions of the user. With another algorithm it also leaves
+        out ordered sweeps.
 
-        With ``next_seed`` its seed is one more than the largest of all runs, else that of the one shown.
-        It keeps what was changed on the way, the world too, but for what differs, and but for steps taken by
-        a person; with another algorithm also but for sweeps that were ordered. Raises UserError where there
-        is no room for another, or it cannot work.
+        Args:
+            changes: Settings that differ from the start.
+            next_seed: Use a seed above all seeds of the other runs.
+
+        Raises:
+            UserError: There are too many runs, or the new one cannot work.
         """
         self._check_room()
         model, step = self.current, self.step
@@ -254,12 +255,12 @@ class RunGroup:
         self._let_catch_up(added)
 
     def add_branch(self, number: int) -> None:
-        """Add a run that is the branch with this ``number`` of the one shown, and let it stand beside that.
+        """Add a branch of the visible run as a run of its own, and make it the second visible one. It
+        repeats the whole branch, including actions of the user, and advances to the common step. Later
+        changes in one of the two do not affect the other.
 
-        All that was done on the branch is done in it, steps of a person too. It is a run of its own: what is
-        changed in one of the two is not changed in the other. It comes to the step where all are to stand,
-        beyond the end of the branch as the branch would. Raises UserError where there is no room for another,
-        or no such branch, or it is the one in force.
+        Raises:
+            UserError: There are too many runs, there is no such branch, or it is the current one.
         """
         self._check_room()
         timeline = self.current.timeline
@@ -267,7 +268,7 @@ class RunGroup:
             raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(timeline.branches)}")
         branch = timeline.branches[number]
         if number == timeline.branch:
-            raise UserError(f"{branch.name} is what is shown: choose another to stand beside it")
+            raise UserError(f"{branch.name} is the run shown; choose another one to compare with it")
         alone = replace(branch, parent=None, fork=0, here=0)
         added = self._new_run(RunRecord(self.current.recipe, (alone,)))
         self._let_catch_up(added)
@@ -283,7 +284,7 @@ class RunGroup:
         added.seek_to(step=self.step)
 
     def show(self, number: int) -> None:
-        """Show another run."""
+        """Make another run visible."""
         if 0 <= number < len(self._runs):
             self.current.watch(None)
             if self.beside is self._runs[number]:
@@ -295,7 +296,7 @@ class RunGroup:
         if len(self._runs) > 1 and 0 <= number < len(self._runs):
             self.current.watch(None)
             if self._beside is self._runs[number]:
-                self._beside = None  # or else it would stay in memory
+                self._beside = None  # release its memory
             del self._runs[number]
             self._lead(self.shown - (number < self.shown or self.shown == len(self._runs)))
             if self.current.seek is None:
@@ -303,9 +304,11 @@ class RunGroup:
                 self.gather()
 
     def apply(self, change: Change) -> None:
-        """Change something in the run shown, which leads again. Raises UserError where it does not fit.
+        """Make a change in the visible run, which leads again. A new branch gets a name that is unused in
+        all runs with the same start.
 
-        The name of a branch that begins is new among all lanes that began alike, be they branches of one run.
+        Raises:
+            UserError: The change does not fit.
         """
         self.current.apply(change, self._names_taken)
         self.gather()
@@ -316,11 +319,11 @@ class RunGroup:
 
     @property
     def view(self) -> RunGroupView:
-        """How each is getting on; nothing where there is one."""
+        """All runs side by side, empty if there is only one."""
         if len(self._runs) == 1:
             return RunGroupView()
         pasts = [_past(each) for each in self._runs]
-        if pasts != self._pasts:  # a journal may be long, and frames are many
+        if pasts != self._pasts:  # skip long journals in the many frames without a change
             self._pasts, self._names = pasts, lane_names(pasts, self._unit)
         named = zip(self._runs, self._names, pasts, strict=True)
         views = tuple(_view(each, name, past) for each, name, past in named)
@@ -336,7 +339,7 @@ class RunGroup:
 
 
 def _subject(change: Change) -> str:
-    """Return what ``change`` is about, empty for a step taken by a person."""
+    """Return the name of what `change` sets; "" for an action."""
     if isinstance(change, SetParameter):
         return change.name
     if isinstance(change, WorldChange):
@@ -345,7 +348,7 @@ def _subject(change: Change) -> str:
 
 
 def _check(world: World, recipe: Recipe, journal: Sequence[JournalEntry]) -> None:
-    """Raise UserError where the recipe, or what its journal sets in it, cannot work in ``world``."""
+    """Raise UserError if the recipe, or a setting in its journal, cannot work in `world`."""
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
     for entry in journal:
         if isinstance(entry.change, Setting):

@@ -29,9 +29,8 @@ Features = Mapping[str, float | str]
 
 
 def run_names(recipes: Sequence[Recipe]) -> list[str]:
-    """Return a name for each of ``recipes``, all of them distinct: what is different from the first one.
-
-    The first is named by all that any other has otherwise. Pass the settings in force.
+    """Return distinct names for `recipes`, made of their differences from the first. The first is named by
+    everything that differs in another. Pass current settings.
     """
     if not recipes:
         return []
@@ -45,9 +44,8 @@ def run_names(recipes: Sequence[Recipe]) -> list[str]:
 
 
 def difference(base: Recipe, other: Recipe) -> str:
-    """Return in a few words what ``other`` has otherwise than ``base``: ``SARSA, α 0.5``; empty if nothing.
-
-    Only what counts for the algorithm and policy of ``other`` is named.
+    """Describe how `other` differs from `base`, such as `SARSA, α 0.5`, or "" if it does not. Only
+    settings with an effect in `other` are named.
     """
     features = _features(other)
     names = _different(_features(base), features, base)
@@ -55,7 +53,7 @@ def difference(base: Recipe, other: Recipe) -> str:
 
 
 def _different(base: Features, other: Features, known: Recipe) -> Iterator[str]:
-    """Yield what ``other`` has otherwise; what does not count in ``base`` is looked up in ``known``."""
+    """Yield the names of different settings. Values without effect in `base` are looked up in `known`."""
     for name, value in other.items():
         before = base[name] if name in base else known.hyperparameters.value(name)
         if value != before:
@@ -63,7 +61,7 @@ def _different(base: Features, other: Features, known: Recipe) -> Iterator[str]:
 
 
 def features_of(algorithm: str, values: Hyperparameters, seed: int) -> Features:
-    """Return all that counts, by name, alike for settings that come to the same."""
+    """Return all settings with an effect, by name. Equivalent settings give equal results."""
     features: dict[str, float | str] = {ALGORITHM: algorithm}
     for name in parameters_of(algorithm, values.policy):
         features[name] = values.value(name)
@@ -82,7 +80,7 @@ def _features(recipe: Recipe) -> Features:
 
 
 def _without_idle_schedule(features: dict[str, float | str], schedule: str, scheduled: str) -> None:
-    """Leave no more than a decay of 0 of a schedule that changes nothing."""
+    """Reduce a schedule without effect to a decay of 0."""
     decay = f"{scheduled}_decay"
     if decay in features and (features[schedule] == "constant" or features[decay] == 0.0):
         features[decay] = 0.0
@@ -90,7 +88,7 @@ def _without_idle_schedule(features: dict[str, float | str], schedule: str, sche
 
 
 def feature_text(name: str, value: float | str) -> str:
-    """Return in a few words that the feature ``name`` has this ``value``: ``α 0.5``."""
+    """Describe a setting in a few words, such as `α 0.5`."""
     if name == ALGORITHM:
         return algorithm_row(str(value)).name
     if name == "policy":
@@ -102,14 +100,13 @@ def feature_text(name: str, value: float | str) -> str:
 
 
 def _number(value: float) -> str:
-    """Return ``value`` in short, unless that is another number."""
     short = f"{value:g}"
     text = short if float(short) == value else str(value)
     return f"−{text[1:]}" if text.startswith("-") else text
 
 
 def distinct(names: Sequence[str]) -> list[str]:
-    """Return ``names``, numbered where one comes again."""
+    """Add numbers to repeated names."""
     return [
         name if name not in names[:place] else f"{name} ({names[:place].count(name) + 1})"
         for place, name in enumerate(names)
@@ -124,24 +121,21 @@ Journal = tuple[JournalEntry, ...]
 
 
 class LanePast(NamedTuple):
-    """What a lane is named by."""
+    """The facts that name a run."""
 
     begun: Recipe
-    """What the run was made from."""
+    """Start of the run."""
     now: Recipe
-    """The same with the settings in force."""
+    """The recipe with current settings."""
     branch: str
-    """The name of the branch in force."""
+    """Name of the current branch."""
     journal: Journal
-    """All that was changed on it."""
+    """All changes on the branch."""
 
 
 def lane_names(lanes: Sequence[LanePast], unit: str) -> list[str]:
-    """Return a name for each of ``lanes``, all of them distinct.
-
-    Branches of one run, which began alike, are named by the branch and what was done there only:
-    ``branch 2: ε 0.3 from step 400``. All others are named by :func:`run_names`. ``unit`` is what a step is
-    called.
+    """Return distinct names for runs. Branches of one run are named by branch and changes: `branch 2: ε
+    0.3 from step 400`. Others are named by `run_names`. `unit` is the word for a step.
     """
     families = [_family(lane, lanes) for lane in lanes]
     heads = sorted({family[0] for family in families})
@@ -159,9 +153,13 @@ def lane_names(lanes: Sequence[LanePast], unit: str) -> list[str]:
 
 
 def branch_in_words(name: str, journal: Journal, beside: Iterable[Journal], unit: str) -> str:
-    """Return the ``name`` of a branch and what is in its ``journal``, but for what it shares with all others.
+    """Name a branch by the changes that it does not share with all others.
 
-    ``beside`` are the journals of those; ``unit`` is what a step is called.
+    Args:
+        name: Name of the branch.
+        journal: Its changes.
+        beside: Changes of the other branches.
+        unit: Word for a step.
     """
     alike = zip(journal, *beside, strict=False)
     shared = sum(1 for _ in takewhile(lambda entries: all(each == entries[0] for each in entries), alike))
@@ -172,7 +170,7 @@ def branch_in_words(name: str, journal: Journal, beside: Iterable[Journal], unit
 
 
 def _deed(entry: JournalEntry, unit: str) -> tuple[tuple[str, int], str]:
-    """Return what is one deed with others, such as a slider that was dragged, and how it is called."""
+    """Return a key that groups related changes, such as those of a dragged slider, and a description."""
     change, step = entry.change, entry.step
     match change:
         case SetParameter(name, value):
@@ -188,9 +186,8 @@ def _deed(entry: JournalEntry, unit: str) -> tuple[tuple[str, int], str]:
 
 
 def _family(lane: LanePast, lanes: Sequence[LanePast]) -> list[int]:
-    """Return the places of the branches of the run that ``lane`` is a branch of; its own where it is alone.
-
-    Lanes that merely began alike, on branches of the same name, are no branches of one run.
+    """Return the indexes of all branches of the same run as `lane`. Runs with the same start and equal
+    branch names are separate runs.
     """
     family = [place for place, each in enumerate(lanes) if each.begun == lane.begun]
     names = {lanes[place].branch for place in family}

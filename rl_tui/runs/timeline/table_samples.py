@@ -1,4 +1,4 @@
-"""The table of estimates at moments fixed by step number, to tell how any cell went."""
+"""Copies of the estimates at fixed steps, for the history of any cell."""
 
 from __future__ import annotations
 
@@ -16,21 +16,20 @@ _LEAST: Final = 16
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CellHistory:
-    """How Q of one pair went up to the moment shown, at N steps."""
+    """Q of one pair at N steps up to the current one."""
 
     pair: int
-    """The pair, 0 to P − 1."""
+    """Number of the pair, 0 to P − 1."""
     step: IntArray
-    """[N], after how many steps, ascending from 0; the last is the moment shown."""
+    """Steps, ascending from 0 to the current one, `[N]`."""
     value: FloatArray
-    """[N], what Q of the pair was then."""
+    """Q of the pair at these steps, `[N]`."""
 
 
 class TableSamples:
-    """Copies of Q at multiples of a spacing that doubles, dropping every other copy, when there are many.
-
-    Where they lie depends on the step number and the sizes of the tables alone, but for a branch that was
-    left in between. Of a table of which there is no room for 16 copies there are none.
+    """Copies of Q at multiples of a spacing, which doubles (dropping every other copy) once there are too
+    many. Their positions depend only on the step number and table sizes, except on branches that were
+    left. Tables too large for 16 copies have none.
     """
 
     def __init__(self, pairs: int) -> None:
@@ -40,10 +39,10 @@ class TableSamples:
         self._spacing = 1
         self._tables: list[FloatArray] = []
         self.next_step = 0 if self._most else None
-        """The step after which the next copy is due; None where none are taken."""
+        """Step of the next copy, or None if no copies are taken."""
 
     def add(self, q: FloatArray) -> None:
-        """Take the copy that is due, of the estimates ``q``, [P]."""
+        """Take the copy that is due of the estimates `q`, `[P]`."""
         self._tables.append(q.copy())
         if len(self._tables) == self._most or (len(self._tables) > 2 and self._nbytes > self._limits.samples):
             self._tables = self._tables[::2]
@@ -51,7 +50,7 @@ class TableSamples:
         self.next_step = len(self._tables) * self._spacing
 
     def thin_out(self, branches: int) -> None:
-        """Keep fewer: their branch is one of ``branches`` that were left."""
+        """Keep fewer copies: the branch is one of `branches` that are not current."""
         while len(self._tables) > _LEAST and self._nbytes > self._limits.samples_left // branches:
             self._tables = self._tables[::2]
             self._spacing *= 2
@@ -62,7 +61,7 @@ class TableSamples:
         return sum(table.nbytes for table in self._tables)
 
     def up_to(self, step: int) -> TableSamples:
-        """Return those that were taken after at most ``step`` steps; the copies are shared."""
+        """Return the copies up to `step`, sharing memory."""
         shared = TableSamples(1)
         shared._most, shared._spacing = self._most, self._spacing
         shared._tables = self._tables[: step // self._spacing + 1]
@@ -70,9 +69,14 @@ class TableSamples:
         return shared
 
     def history(self, pair: int, step: int, q: FloatArray, since: int | None = None) -> CellHistory:
-        """Return how the estimate of ``pair`` went up to ``step``, after which the table is ``q``, [P].
+        """Return the history of one estimate.
 
-        Tables up to the step ``since`` are those of another world; None: none is.
+        Args:
+            pair: Number of the pair.
+            step: Current step.
+            q: Current estimates, `[P]`.
+            since: Step of the last edit of the world, whose earlier tables do not count, or None without
+                an edit.
         """
         first = 0 if since is None else since // self._spacing + 1
         count = min(len(self._tables), -(-step // self._spacing))

@@ -1,4 +1,4 @@
-"""The way that the agent went in its episode, as far as it is known, and finding out the rest."""
+"""The path of the agent in its current episode, recorded or replayed."""
 
 from __future__ import annotations
 
@@ -15,33 +15,33 @@ if TYPE_CHECKING:
     from rl_tui.worlds.world import World
 
 MOST_STEPS: Final = 128
-"""So many steps of an episode are kept, the last ones."""
+"""Largest number of steps in a trail, the last of an episode."""
 MOST_PAIRS: Final = 1_000_000
-"""A larger world has no trail but what was recorded: to replay it takes as much memory again."""
+"""Larger worlds have only recorded trails, because a replay needs a second copy of the run."""
 FEW_STEPS: Final = 8
-"""So many steps at a time are recorded, one by one: more than fall due at once at 30 a second."""
+"""Largest number of steps that are recorded one by one. More than are due at once at 30 steps a second."""
 LONGEST: Final = 1.0
-"""After so many seconds a replay is given up."""
-_QUICK: Final = 0.002  # seconds; a piece of a replay that takes less is followed by a larger one
+"""Seconds after which a replay is abandoned."""
+_QUICK: Final = 0.002  # seconds; a faster piece of a replay is followed by a larger one
 
 
 class TrailStep(NamedTuple):
     """One step of a trail."""
 
     step: int
-    """Its number in the run, from 1."""
+    """Number of the step in the run, from 1."""
     state: int
-    """Where the agent was."""
+    """State before the step."""
     action: int
-    """The action that it chose."""
+    """Chosen action."""
     happened: int
-    """The action that really happened; −1 where that is not known."""
+    """Action that happened, or −1 if unknown."""
     next_state: int
-    """Where the step led."""
+    """State after the step."""
 
     @property
     def slipped(self) -> bool:
-        """Whether another action happened than was chosen."""
+        """True if another action happened than was chosen."""
         return self.happened not in (UNKNOWN_ACTION, self.action)
 
 
@@ -50,17 +50,14 @@ Trail = tuple[TrailStep, ...]
 
 
 class TrailRecorder:
-    """Keeps the last steps of the episode of a run, of those that it is told of.
-
-    ``given_up`` is the step for which the rest could not be found out.
-    """
+    """Records the last steps of the current episode. `given_up` is the step for which a replay failed."""
 
     def __init__(self) -> None:
         self.given_up = -1
         self._steps: deque[TrailStep] = deque(maxlen=MOST_STEPS)
 
     def note(self, last: LastStep | None, world: World) -> None:
-        """Take in the step that was taken last in ``world``; what does not lead up to it is forgotten."""
+        """Record the last step in `world`, dropping steps that do not lead to it."""
         newest = self._steps[-1] if self._steps else None
         if last is None or last.planned:
             self._steps.clear()
@@ -76,25 +73,22 @@ class TrailRecorder:
         self._steps.append(TrailStep(last.step, last.state, action, happened, last.next_state))
 
     def up_to(self, last: LastStep | None) -> Trail:
-        """Return what is known of the steps that lead up to ``last``, that one included."""
+        """Return the recorded steps up to and including `last`."""
         is_there = last is not None and len(self._steps) > 0 and self._steps[-1].step == last.step
         return tuple(self._steps) if is_there else ()
 
     def go_back(self, step: int) -> None:
-        """Forget what came after ``step``."""
+        """Drop the steps after `step`."""
         while self._steps and self._steps[-1].step > step:
             self._steps.pop()
 
     def forget(self) -> None:
-        """Forget everything."""
+        """Drop all steps."""
         self._steps.clear()
 
 
 class TrailReplay:
-    """A replay of the last steps of an episode by ``run``, a spare one, from somewhere before them.
-
-    It ends at the step ``last``; ``recorder`` is told of those after ``first``.
-    """
+    """A replay by a spare run of the steps after `first` up to `last`, into `recorder`."""
 
     def __init__(
         self, run: Run, journal: Sequence[JournalEntry], first: int, last: int, recorder: TrailRecorder
@@ -102,7 +96,7 @@ class TrailReplay:
         self.run = run
         """The spare run."""
         self.last = last
-        """The step at which it ends."""
+        """Step at which it ends."""
         self._journal = journal
         self._first = first
         self._recorder = recorder
@@ -112,9 +106,8 @@ class TrailReplay:
         recorder.forget()
 
     def go_on(self, seconds: float, clock: Callable[[], float]) -> bool:
-        """Replay for about ``seconds``, infinity for as long as it takes; return whether that was all.
-
-        In pieces it is given up once it has taken too long.
+        """Replay for about `seconds` (may be infinite) and return True at the end. A replay that takes too
+        long in all is abandoned.
         """
         start, run = clock(), self.run
         until, now = start + seconds, start

@@ -1,4 +1,4 @@
-"""Runs of one recipe that differ in their seed, many of them by one call of machine code."""
+"""Runs that differ in their seed, trained together by one call of machine code."""
 
 from __future__ import annotations
 
@@ -32,25 +32,24 @@ from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST_RUNS: Final = 256
-"""Runs of one batch: what Python does for it is then little for each."""
+"""Runs in one batch. More would not reduce the Python overhead further."""
 MOST_BYTES: Final = 64_000_000
-"""Of the estimates of a batch, and all else that its runs remember."""
+"""Memory of the learners in a batch."""
 FIRST_STEPS: Final = 20_000
-"""Steps of the first call, after each of which it is asked whether to go on."""
+"""Steps of the first call. A check follows each call."""
 MOST_STEPS_AT_ONCE: Final = 2_000_000
 SHORT_CALL: Final = 0.05
-"""Seconds of a call below which the next one takes more steps."""
+"""A call shorter than this many seconds is followed by a longer one."""
 LONG_CALL: Final = 0.1
-"""Seconds of a call above which the next one takes fewer."""
+"""A call longer than this many seconds is followed by a shorter one."""
 
 STATES_AT_ONCE: Final = 10_000
-"""States of all the policies that are evaluated before it is asked again whether to go on: some 0.5 s."""
+"""Number of states in the policies that are evaluated between two checks, about 0.5 s."""
 
 
 def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
-    """Return how many runs of ``seeded`` one batch may have; 0 where they cannot be batched.
-
-    There has to be machine code for it. With ``marks`` estimates are kept so often.
+    """Return the largest batch for `seeded`, or 0 without compiled code. Estimates are stored at `marks`
+    episodes.
     """
     learner = seeded.first.learner
     if seeded.batched_loop not in COMPILED_LOOPS:
@@ -59,17 +58,25 @@ def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
 
 
 def steps_of_next_call(steps: int, seconds: float) -> int:
-    """Return how many steps to take after so many took ``seconds``: some take a thousand times others."""
+    """Choose the steps of the next call from the duration of the last; algorithms differ a thousandfold."""
     if seconds < SHORT_CALL:
         return min(2 * steps, MOST_STEPS_AT_ONCE)
     return max(1, steps // 2) if seconds > LONG_CALL else steps
 
 
 class BatchedRuns:
-    """The runs of ``seeded`` with these ``seeds``, trained to ``goal`` by :meth:`advance`.
+    """The runs of `seeded` with `seeds`, trained together.
 
-    Their curves are of the first ``curve_episodes``, in at most ``most_bins`` bins. After each of
-    ``mark_episodes``, which ascend, their estimates are kept. Raises UserError where a world cannot be built.
+    Args:
+        seeded: Recipe of the runs.
+        seeds: Seed of each run.
+        goal: End of the training.
+        curve_episodes: Length of the learning curves in episodes, or 0 for none.
+        most_bins: Most bins of a curve.
+        mark_episodes: Ascending episodes after which estimates are stored.
+
+    Raises:
+        UserError: A world cannot be built.
     """
 
     def __init__(
@@ -89,7 +96,7 @@ class BatchedRuns:
             self._beginnings = [begin(replace(seeded.recipe, seed=seed)) for seed in seeds]
             world = [DrawnWorld(_table(each), each.streams) for each in self._beginnings]
         else:
-            assert seeded.shared.world.mdp is not None  # only what has a table is batched
+            assert seeded.shared.world.mdp is not None  # only worlds with a table are batched
             world = seeded.shared.world.mdp
         self._curve_episodes, self._most_bins = curve_episodes, most_bins
         self.batch = RunBatch(
@@ -105,9 +112,13 @@ class BatchedRuns:
         )
 
     def train(self, on_progress: Callable[[int, int], None] = no_progress) -> None:
-        """Train all of them to the goal; ``on_progress`` hears how much is done, and may raise to end it.
+        """Train all runs to the goal.
 
-        Raises UserError, as one run does, of the first of them that broke down.
+        Args:
+            on_progress: Called with (done, wanted). It may raise to stop.
+
+        Raises:
+            UserError: A run broke down. The message is that of the first one.
         """
         wanted = (self._goal.steps or self._goal.episodes or 0) * len(self._seeds)
         self.advance(lambda: on_progress(self._done, wanted))
@@ -117,11 +128,11 @@ class BatchedRuns:
 
     @property
     def hyperparameters(self) -> Hyperparameters:
-        """The settings of all of them."""
+        """Settings of all runs."""
         return self._seeded.recipe.hyperparameters
 
     def advance(self, check: Callable[[], None]) -> None:
-        """Train all of them to the goal, but for those that break down; ``check`` may raise to end it."""
+        """Train all runs except those that break down. `check` may raise to stop."""
         steps, start = FIRST_STEPS, time.perf_counter()
         while self.batch.advance(steps):
             steps = steps_of_next_call(steps, time.perf_counter() - start)
@@ -130,7 +141,7 @@ class BatchedRuns:
 
     @property
     def step(self) -> int:
-        """How many steps the longest of them has taken."""
+        """Steps of the longest run."""
         return self.batch.longest
 
     @property
@@ -140,21 +151,20 @@ class BatchedRuns:
 
     @property
     def broken(self) -> list[int]:
-        """Which of them, by place, broke down; why, a run of its own can tell."""
+        """Indexes of runs that broke down. A single run can find the reason."""
         return np.flatnonzero(~np.isin(self.batch.stop, (DONE, EPISODES_FULL))).tolist()
 
     def rows(self, check: Callable[[], None] = no_compiling) -> list[dict[str, Any]]:
-        """Return seeds and figures, as :meth:`SeededRuns.row` does for a single run, with the same bits.
-
-        ``check`` is called between what may take long, and may raise to end it.
+        """Return the rows that `SeededRuns.row` returns for single runs, with the same bits. `check` is
+        called between slow parts and may raise to stop.
         """
         rows = zip(self._seeds, self.measured(check), self._digests(), strict=True)
         return [row_of(*each) for each in rows]
 
     def measured(self, check: Callable[[], None]) -> list[MeasuredRun]:
-        """Return each of them as measures see it; ``check`` is as for :meth:`rows`."""
+        """Return the input of metrics for each run; `check` as for `rows`."""
         batch, exact = self.batch, self._exact(check)
-        with np.errstate(invalid="ignore"):  # those without an episode
+        with np.errstate(invalid="ignore"):  # runs without an episode
             means = batch.digest.total_return[:, 0] / batch.episodes
         columns: dict[str, Iterable[Any]] = {
             "steps": batch.steps.tolist(),
@@ -176,7 +186,7 @@ class BatchedRuns:
 
     @property
     def curves(self) -> list[CurvePoints]:
-        """Their curves; none where they are of no episode."""
+        """Learning curves, empty if none were requested."""
         if not self._curve_episodes:
             return []
         last_episode = RunCurve(self._curve_episodes, self._most_bins).last_episode
@@ -185,7 +195,6 @@ class BatchedRuns:
         return [CurvePoints(last_episode, *(part / count for part in sums)) for sums in sums_of_each]
 
     def _exact(self, check: Callable[[], None]) -> list[GreedyFigures]:
-        """Return value at the start, expected return and greatest error of each; no other exact figures."""
         q, shared = self.batch.q, self._seeded.shared
         at_once = 1
         if shared is not None and not self._drifts:
@@ -197,7 +206,6 @@ class BatchedRuns:
         return found
 
     def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> list[GreedyFigures]:
-        """Return the exact figures of the estimates ``q``, [B, P], in the world of ``mdp``."""
         if mdp is None or mdp.states > MOST_STATES:
             return [NO_EXACT_FIGURES] * len(q)
         values = self._seeded.recipe.hyperparameters
@@ -214,7 +222,7 @@ class BatchedRuns:
         return bool(self.batch.drift.offset.shape[1])
 
     def _table_now(self, index: int) -> TabularMDP | None:
-        """Return the table of the world of a run, with its rewards as they are now."""
+        """Return the table of a run's world with its current mean rewards."""
         shared = self._seeded.shared
         mdp = _table(self._beginnings[index]) if shared is None else shared.world.mdp
         if mdp is None or not self._drifts:
@@ -222,7 +230,6 @@ class BatchedRuns:
         return replace(mdp, reward=mdp.reward + self.batch.drift.offset[index][mdp.outcome_pair])
 
     def _bandit(self, index: int) -> BanditFigures | None:
-        """Return how the pulls of a run were spent, in a world of arms."""
         world = self._beginnings[index].world if self._beginnings else self._seeded.first.world
         total, drifted = float(self.batch.digest.total_return[index, 0]), self.batch.drifted(index)
         return bandit_figures(world, self.batch.visits[index], total, drifted)
@@ -230,12 +237,12 @@ class BatchedRuns:
 
 def _table(beginning: Beginning) -> TabularMDP:
     mdp = beginning.world.mdp
-    assert mdp is not None  # only what has a table is batched
+    assert mdp is not None  # only worlds with a table are batched
     return mdp
 
 
 def _if_there(column: FloatArray) -> list[float | None]:
-    """Return the numbers of ``column``, None in place of those that are not finite."""
+    """Convert `column` to a list, with None for numbers that are not finite."""
     numbers: list[float | None] = column.tolist()
     for place in np.flatnonzero(~np.isfinite(column)).tolist():
         numbers[place] = None

@@ -1,4 +1,4 @@
-"""How fast learning is here, against the plain loop over Gymnasium that everybody writes."""
+"""The speed of learning, compared with a plain loop over Gymnasium."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ RUNS: Final = 64
 
 
 class PlainLoop:
-    """Q-learning as it is usually written, a step of the Gymnasium environment at a time."""
+    """Q-learning in plain Python, one Gymnasium step at a time."""
 
     def __init__(self, recipe: Recipe, random_ties: bool) -> None:
         import gymnasium
@@ -72,17 +72,17 @@ class PlainLoop:
 
     @contextmanager
     def _asked(self) -> Iterator[None]:
-        """Ask the environment for something: what it prints is no result, and its failure one line."""
+        """Call the environment: suppress its output, and turn a failure into a one-line error."""
         try:
             with ENVIRONMENT_CALL:
                 yield
-        except BaseException as error:  # whatever an environment may raise
+        except BaseException as error:  # an environment may raise anything
             if is_interrupt(error):
                 raise
             raise UserError(f"{self._name} failed in the plain loop: {reason_of(error)}") from error
 
     def take_steps(self, steps: int) -> None:
-        """Take ``steps`` steps. Raises UserError where the environment fails."""
+        """Take `steps` steps. Raises UserError if the environment fails."""
         with self._asked():
             self._take(steps)
 
@@ -109,7 +109,7 @@ class PlainLoop:
 
 
 class Together:
-    """Many runs of one recipe, each with a seed of its own, on all cores as ``train --runs`` has them."""
+    """64 runs of one recipe with different seeds on all cores, as in `train --runs`."""
 
     def __init__(self, recipe: Recipe) -> None:
         seeded, seeds = SeededRuns(recipe), range(recipe.seed, recipe.seed + RUNS)
@@ -122,24 +122,28 @@ class Together:
             self._parts = [seeded.new_run(seed).advance for seed in seeds]
 
     def take_steps(self, steps: int) -> None:
-        """Take about ``steps`` steps in all."""
+        """Take about `steps` steps in all."""
         with ThreadPoolExecutor(cores()) as pool:
             for done in [pool.submit(advance, steps // len(self._parts)) for advance in self._parts]:
                 done.result()
 
 
 def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
-    """Time our kernel, alone and in 64 runs, and the plain loop, with first and with random ties.
+    """Time the kernel (one run and 64 runs) and the plain loop (first and random ties). They take turns.
+    The results are medians of steps per second.
 
-    They take turns; the figures are medians of steps/s. It is the document of ``bench --json``. Raises
-    UserError where ``recipe`` is not of a Gymnasium environment, or its algorithm takes no steps in it.
+    Returns:
+        The document of `bench --json`.
+
+    Raises:
+        UserError: The scenario is not a Gymnasium environment, or the algorithm takes no steps in it.
     """
     if BY_ID[recipe.algorithm].planner:
         raise UserError(f"{recipe.algorithm} takes no steps in the world: choose an algorithm that learns")
     first, random = PlainLoop(recipe, random_ties=False), PlainLoop(recipe, random_ties=True)
     run, together = Run(recipe, evaluate=False), Together(recipe)
     if not BACKGROUND.get(run.learner.loop):
-        raise UserError(f"machine code cannot be had: {BACKGROUND.failed[run.learner.loop]}")
+        raise UserError(f"no machine code: {BACKGROUND.failed[run.learner.loop]}")
     run.advance(KERNEL_STEPS // 10)
     together.take_steps(KERNEL_STEPS)
     turns: list[tuple[Callable[[int], None], int]] = [

@@ -1,4 +1,4 @@
-"""Whether training waits for machine code, goes on interpreted meanwhile, or never needs any."""
+"""Decides whether training waits for machine code, continues interpreted, or needs no machine code."""
 
 from __future__ import annotations
 
@@ -12,27 +12,28 @@ from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.agents.learner import Learner
 
-# Seconds of interpreted training. To import numba and read machine code from the cache takes half a second,
-# to compile it some eight: a worker that is ended before has done nothing
+# Seconds of interpreted training. Importing numba and reading cached machine code takes half a second;
+# compiling
+# takes about eight, and is lost if the worker ends before.
 FIRST_LOOK: Final = 0.1
 WORTH_READING: Final = 0.5
 WORTH_COMPILING: Final = 5.0
-# What trains many runs by one call takes two more, and saves most of what Python does between runs
+# Compiling the loop for batches takes two more seconds, and saves most of the Python overhead between runs
 WORTH_BATCHING: Final = 60.0
 SURE_ENOUGH: Final = 1.0
-"""So long it has to go on before a compiler is asked for: the first episodes may be by far the longest."""
+"""Seconds of training before compilation is requested, since the first episodes may be the longest."""
 _SMALLEST_CHUNK: Final = 64
 _SHORT_WAIT: Final = 0.005
 _COMPILED_CHUNK: Final = 2_000_000
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
+    """Return the number of cores available to this process."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class Patience:
-    """Looks, as training goes on, how long the rest will take, and gets machine code where that pays."""
+    """Estimates the remaining time during training, and requests machine code if that pays."""
 
     def __init__(self) -> None:
         self._loop: Loop | None = None
@@ -42,18 +43,24 @@ class Patience:
         self._is_read, self._is_asked_for = False, False
 
     def chunk(self, learner: Learner) -> int:
-        """Return how many steps to take before the next look."""
+        """Return the number of steps before the next look."""
         return _COMPILED_CHUNK if learner.is_compiled else self._chunk
 
     def look(self, learner: Learner, done: int, wanted: int) -> float:
-        """Look, with ``done`` of ``wanted`` steps or episodes; return for how many seconds training waited.
+        """Update the estimate. The first call only records the start.
 
-        The first look only notes where it began.
+        Args:
+            learner: The learner in training.
+            done: Steps or episodes done.
+            wanted: Steps or episodes in all.
+
+        Returns:
+            Seconds that training waited here.
         """
         now = time.perf_counter()
         if learner.is_compiled:
             return 0.0
-        if learner.loop != self._loop:  # each has machine code of its own
+        if learner.loop != self._loop:  # each loop has its own machine code
             self._loop, self._start, self._stretch, self._done = learner.loop, now, now, done
             self._is_read, self._is_asked_for = False, False
             self._chunk = _SMALLEST_CHUNK
@@ -70,7 +77,7 @@ class Patience:
         return self._last - now
 
     def _get_what_pays(self, loop: Loop, seconds: float) -> None:
-        """Get machine code if the rest takes so many ``seconds`` interpreted."""
+        """Request machine code if the interpreted rest takes `seconds`."""
         if not self._is_read and seconds > WORTH_READING and was_compiled(loop):
             self._is_read = True
             if BACKGROUND.read(loop):
@@ -79,27 +86,30 @@ class Patience:
         if self._is_asked_for or seconds <= WORTH_COMPILING or not is_sure:
             return
         self._is_asked_for = True
-        if cores() == 1:  # a compiler beside it would take its time away
+        if cores() == 1:  # a compiler in parallel would take its time
             BACKGROUND.get(loop)
         else:
             BACKGROUND.want([loop])
 
 
 def pays(loop: Loop, seconds: float) -> bool:
-    """Return whether machine code is worth the wait where all there is to do takes so long interpreted."""
+    """Return True if machine code pays for work that takes `seconds` interpreted."""
     return seconds > WORTH_COMPILING or (seconds > WORTH_READING and was_compiled(loop))
 
 
 def batching_pays(batched: Loop, seconds: float) -> bool:
-    """Return whether machine code to train many runs at once is worth the wait, as :func:`pays` does."""
+    """Return True if machine code for batches pays for work that takes `seconds` interpreted."""
     return seconds > WORTH_BATCHING or (seconds > WORTH_READING and was_compiled(batched))
 
 
 def seconds_interpreted(learner: Learner, wanted: int, *, episodes: bool) -> float:
-    """Return how long ``wanted`` steps or episodes of a fresh ``learner`` will take interpreted, roughly.
+    """Estimate the duration of interpreted training by taking some steps. This takes about `FIRST_LOOK`
+    seconds, or up to `WORTH_READING` if no episode ends.
 
-    It takes some steps of it to see, in at most about ``FIRST_LOOK`` seconds, or ``WORTH_READING`` where no
-    episode ends before.
+    Args:
+        learner: A fresh learner.
+        wanted: Steps or episodes in all.
+        episodes: True if `wanted` counts episodes.
     """
     start = time.perf_counter()
     chunk, done = _SMALLEST_CHUNK, 0

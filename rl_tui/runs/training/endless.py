@@ -1,4 +1,4 @@
-"""Worlds in which an episode may never come to an end."""
+"""Checks for worlds whose episodes may never end."""
 
 from __future__ import annotations
 
@@ -19,20 +19,19 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 EPISODES: Final = 1_000
 LONG_EPISODE: Final = 50_000
-"""So many steps without an end are worth a warning."""
+"""Steps of one episode that deserve a warning."""
 MOST_STEPS: Final = 200_000
-"""After so many in all no further episode is begun: half a second where there are two actions."""
-# In a larger world an agent that knows nothing yet may wander about for as long, or take longer to choose
+"""Steps after which a trial begins no further episode; half a second with two actions."""
+# in a larger world an untrained agent may wander as long, or choose more slowly
 _MOST_STATES, _MOST_ACTIONS = 1_000, 50
-_UNTOLD: Final = 1e12  # steps, of which rounding leaves no digit
+_UNTOLD: Final = 1e12  # steps; beyond this, rounding leaves no correct digit
 REMEDY: Final = "a time_limit would end it"
 _NOT_WORTH_IT: Final = f"the end is not worth the way there; {REMEDY}"
 
 
 def endless_warning(scenario: Scenario) -> str:
-    """Return, in one line, that episodes of ``scenario`` may never end; empty if they do.
-
-    It is no fault: γ below 1 has an exact answer there too.
+    """Return a one-line warning if episodes of `scenario` may never end, else "". It is not an error,
+    because γ below 1 has an exact answer there too.
     """
     mdp = scenario.build(streams(0).world).mdp
     if mdp is None:
@@ -41,7 +40,7 @@ def endless_warning(scenario: Scenario) -> str:
 
 
 def endless_warning_in(mdp: TabularMDP, hyperparameters: Hyperparameters, episodes: int) -> str:
-    """Return :func:`endless_warning` of ``mdp`` with these settings and so many ``episodes`` of training."""
+    """Return the warning for `mdp` with these settings after `episodes` of training."""
     state = endless_state(mdp)
     if state is not None:
         return (
@@ -54,10 +53,8 @@ def endless_warning_in(mdp: TabularMDP, hyperparameters: Hyperparameters, episod
 
 
 def _long_once_learned(mdp: TabularMDP, hyperparameters: Hyperparameters, episodes: int) -> str:
-    """Return that episodes are long with the values that SARSA or Q-learning comes to; empty if not.
-
-    ε is that in force at the beginning or after so many ``episodes``, whichever is less; and 0, as where a
-    greedy policy is looked at.
+    """Return a warning if episodes are long under the values that SARSA or Q-learning reach, else "". ε is
+    the smaller one of the first and the last episode, and 0 for the greedy policy.
     """
     gamma = hyperparameters.gamma
     epsilon = min(hyperparameters.epsilon_at(0), hyperparameters.epsilon_at(episodes))
@@ -71,7 +68,7 @@ def _long_once_learned(mdp: TabularMDP, hyperparameters: Hyperparameters, episod
             )
     if learned_length(mdp, gamma, 0.0, 0.0) == np.inf:
         return (
-            f"the policy that is best for γ {gamma:g} may never come to an end, and there is no time limit: "
+            f"the optimal policy for γ {gamma:g} may never end an episode, and there is no time limit: "
             f"{_NOT_WORTH_IT}"
         )
     return ""
@@ -92,11 +89,14 @@ def _is_tried(mdp: TabularMDP) -> bool:
 
 
 def long_episode(mdp: TabularMDP, hyperparameters: Hyperparameters) -> int | None:
-    """Return which of the first episodes of SARSA, from 1, does not end within ``LONG_EPISODE`` steps.
+    """Find an early episode of SARSA that exceeds `LONG_EPISODE` steps.
 
-    None where each ends, where a time limit cuts them off, where estimates grow beyond all bounds, and in
-    large worlds, which are not tried. It is the box on page 130 of Sutton & Barto (2nd ed.) with an ε-greedy
-    policy, in plain Python: the loop of the agents takes ten times as long interpreted, and more to compile.
+    Returns:
+        Number of the episode, from 1. None if all end, if the world is large or has a time limit, or if
+        estimates diverge.
+
+    The box on page 130 of Sutton & Barto (2nd ed.) with an ε-greedy policy. It is written in plain Python,
+    because the agents' loop takes ten times as long interpreted, and more to compile.
     """
     if not _is_tried(mdp):
         return None
@@ -130,7 +130,7 @@ def long_episode(mdp: TabularMDP, hyperparameters: Hyperparameters) -> int | Non
                 next_pair = choose(next_states[outcome], epsilon)
                 target += hyperparameters.gamma * q[next_pair]
             q[pair] += (1 / visits[pair] if alpha is None else alpha) * (target - q[pair])
-            if not abs(q[pair]) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
+            if not abs(q[pair]) <= LARGEST_ESTIMATE:  # this form also catches NaN
                 return None
             if terminated[outcome]:
                 break
@@ -143,9 +143,8 @@ def long_episode(mdp: TabularMDP, hyperparameters: Hyperparameters) -> int | Non
 
 
 def endless_state(mdp: TabularMDP) -> int | None:
-    """Return the first state from which no end can be reached, though it can be reached itself.
-
-    None where there is none, or where a time limit cuts every episode off.
+    """Return the first reachable state from which no terminal state can be reached. None if there is none,
+    or if a time limit ends every episode.
     """
     lost = np.flatnonzero(endless_states(mdp))
     return int(lost[0]) if len(lost) else None

@@ -1,4 +1,4 @@
-"""CSV of training: a row an episode (run and episode from 1, return, length in steps), and the mean curve."""
+"""CSV files of training: one row per episode (run, episode from 1, return, length), or the mean curve."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ from typing import Any, Final, TextIO
 from rl_tui.common.files import file_or_stream, whole_file
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
-# The mean learning curve, a row for each bin of episodes
+# The mean learning curve: one row for each bin of episodes
 
 
 def write_curve(stream: TextIO, curve: Mapping[str, list[Any]]) -> None:
-    """Write ``curve``, as ``train --runs --json`` has it, under the names of its lists; None is left empty.
-
-    Numbers keep all their digits.
+    """Write `curve`, as in `train --runs --json`, with the names of its lists as header. Numbers keep all
+    digits, or None is an empty field.
     """
     stream.write(f"{','.join(curve)}\n")
     for row in zip(*curve.values(), strict=True):
@@ -29,7 +28,7 @@ HEADER: Final = "run,episode,return,length\n"
 
 
 class EpisodeRows:
-    """Writes the episodes of one run to ``stream`` as they are finished. Returns keep all their digits."""
+    """Writes the finished episodes of one run to `stream`. Returns keep all digits."""
 
     def __init__(self, stream: TextIO, run: int) -> None:
         self._stream = stream
@@ -37,7 +36,7 @@ class EpisodeRows:
         self._episodes = 0
 
     def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
-        """Write the next episodes, [n] each."""
+        """Write the next episodes, `[n]` each."""
         episodes = range(self._episodes + 1, self._episodes + 1 + len(returns))
         rows = zip(episodes, returns.tolist(), lengths.tolist(), strict=True)
         run = self._run
@@ -47,9 +46,8 @@ class EpisodeRows:
 
 @contextmanager
 def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
-    """Yield ``target``, opened if it is a path, with the header written.
-
-    A file is kept or removed as :func:`file_or_stream` does. A stream stays open, and its errors are its own.
+    """Yield `target` with the header written, opened if it is a path. `file_or_stream` decides whether a
+    file is kept. A stream stays open, and its errors are passed on.
     """
     with file_or_stream(target) as stream:
         stream.write(HEADER)
@@ -57,17 +55,21 @@ def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
 
 
 Listening = Callable[[int], AbstractContextManager[EpisodeRows | None]]
-"""Opens what writes the episodes of a seed."""
+"""Opens a writer for the episodes of a seed."""
 
 
 @contextmanager
 def episodes_in_order(
     csv: Path | TextIO | None, first_seed: int
 ) -> Iterator[tuple[Listening, Callable[[int], None]]]:
-    """Yield what writes the episodes of seeds, trained side by side, and what hands on those of one seed.
+    """Collect the episodes of parallel runs, and write them in the order of seeds.
 
-    They are handed on to ``csv``, which is kept or removed as :func:`csv_file` does. Run 1 is that of
-    ``first_seed``. Without ``csv`` nothing is written.
+    Args:
+        csv: Path or stream, handled as in `csv_file`, or None writes nothing.
+        first_seed: Seed of run 1.
+
+    Yields:
+        A function that opens a writer for a seed, and a function that copies the finished seed to `csv`.
     """
     if csv is None:
         yield lambda _: nullcontext(), lambda _: None
@@ -87,7 +89,7 @@ def episodes_in_order(
 
         def hand_on(seed: int) -> None:
             part = folder / str(seed)
-            if part.exists():  # or it could not even begin, or does not answer
+            if part.exists():  # it is missing if the run did not begin or does not respond
                 with part.open(encoding="utf-8", newline="") as episodes:
                     copyfileobj(episodes, target)
                 part.unlink()

@@ -1,4 +1,4 @@
-"""Any policy in the world of a recipe, and what it is worth there: the document of ``evaluate --json``."""
+"""Exact evaluation of a policy in the world of a recipe: the document of `evaluate --json`."""
 
 from __future__ import annotations
 
@@ -28,9 +28,12 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 class FollowedPolicy(NamedTuple):
-    """A policy, [P], and the world as it is when it is followed.
+    """A policy and its world.
 
-    ``not_given`` says in how many states it was left open what is done; None where it says so of all.
+    Attributes:
+        mdp: World, with current mean rewards if they drift.
+        chances: π(a|s), `[P]`.
+        not_given: Number of states without a given action, or None if all states have one.
     """
 
     mdp: TabularMDP
@@ -39,7 +42,7 @@ class FollowedPolicy(NamedTuple):
 
 
 def table_of(recipe: Recipe, beginning: Beginning) -> TabularMDP:
-    """Return the table of the world. Raises UserError where it has none, and so no exact answer."""
+    """Return the table of the world. Raises UserError if it has none, and so no exact answer."""
     mdp = beginning.world.mdp
     if mdp is None:
         raise UserError(f"{recipe.scenario.id} has no exact answer: {NO_TABLE}")
@@ -49,10 +52,20 @@ def table_of(recipe: Recipe, beginning: Beginning) -> TabularMDP:
 def policy_named(
     name: str, recipe: Recipe, beginning: Beginning, goal: Goal, on_progress: OnProgress = no_progress
 ) -> FollowedPolicy:
-    """Return the policy of that ``name`` in the world of ``recipe``, or the one in the JSON file so called.
+    """Return the policy called `name`, or the policy in that JSON file.
 
-    The optimal one picks evenly among the best pairs, as ``rl-tui solve`` prints them. ``goal`` is for the
-    greedy one of what is learned. Raises UserError where there is none, or the world has no table.
+    Args:
+        name: Kind of policy, or a path.
+        recipe: World and settings.
+        beginning: Result of `begin(recipe)`.
+        goal: End of the training for the greedy policy.
+        on_progress: Called during training.
+
+    Returns:
+        The policy. The optimal one chooses uniformly among optimal actions, as `rl-tui solve` prints them.
+
+    Raises:
+        UserError: There is no such policy, or the world has no table.
     """
     mdp = table_of(recipe, beginning)
     if name == PolicyKind.UNIFORM:
@@ -65,7 +78,7 @@ def policy_named(
 
 
 def policy_of(mdp: TabularMDP, choices: Mapping[int, Choice]) -> FollowedPolicy:
-    """Return the policy that does what ``choices`` says; in other states, any action."""
+    """Return the policy with `choices`, uniform in other states."""
     live = sum(bool(mdp.pairs_of(state)) for state in range(mdp.states))
     return FollowedPolicy(mdp, policy_of_choices(mdp, choices), live - len(choices))
 
@@ -73,7 +86,17 @@ def policy_of(mdp: TabularMDP, choices: Mapping[int, Choice]) -> FollowedPolicy:
 def evaluation_of(
     recipe: Recipe, name: str, followed: FollowedPolicy, epsilon: float
 ) -> tuple[FloatArray, dict[str, Any]]:
-    """Return ``followed``, [P], with a random action ``epsilon`` of the time, and what that is worth."""
+    """Evaluate a policy exactly.
+
+    Args:
+        recipe: World and γ.
+        name: Name of the policy in the document.
+        followed: Policy to evaluate.
+        epsilon: Share of uniformly random actions, 0 to 1.
+
+    Returns:
+        π(a|s) with random actions, `[P]`, and the document.
+    """
     mdp, gamma = followed.mdp, recipe.hyperparameters.gamma
     policy = softened(mdp, followed.chances, epsilon)
     worth = figures(mdp, policy, gamma)
@@ -93,9 +116,9 @@ def evaluation_of(
 
 
 def _learned(recipe: Recipe, beginning: Beginning, goal: Goal, on_progress: OnProgress) -> FollowedPolicy:
-    """Return the greedy policy of what ``rl-tui train`` learns, in the world as it is then."""
+    """Train as `rl-tui train` does, and return the greedy policy with the world at the end."""
     run = Run(recipe, beginning, evaluate=False)
     train(run, goal, on_progress)
     mdp = run.learner.mdp
-    assert mdp is not None  # it has the table that the world has
+    assert mdp is not None  # the world has a table, checked before
     return FollowedPolicy(mdp, greedy_policy(mdp, run.learner.q, run.learner.hyperparameters.ties))

@@ -1,4 +1,4 @@
-"""How long episodes last once an agent has learned: exactly, by linear algebra."""
+"""Exact length of episodes after learning."""
 
 from __future__ import annotations
 
@@ -14,17 +14,24 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 _MOST_ROUNDS: Final = 100
 _AS_GOOD: Final = 1e-9
-"""What is worth less than the best action by no more than this is as good."""
+"""Tolerance below the best action within which another is equally good."""
 _SURE: Final = 1.0 - 1e-9
 
 
 def learned_length(mdp: TabularMDP, gamma: float, planned: float, epsilon: float) -> float:
-    """Return the mean number of steps of an episode once values are learned; infinite if it may never end.
+    """Compute the mean length of an episode after learning, without time limit. Values are those of the
+    best policy with a random action in a share `planned` of the steps: 0 for Q-learning, `epsilon` for
+    SARSA. The agent then acts greedily on them, with random actions in a share `epsilon`.
 
-    They are those of the best policy that takes a uniformly random action ``planned`` of the time: 0 is what
-    Q-learning comes to, ``epsilon`` what SARSA does. Then ``epsilon`` of the time a random action is taken,
-    else one of the best, each as likely. Both are in [0, 1]. No time limit counts. Infinite too where it is
-    so long that rounding spoils it; 0 where nothing is known, since values do not exist.
+    Args:
+        mdp: World.
+        gamma: Discount in [0, 1].
+        planned: Exploration in the values, 0 to 1.
+        epsilon: Exploration of the agent, 0 to 1.
+
+    Returns:
+        Steps; infinite if an episode may never end or rounding spoils the result, 0 if the values do not
+        exist.
     """
     model = exact_model(mdp)
     try:
@@ -45,10 +52,19 @@ def learned_length(mdp: TabularMDP, gamma: float, planned: float, epsilon: float
 
 
 def best_actions(model: ExactModel, gamma: float, epsilon: float) -> BoolArray:
-    """Return which pairs, [P], are as good as the best under a policy that explores so often.
+    """Find the best actions under exploration, by policy iteration among ε-soft policies (Sutton & Barto,
+    2nd ed., section 5.4).
 
-    It is policy iteration among the ε-soft policies (Sutton & Barto, 2nd ed., section 5.4). Raises
-    NoExactAnswer where a policy on the way has no value.
+    Args:
+        model: Exact model of the world.
+        gamma: Discount in [0, 1].
+        epsilon: Share of uniformly random actions, 0 to 1.
+
+    Returns:
+        `[P]`, True for pairs as good as the best.
+
+    Raises:
+        NoExactAnswer: A policy on the way has no value.
     """
     best = np.ones(model.mdp.pairs, dtype=np.bool_)
     v: ExtendedArray = np.zeros(model.end + 1, dtype=np.longdouble)
@@ -63,5 +79,5 @@ def best_actions(model: ExactModel, gamma: float, epsilon: float) -> BoolArray:
 
 
 def _exploring(model: ExactModel, best: BoolArray, epsilon: float) -> FloatArray:
-    """Return the policy, [P], that picks among ``best``, and among all pairs ``epsilon`` of the time."""
+    """Return the policy, `[P]`, uniform over `best`, with random actions in a share `epsilon`."""
     return softened(model.mdp, uniform_over(model.mdp, best), epsilon)

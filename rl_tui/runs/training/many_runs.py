@@ -1,4 +1,4 @@
-"""Training under many seeds, in parallel on the cores, and many at once where machine code can do it."""
+"""Training under many seeds, in parallel on all cores, and in batches if possible."""
 
 from __future__ import annotations
 
@@ -36,31 +36,31 @@ Result = TypeVar("Result")
 RunT = TypeVar("RunT")
 
 LONGEST_GOODBYE: Final = 2.0
-"""Seconds that runs under way have to end in where another one fails."""
+"""Seconds that other runs may take to end after one has failed."""
 
 
 class RunsBySeed(Protocol[RunT]):
-    """Runs of anything that learns, which differ in their seed, as :class:`SeededRuns` has them."""
+    """Runs that differ in their seed, such as `SeededRuns`."""
 
     first_seed: int
-    """The seed of the first of them."""
+    """First seed."""
     figures: tuple[str, ...]
-    """The names of a run's figures."""
+    """Names of the numbers in a row."""
     is_bandit: bool
-    """Whether their world is a bandit, whose optimal actions are counted."""
+    """True if the world is a bandit, whose optimal actions are counted."""
     plans: bool
-    """Whether they have no episodes, but sweeps."""
+    """True if there are sweeps instead of episodes."""
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> RunT:
-        """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
+        """Return a fresh run of `seed`; `on_episodes` receive its episodes."""
         ...
 
     def train(self, run: RunT, goal: Goal, on_progress: OnProgress) -> None:
-        """Advance ``run`` to ``goal``; ``on_progress`` may raise to end it."""
+        """Advance `run` to `goal`. `on_progress` may raise to stop."""
         ...
 
     def row(self, run: RunT) -> dict[str, Any]:
-        """Return the seed and the figures of ``run``."""
+        """Return seed and numbers of `run`."""
         ...
 
 
@@ -69,9 +69,8 @@ class RunsBySeed(Protocol[RunT]):
 
 @dataclass
 class Curves:
-    """The learning curves of runs over their first ``episodes`` episodes; 0: they have none.
-
-    Each has at most ``most_bins`` bins. ``points`` are in the order of the seeds.
+    """Learning curves over the first `episodes` episodes (0 for none), in at most `most_bins` bins.
+    `points` has the order of the seeds.
     """
 
     episodes: int
@@ -80,7 +79,7 @@ class Curves:
 
 
 class _GivenUpError(Exception):
-    """Another run failed, or no more rows are wanted: this run need not go on."""
+    """Stops a run after another has failed or the caller has enough rows."""
 
 
 def rows(
@@ -95,14 +94,25 @@ def rows(
     listening: Listening = lambda _: nullcontext(),
     workers: int = 0,
 ) -> Generator[Result, None, None]:
-    """Train ``seeded`` to ``goal`` under each of ``seeds``, and yield what ``measure`` returns, in order.
+    """Train under each seed and yield the results in order.
 
-    With ``measure_batch`` many are trained at once where they can be, with the same bits; it calls its second
-    argument now and then. ``curves`` gets the curve of each run. ``watch`` returns what hears of the progress
-    of a run or of a batch, and may raise to end all training. ``listening`` opens what hears of the episodes
-    of a seed that is trained alone. All of these are called in the thread that trains, one of so many
-    ``workers``. Without ``workers`` nothing is trained before it is asked for. Raises UserError of the first
-    of the seeds that broke down.
+    Args:
+        seeded: Runs to train.
+        seeds: Seeds in ascending order.
+        goal: End of the training.
+        measure: Returns the result of a run; called in the training thread.
+        measure_batch: Returns the results of a batch with the same bits, and calls its second argument
+            between slow parts. None prevents batches.
+        curves: Receives the curve of each run.
+        watch: Returns the listener for the progress of a run or batch, which may raise to stop everything.
+        listening: Opens the listener for the episodes of a single run.
+        workers: Number of threads; 0 trains each run on request.
+
+    Yields:
+        Result of each seed.
+
+    Raises:
+        UserError: A run broke down. The message is that of the first such seed.
     """
     is_ended = threading.Event()
     batched = seeded if measure_batch is not None and isinstance(seeded, SeededRuns) else None
@@ -147,10 +157,8 @@ def train_curves(
     watch: Callable[[RunT | BatchedRuns], OnProgress] = lambda _: no_progress,
     workers: int = 0,
 ) -> None:
-    """Train ``seeds``, which a number of steps ended, once more for their ``curves``.
-
-    How wide the bins are shows only when all are done. The same recipes give the same episodes, in no memory
-    to speak of.
+    """Train again for curves, after runs that ended with a number of steps. The width of the bins is known
+    only when all are done. The same recipes give the same episodes, so none have to be stored.
     """
     goal = Goal(episodes=curves.episodes)
     measures = _measure_nothing, _measure_no_batch
@@ -158,17 +166,15 @@ def train_curves(
         pass
 
 
-def _measure_nothing(run: object) -> None:
-    """Take nothing from ``run`` but its curve."""
+def _measure_nothing(run: object) -> None: ...
 
 
 def _measure_no_batch(batch: BatchedRuns, check: Callable[[], None]) -> Iterable[None]:
-    """Take nothing from ``batch`` but its curves."""
     return ()
 
 
 def _parts(seeds: range, workers: int, at_once: int) -> list[range]:
-    """Return ``seeds`` in parts of one, or about equal ones of at most ``at_once``."""
+    """Divide `seeds` into single seeds, or into about equal parts of at most `at_once`."""
     runs = len(seeds)
     each = math.ceil(runs / (workers * math.ceil(runs / (workers * at_once)))) if at_once > 1 else 1
     return [seeds[first : first + each] for first in range(0, runs, each)]
@@ -177,7 +183,7 @@ def _parts(seeds: range, workers: int, at_once: int) -> list[range]:
 def _in_parallel(
     work: Callable[[Part], Result], parts: Sequence[Part], workers: int, is_ended: threading.Event
 ) -> Iterator[Result]:
-    """Yield ``work`` of every part, in order; ``is_ended`` is set where one fails or no more are wanted."""
+    """Yield the results in order. `is_ended` is set if one fails or the caller stops."""
     pool = ThreadPoolExecutor(workers, thread_name_prefix="run")
     futures = [pool.submit(work, part) for part in parts]
     try:
@@ -187,8 +193,8 @@ def _in_parallel(
     except BaseException:
         is_ended.set()
         pool.shutdown(wait=False, cancel_futures=True)
-        running = [future for future in futures if not future.cancelled()]  # to wait, those are not done
-        wait(running, LONGEST_GOODBYE)  # an environment that does not answer is not waited for
+        running = [future for future in futures if not future.cancelled()]  # cancelled ones never finish
+        wait(running, LONGEST_GOODBYE)  # do not wait for an environment that does not respond
         raise
     pool.shutdown()
 
@@ -207,13 +213,24 @@ def many_runs(
     journal: Sequence[JournalEntry] = (),
     most_bins: int = MOST_BINS,
 ) -> dict[str, Any]:
-    """Train ``runs`` times, with the seed of ``recipe`` and those that follow, and return what came of it.
+    """Train with consecutive seeds, beginning with that of `recipe`.
 
-    It is the document of ``train --runs --json``. ``csv``, a path or a stream, takes one row an episode, in
-    the order of the runs. ``on_progress`` is called from several threads, one at a time; ``on_compiling``
-    where they wait for machine code. Each of them applies ``journal`` at its steps, a change of the world to
-    the one that its own seed drew. The mean curve has at most ``most_bins`` bins. Raises UserError as one
-    run does.
+    Args:
+        recipe: Start of the first run.
+        runs: Number of runs.
+        goal: End of the training.
+        csv: Path or stream for one row per episode, in the order of runs.
+        on_progress: Called from several threads, one at a time.
+        workers: Number of threads, or None for all cores.
+        on_compiling: Called before a wait for machine code.
+        journal: Changes made in each run; edits apply to the world of its own seed.
+        most_bins: Most bins of the mean curve.
+
+    Returns:
+        The document of `train --runs --json`.
+
+    Raises:
+        UserError: A run broke down, or a change does not fit.
     """
     seeded = SeededRuns(recipe, journal)
     seeded.get_machine_code(runs, goal, on_compiling)
@@ -229,9 +246,8 @@ def figures_of_runs(
     workers: int | None = None,
     most_bins: int = MOST_BINS,
 ) -> dict[str, Any]:
-    """Train ``runs`` of ``seeded`` and return what came of it: the document without its head.
-
-    The rest is as for :func:`many_runs`.
+    """Train `runs` of `seeded` and return the document without its head. Other arguments as for
+    `many_runs`.
     """
     seeds, crew = range(seeded.first_seed, seeded.first_seed + runs), workers or cores()
     curves = Curves(0 if seeded.plans else goal.episodes or 0, most_bins)
@@ -260,7 +276,7 @@ def figures_of_runs(
                 seeds,
                 goal,
                 lambda run: finite(seeded.row(run)),
-                BatchedRuns.rows if csv is None else None,  # a row an episode is what a batch does without
+                BatchedRuns.rows if csv is None else None,  # batches do not report single episodes
                 curves=curves,
                 watch=watch,
                 listening=listening,
@@ -271,11 +287,11 @@ def figures_of_runs(
         for seed in seeds:
             try:
                 found.append(next(each))
-            finally:  # where it fails too, or the user breaks off
+            finally:  # also after a failure or an interrupt
                 hand_on(seed)
     seconds = time.perf_counter() - start
     curve, fewest = no_curve(seeded.is_bandit), min(row["episodes"] for row in found)
-    if fewest and not seeded.plans:  # the sweeps of a planner have no returns
+    if fewest and not seeded.plans:  # a planner's sweeps have no returns
         if not curves.episodes:
             curves.episodes = fewest
             train_curves(seeded, seeds, curves, workers=crew)

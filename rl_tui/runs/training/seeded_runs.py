@@ -1,4 +1,4 @@
-"""Training without a screen: one run, or many runs that differ only in their seed."""
+"""Training of one run, or of runs that differ only in their seed."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from rl_tui.worlds.world import World
 # Training one run
 
 
-# So long an environment that is stepped for real goes on without a word about how far it has come
+# longest time between two progress reports of a simulated environment
 TIME_BUDGET: Final = 0.2
 _LONGEST_ENTRY: Final = 200
 
@@ -42,18 +42,18 @@ OnProgress = Callable[[int, int], None]
 
 
 def no_progress(done: int, wanted: int) -> None:
-    """Ignore how far training has come."""
+    """Ignore progress."""
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """When training ends: after so many episodes or so many steps in all."""
+    """The end of training: a number of steps or of episodes in all."""
 
     steps: int | None = None
     episodes: int | None = None
 
     def reached_by(self, run: Run) -> tuple[int, int]:
-        """Return how much of it ``run`` has done, and the whole."""
+        """Return how much of the goal `run` has reached, and the whole."""
         if self.steps is not None:
             return run.step, self.steps
         return run.learner.episodes, self.episodes or 0
@@ -62,16 +62,24 @@ class Goal:
 def train(
     run: Run, goal: Goal, on_progress: OnProgress = no_progress, journal: Sequence[JournalEntry] = ()
 ) -> float:
-    """Advance ``run`` to ``goal`` and return the seconds it took, compiling left out.
+    """Train `run` until `goal`, or until it is over.
 
-    Each entry of ``journal``, whose steps ascend, is applied at its step; those beyond the goal are left out.
-    A run that is over before, its budget spent or its values converged, goes no further.
-    Raises UserError where the run broke down, or a change does not fit.
+    Args:
+        run: Run to advance.
+        goal: End of the training.
+        on_progress: Called with (done, wanted).
+        journal: Changes with ascending steps. Those beyond the goal are ignored.
+
+    Returns:
+        Seconds of training without compilation.
+
+    Raises:
+        UserError: The run broke down, or a change does not fit.
     """
     start = time.perf_counter()
     patience = Patience()
     run.learner.set_time_budget(TIME_BUDGET)
-    until = run.step  # at first no further than to what is set at the very start
+    until = run.step  # begin with settings at the start only
     while True:
         with _naming_the_entry(run, journal):
             run.follow(journal, until, UNLIMITED if goal.steps is not None else goal.episodes or 0)
@@ -83,7 +91,7 @@ def train(
         ahead = journal[len(run.journal) :]
         if done < wanted and run.over and ahead and ahead[0].step <= run.step:
             with _naming_the_entry(run, journal):
-                run.apply(ahead[0].change)  # an action after the end, which is refused
+                run.apply(ahead[0].change)  # an action after the end, which raises
         if done >= wanted or run.over:
             return time.perf_counter() - start
         chunk = patience.chunk(run.learner)
@@ -93,7 +101,7 @@ def train(
 
 @contextmanager
 def _naming_the_entry(run: Run, journal: Sequence[JournalEntry]) -> Iterator[None]:
-    """Let what is wrong with an entry of ``journal`` name its step and what it changes."""
+    """Prefix errors with the step and text of the journal entry."""
     try:
         yield
     except UserError as fault:
@@ -109,9 +117,13 @@ MOST_BINS: Final = 200
 
 
 class CurvePoints(NamedTuple):
-    """The curve of a run in B bins, that end with episode ``last_episode``, [B].
+    """The learning curve of a run in B bins.
 
-    The mean return, the mean length and the share of optimal actions in each bin, [B].
+    Attributes:
+        last_episode: Last episode of each bin, `[B]`.
+        returns: Mean undiscounted return, `[B]`.
+        lengths: Mean length in steps, `[B]`.
+        optimal: Share of optimal actions, `[B]`.
     """
 
     last_episode: IntArray
@@ -121,14 +133,13 @@ class CurvePoints(NamedTuple):
 
 
 def width_of_bins(episodes: int, most_bins: int = MOST_BINS) -> int:
-    """Return of how many episodes each of at most ``most_bins`` bins of a curve is, which cover so many."""
+    """Return the number of episodes in each of at most `most_bins` bins."""
     return math.ceil(episodes / most_bins)
 
 
 class RunCurve:
-    """The learning curve of one run over its first ``episodes`` episodes, at least one.
-
-    It has at most ``most_bins`` bins. Call it with episodes as they are finished.
+    """Collects the learning curve over the first `episodes` episodes (at least one). Call it with finished
+    episodes.
     """
 
     def __init__(self, episodes: int, most_bins: int = MOST_BINS) -> None:
@@ -140,7 +151,7 @@ class RunCurve:
         self._done = 0
 
     def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
-        """Add the next episodes, [n] each; those beyond the end of the curve are left out."""
+        """Add the next episodes, `[n]` each. Those beyond the end are ignored."""
         part = slice(0, self.episodes - self._done)
         fastest(collect)(self.sums, self.width, self._done, returns[part], lengths[part], optimal[part])
         self._done = min(self.episodes, self._done + len(returns))
@@ -155,11 +166,11 @@ class RunCurve:
 def curve_of_run(
     run: Run, curve: RunCurve | None, on_progress: OnProgress = no_progress
 ) -> dict[str, list[Any]]:
-    """Return the mean curve of ``run``, which is over, alone: that of ``curve``, if it was there to listen.
+    """Return the learning curve of a finished `run`. Without a `curve` that listened, the width of its
+    bins was unknown before, so the same episodes are trained again. Planners have no curve.
 
-    Where it was not, since a number of steps says nothing of the width of the bins, the episodes are simply
-    trained once more: the same recipe gives the same ones. The sweeps of a planner have no returns, and so
-    no curve. Raises UserError as training does.
+    Raises:
+        UserError: The run broke down.
     """
     bandit, episodes = isinstance(run.world.drawing, Arms), run.learner.episodes
     if run.learner.plans or episodes == 0:
@@ -172,9 +183,8 @@ def curve_of_run(
 
 
 def mean_curve(curves: Sequence[CurvePoints], bandit: bool) -> dict[str, list[Any]]:
-    """Return the mean over the runs of ``curves``, of the same bins, as ``train --runs --json`` prints it.
-
-    The standard errors are those of the runs' means in each bin, None where there is one run.
+    """Average `curves` with equal bins, as `train --runs --json` prints it. Standard errors are over runs,
+    or None for a single run.
     """
     last_episodes, *parts = zip(*curves, strict=True)
     returns, lengths, optimal = map(np.array, parts)
@@ -192,7 +202,7 @@ def mean_curve(curves: Sequence[CurvePoints], bandit: bool) -> dict[str, list[An
 
 
 def _standard_errors(values: FloatArray) -> list[float] | list[None]:
-    """Return the standard error of the mean over runs in each bin of ``values``, [runs, bins]."""
+    """Return the standard error over runs in each bin of `values`, `[runs, bins]`."""
     runs, bins = values.shape
     if runs == 1:
         return [None] * bins
@@ -201,7 +211,7 @@ def _standard_errors(values: FloatArray) -> list[float] | list[None]:
 
 
 def no_curve(bandit: bool) -> dict[str, list[Any]]:
-    """Return the curve of runs of which one finished no episode."""
+    """Return an empty curve."""
     return {name: [] for name in mean_curve([RunCurve(1).points], bandit)}
 
 
@@ -209,15 +219,21 @@ def no_curve(bandit: bool) -> dict[str, list[Any]]:
 
 
 def no_compiling() -> None:
-    """Ignore that runs wait for machine code."""
+    """Ignore a wait for machine code."""
 
 
 class SeededRuns:
-    """Trains ``recipe`` under one seed after the other, from several threads if need be.
+    """Trains `recipe` under different seeds, also from several threads. Runs share the world (unless it
+    depends on the seed) and its solution.
 
-    They share a world that no seed shapes, ``known`` if it is at hand, and its exact answer, which ``solve``
-    works out. The settings of ``journal`` are made in each of them on the way. Raises UserError where the
-    world cannot be built.
+    Args:
+        recipe: Start of the first run.
+        journal: Changes made in each run.
+        known: World of the recipe, if already built.
+        solve: Solves a world for a γ.
+
+    Raises:
+        UserError: The world cannot be built.
     """
 
     def __init__(
@@ -229,31 +245,31 @@ class SeededRuns:
     ) -> None:
         self._solve = solve
         self.recipe = recipe
-        """The recipe of the first of them."""
+        """Recipe of the first run."""
         self.first = Run(recipe, begin(recipe, known), evaluate=False)
-        """The first of them, not trained."""
+        """The first run, untrained."""
         self.first_seed = recipe.seed
-        """The seed of the first of them."""
+        """Seed of the first run."""
         self.is_bandit = isinstance(self.first.world.drawing, Arms)
-        """Whether their world is a bandit."""
+        """True if the world is a bandit."""
         self.plans = self.first.learner.plans
-        """Whether they have no episodes, but the sweeps of a planner."""
+        """True if there are sweeps instead of episodes."""
         self.figures: tuple[str, ...] = (*FIGURES, *BANDIT_FIGURES) if self.is_bandit else FIGURES
-        """The names of a run's figures."""
+        """Names of the numbers in a row."""
         self.journal = journal
-        """What is set in each of them on the way."""
+        """Changes made in each run."""
         self.shared = None if recipe.scenario.section.drawn_from_seed else self.first.edited
-        """The world of them all; None where each has one of its own."""
+        """The shared world, or None if each run has its own."""
         self._edited = [] if self.shared is None else self._worlds_after(self.shared)
-        # By γ, which may be set on the way, and by how often the world changed, in all of them alike
+        # by γ and by the number of edits, which are the same in all runs
         self._optima = dict[tuple[float, int], Solution | None]()
         self._digests = dict[int, str | None]()
         self._solving = threading.Lock()
 
     def _worlds_after(self, first: EditedWorld) -> list[EditedWorld]:
-        """Return what the journal makes of the world ``first``; held here, each is built once for all."""
+        """Build the edited worlds once for all runs."""
         worlds = [first]
-        with suppress(UserError):  # the run that comes to what cannot be done says where that is
+        with suppress(UserError):  # the run that reaches an impossible change reports it
             for entry in self.journal:
                 if isinstance(entry.change, WorldChange):
                     worlds.append(worlds[-1].after(entry.change, self.recipe))
@@ -261,9 +277,8 @@ class SeededRuns:
 
     @property
     def batched_loop(self) -> Loop | None:
-        """The loop that trains many at once: of agents that learn in a table, with nothing set on the way.
-
-        None for others, and for maps drawn from the seed, as a batch needs worlds of one shape.
+        """The loop for batches. None for planners, with a journal, and for maps drawn from the seed,
+        because a batch needs worlds of one shape.
         """
         learner, mdp = self.first.learner, self.first.world.mdp
         have_one_shape = self.shared is not None or self.is_bandit
@@ -272,9 +287,16 @@ class SeededRuns:
         return learner.loop._replace(batching=batching_of(mdp, is_shared=self.shared is not None))
 
     def get_machine_code(self, runs: int, goal: Goal, on_compiling: Callable[[], None]) -> None:
-        """Have machine code for so many runs where that pays; ``on_compiling`` is called before it is had."""
-        # Interpreted, all runs together have one core. An environment that is stepped is not tried: it may do
-        # anything, and takes most of the time itself
+        """Compile the loops if that pays.
+
+        Args:
+            runs: Number of runs.
+            goal: End of the training.
+            on_compiling: Called before the wait.
+        """
+        # Interpreted runs share one core. A simulated environment is not timed: a step may have side
+        # effects, and most
+        # of the time is its own
         learner = self.first.learner
         if learner.rewindable:
             wanted, by_episodes = goal.steps or goal.episodes or 0, goal.steps is None
@@ -286,23 +308,22 @@ class SeededRuns:
                 BACKGROUND.get(self.batched_loop)
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> Run:
-        """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
+        """Return a fresh run of `seed`; `on_episodes` receive its episodes."""
         recipe = replace(self.recipe, seed=seed)
         beginning = begin(recipe, None if self.shared is None else self.shared.world)
         on_each = each_of(*on_episodes)
         return Run(recipe, beginning, edited=self.shared, evaluate=False, on_episodes=on_each)
 
     def train(self, run: Run, goal: Goal, on_progress: OnProgress) -> None:
-        """Advance ``run`` to ``goal``. Raises UserError, naming the seed, where it broke down."""
+        """Advance `run` to `goal`. Raises UserError, naming the seed, if it breaks down."""
         try:
             train(run, goal, on_progress, self.journal)
         except UserError as error:
             raise UserError(f"seed {run.recipe.seed}: {error}") from error
 
     def row(self, run: Run, check: Callable[[], None] = no_compiling) -> dict[str, Any]:
-        """Return the seed and the figures of ``run``, as ``train --runs --json`` prints them.
-
-        ``check`` is called between what may take long, and may raise to end it.
+        """Return seed and numbers of `run`, as in `train --runs --json`. `check` is called between slow
+        parts and may raise to stop.
         """
         check()
         changes = len(run.world_changes)
@@ -312,11 +333,10 @@ class SeededRuns:
         return row_of(run.recipe.seed, measured, self.digest(run.world, changes))
 
     def optimum(self, mdp: TabularMDP | None, gamma: float, changes: int = 0) -> Solution | None:
-        """Return the exact answer of ``mdp``, in which a run is after so many ``changes`` of its world.
-
-        None where there is none. What is the same for all of them is worked out once.
+        """Solve `mdp`, the world after this number of `changes`, or None if impossible. Shared worlds are
+        solved once.
         """
-        # Where the world drifts, each run comes to other means, and so to another exact answer
+        # in a drifting world each run has other means, and so another solution
         if self.shared is None or (mdp is not None and mdp.drift_std > 0.0):
             return optimum_of(mdp, gamma)
         with self._solving:
@@ -326,7 +346,7 @@ class SeededRuns:
             return self._optima[key]
 
     def digest(self, world: World, changes: int = 0) -> str | None:
-        """Return the digest of ``world``, that of a run after so many ``changes``; None without a table."""
+        """Return the digest of `world` after this number of `changes`, or None without a table."""
         if self.shared is None:
             return world_digest(world)
         with self._solving:

@@ -1,1 +1,1 @@
-"""A map of two settings: what the runs of every combination come to, worked out while it is looked at."""
+"""The settings map: results of all combinations of two settings, computed while it is viewed."""

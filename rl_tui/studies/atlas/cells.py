@@ -1,4 +1,4 @@
-"""Where cells stand: their places on the axes of settings."""
+"""Numbers and positions of the cells on the axes of settings."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ from math import prod
 from rl_tui.studies.sweeps.cells.variation import Value, Variation
 
 Places = tuple[int, ...]
-"""The place of a cell on each axis, from 0."""
+"""Position of a cell on each axis, from 0."""
 
 
 @dataclass(frozen=True)
 class CellGrid:
-    """The cells of all combinations of what ``variations`` vary; in their numbers the last runs fastest."""
+    """The cells of all combinations of `variations`. The last setting varies fastest in their numbers."""
 
     variations: tuple[Variation, ...]
 
     @property
     def counts(self) -> Places:
-        """How many values each setting has."""
+        """Number of values of each setting."""
         return tuple(each.count for each in self.variations)
 
     @property
     def count(self) -> int:
-        """How many cells there are."""
+        """Number of cells."""
         return prod(self.counts)
 
     def index(self, places: Sequence[int]) -> int:
-        """Return the number of the cell at ``places``."""
+        """Return the number of the cell at `places`."""
         index = 0
         for place, count in zip(places, self.counts, strict=True):
             index = index * count + place
         return index
 
     def places(self, index: int) -> Places:
-        """Return where cell ``index`` stands on each axis."""
+        """Return the position of cell `index` on each axis."""
         found = []
         for count in reversed(self.counts):
             index, place = divmod(index, count)
@@ -44,14 +44,14 @@ class CellGrid:
         return tuple(reversed(found))
 
     def settings(self, index: int) -> dict[str, Value]:
-        """Return the value of each setting in cell ``index``, by its name."""
+        """Return the value of each setting in cell `index` by name."""
         return {
             each.name: each.value(place)
             for each, place in zip(self.variations, self.places(index), strict=True)
         }
 
     def moved(self, index: int, steps: Mapping[int, int]) -> int:
-        """Return the cell so many ``steps`` further on each axis; at its ends it stays."""
+        """Return the cell that is `steps` further on each axis, or at its end."""
         places = list(self.places(index))
         for axis, step in steps.items():
             places[axis] = max(0, min(self.counts[axis] - 1, places[axis] + step))

@@ -1,4 +1,4 @@
-"""What an atlas knows by now: the figures of its cells, and which of them cannot be told from the best."""
+"""The results of a settings map so far, and the cells tied with the best."""
 
 from __future__ import annotations
 
@@ -11,32 +11,31 @@ from rl_tui.runs.measures import Measure
 
 
 class AtlasState(StrEnum):
-    """How far an atlas has come."""
+    """Progress of a settings map."""
 
-    STARTING = "starting"  # no cell is there yet
+    STARTING = "starting"  # no cell has a result yet
     RUNNING = "running"
     DONE = "done"  # every run of every cell
-    OUT_OF_TIME = "out of time"  # the processor time that it may take is used up
-    FAILED = "failed"  # Atlas.message says why
+    OUT_OF_TIME = "out of time"  # the CPU-time limit is reached
+    FAILED = "failed"  # see Atlas.message
 
 
 @dataclass(frozen=True, slots=True)
 class AtlasCell:
-    """What the runs of one cell say together, those that are there."""
+    """Results of the runs of one cell so far."""
 
     runs: int
-    """How many there are, those that broke down among them."""
+    """Number of runs, including failed ones."""
     failed: int = 0
-    """How many broke down."""
+    """Number of failed runs."""
     figures: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    """For each measure, by its id, what a document of a sweep has: mean, median, low, high, count …"""
+    """For each metric id the numbers in a sweep document: mean, median, low, high, count, …."""
     failure: str = ""
-    """Why the first of them broke down."""
+    """Why the first failed run broke down."""
 
     def value(self, measure: Measure) -> float | None:
-        """Return by what the cell is judged: the mean of ``measure``, None where no run has it.
-
-        Where some runs never arrive it is the mean of arrival or the end of training, whichever comes first.
+        """Return the mean of `measure`, or None without a value. If some runs never arrive, it is the mean
+        of min(arrival, end of training).
         """
         figures = self.figures.get(measure.id, {})
         found = figures.get("restricted_mean" if measure.may_never_arrive else "mean")
@@ -45,37 +44,37 @@ class AtlasCell:
 
 @dataclass(frozen=True, slots=True)
 class AtlasStandings:
-    """How the cells compare by one measure."""
+    """Comparison of the cells by one metric."""
 
     best: int
-    """The number of the best cell."""
+    """Number of the best cell."""
     alike: frozenset[int]
-    """The cells that cannot be told from the best, itself among them."""
+    """Cells statistically tied with the best, including itself."""
 
 
 @dataclass(frozen=True, slots=True)
 class Atlas:
-    """All that is known. Cells have their numbers in the plan: the last setting runs fastest."""
+    """The results so far. Cells have their numbers in the plan: the last setting varies fastest."""
 
     state: AtlasState = AtlasState.STARTING
     cells: Mapping[int, AtlasCell] = field(default_factory=dict)
-    """The cells that have a run already."""
+    """The cells with results."""
     impossible: Mapping[int, str] = field(default_factory=dict)
-    """Why cells cannot be: their settings do not work together."""
+    """Reasons why the settings of a cell do not work together."""
     standings: Mapping[str, AtlasStandings] = field(default_factory=dict)
-    """By the id of a measure; empty while there are runs to come."""
+    """Comparison by each metric id, empty until all runs are done."""
     episodes: int | None = None
-    """Episodes of each run, once it is known how many there is time for."""
+    """Episodes of each run, or None before the available time is known."""
     done: int = 0
-    """Rows, a row is one run of a cell, that are there, or will never be."""
+    """Rows that are done or impossible. A row is one run of a cell."""
     planned: int = 0
     """Rows in all."""
     steps: int = 0
-    """Steps that were taken."""
+    """Steps taken."""
     message: str = ""
-    """Why it failed or ends early, in one line; mostly empty."""
+    """Reason for a failure or an early end in one line, usually empty."""
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more will come."""
+        """True if no further results will come."""
         return self.state not in (AtlasState.STARTING, AtlasState.RUNNING)

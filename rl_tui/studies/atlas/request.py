@@ -1,7 +1,6 @@
-"""The request for a settings map: settings around those of a run.
-
-The map varies one or two settings that matter most for the algorithm, within 11 columns and 7 rows. The
-current value is always one of those tried.
+"""The request for a settings map: settings around those of a run. The map varies one or two settings that
+matter most for the algorithm, within 11 columns and 7 rows. The current value is always one of those
+tried.
 """
 
 from __future__ import annotations
@@ -31,18 +30,19 @@ from rl_tui.worlds.world import World
 MOST_COLUMNS: Final = 11
 MOST_ROWS: Final = 7
 _STEPS: Final = (1.0, 2.0, 2.5, 5.0, 10.0)
-_HALF_DECADES: Final = 3  # on either side of the value in force
+_HALF_DECADES: Final = 3  # on either side of the current value
 _DOUBLINGS: Final = 3
 _DIGITS: Final = 2
-_REACH: Final = 5.0  # so many times the value in force, from 0 on, where a slider is linear
+_REACH: Final = 5.0  # upper end as a multiple of the current value, for linear sliders
 
 
 def axes_of(recipe: Recipe, *, is_bandit: bool) -> tuple[Variation, ...]:
-    """Return the settings that matter most for what ``recipe`` learns by: rows, then columns; one or none.
+    """Choose the settings that matter most for the algorithm of `recipe`, with the current value among the
+    values of each. Columns have the setting that most algorithms share, such as a step size. Rows have the
+    one that fewest share, which characterizes the algorithm or policy.
 
-    The value in force is one of the values of each, as it stands. Columns are the setting that most
-    algorithms have (a step size); rows the one that fewest have, which is what makes this algorithm or this
-    policy another one.
+    Returns:
+        Rows and columns, only columns, or nothing.
     """
     values = recipe.hyperparameters
     names = _candidates(recipe.algorithm, values, is_bandit=is_bandit)
@@ -57,9 +57,8 @@ def axes_of(recipe: Recipe, *, is_bandit: bool) -> tuple[Variation, ...]:
 
 
 def _candidates(algorithm: str, values: Hyperparameters, *, is_bandit: bool) -> list[str]:
-    """Return the numbers that decide how ``algorithm`` learns, in the order of the controls panel.
-
-    What a planner has too is no way to learn, but part of the question: γ, and what estimates start from.
+    """Return the numbers that decide how `algorithm` learns, in the order of the controls. Settings that
+    planners have too (γ, Q₀) belong to the problem and are excluded.
     """
     planned = {name for row in BY_ID.values() if row.planner for name in row.parameters}
     return [
@@ -74,14 +73,12 @@ def _candidates(algorithm: str, values: Hyperparameters, *, is_bandit: bool) -> 
 
 
 def _spread(name: str) -> int:
-    """Return how many algorithms have the parameter ``name`` themselves."""
     return sum(name in row.parameters for row in BY_ID.values())
 
 
 def _rank(name: str) -> tuple[bool, int, int]:
-    """Return a low number for what few algorithms have; the policy's own come behind the algorithm's.
-
-    Bounds of accuracy, which have neither a slider nor whole numbers, come last.
+    """Return a sort key. Rare parameters of the algorithm come first, then those of the policy, then
+    bounds of accuracy (neither slider nor whole numbers).
     """
     parameter = PARAMETERS[name]
     is_bound = parameter.slide is None and not parameter.whole
@@ -97,11 +94,16 @@ def _variation(name: str, values: Hyperparameters, most: int) -> Variation:
 
 
 def values_around(parameter: Parameter, now: float, usual: float, most: int) -> list[float]:
-    """Return some ``most`` values of ``parameter``, ascending; ``now``, the one in force, is one of them.
+    """Choose about `most` ascending values of `parameter` around the current one. A linear slider gives
+    equal distances from its low end to at most five times `now`, a logarithmic one equal ratios around
+    `now`. Without a slider, whole numbers are doubled and halved, others multiplied by ten. From 0 the
+    ratios start at `usual`.
 
-    Where its slider is linear they lie at equal distances, from its low end to five times ``now`` at most;
-    where it is logarithmic at equal ratios around ``now``. What has no slider is doubled and halved if it is
-    whole, else taken ten times; from 0, where ratios lead nowhere, ``usual`` is what they start from.
+    Args:
+        parameter: The setting.
+        now: Current value, always included.
+        usual: Default value.
+        most: Approximate number of values.
     """
     slide = parameter.slide
     if slide is not None and not slide.logarithmic:
@@ -119,7 +121,7 @@ def values_around(parameter: Parameter, now: float, usual: float, most: int) -> 
 
 
 def _even(low: float, high: float, most: int) -> list[float]:
-    """Return numbers from ``low`` to ``high`` at equal, round distances, at most ``most`` of these."""
+    """Return numbers from `low` to `high` at equal, round distances, at most `most` of them apart."""
     width = high - low
     magnitude = 10.0 ** math.floor(math.log10(width / most))
     step = next(each * magnitude for each in _STEPS if width / (each * magnitude) < most + 1e-9)
@@ -144,22 +146,22 @@ def _rounded(number: float, digits: int = 12) -> float:
 
 
 WORK: Final = "rl_tui.studies.atlas.work:work"
-"""What works it out in a process of its own: it needs much that this one need not load."""
+"""Runs in a process of its own, with imports that this process does not need."""
 RUNS: Final = 10
-"""Seeds of each cell: the fewest of which a mean has an interval, and cells can be compared."""
+"""Seeds of each cell: the fewest that give an interval and a comparison."""
 MOST_PAIRS: Final = 20_000
-"""A world with more states and actions would take minutes, most of it for exact figures."""
+"""Most pairs of a world. Larger ones would take minutes, mostly for exact results."""
 
 
 @dataclass(frozen=True)
 class SurroundingsPlan(SweepPlan):
-    """A plan whose values are a coarse lattice first, listed as they are, and begin with one cell."""
+    """A plan that begins with the current cell and then takes a coarse lattice first."""
 
     in_force: int = 0
-    """The number of the cell that comes first."""
+    """Number of the first cell."""
 
     def order(self, shard: Shard = WHOLE) -> Iterator[int]:
-        """Yield the number of each cell of ``shard`` once: that in force, then the coarse lattice first."""
+        """Yield each cell of `shard` once: the current one, then a coarse lattice, then the rest."""
         coarse = coarse_first([Axis(each.count, spread=True) for each in self.variations])
         every = (self.in_force, *(index for index in coarse if index != self.in_force))
         return (index for place, index in enumerate(every) if place % shard.parts == shard.number - 1)
@@ -167,27 +169,27 @@ class SurroundingsPlan(SweepPlan):
 
 @dataclass(frozen=True)
 class AtlasRequest:
-    """The surroundings of ``recipe``: all combinations of ``variations``, everything else as it is."""
+    """The request for the map around `recipe`: all combinations of `variations`."""
 
     recipe: Recipe
-    """The run with the settings in force; its seed is the first of each cell."""
+    """The run with its current settings. Its seed is the first of each cell."""
     variations: tuple[Variation, ...]
-    """Rows, then columns; columns alone where one setting is all there is."""
+    """Rows and columns, or only columns."""
     episodes: int
-    """How many episodes each run is to have, where there is time for as many."""
+    """Wanted episodes of each run, if time allows."""
     runs: int
     """Seeds of each cell."""
     is_awaited: bool
-    """Whether all else waits for it, so that it need not let others go first."""
+    """True if the caller waits, so that the work keeps a normal priority."""
 
     @cached_property
     def cells(self) -> CellGrid:
-        """Where its cells stand."""
+        """Numbers and positions of the cells."""
         return CellGrid(self.variations)
 
     @cached_property
     def in_force(self) -> int:
-        """The number of the cell whose settings are those of ``recipe``."""
+        """Number of the cell with the settings of `recipe`."""
         values = self.recipe.hyperparameters
         places = []
         for each in self.variations:
@@ -197,16 +199,16 @@ class AtlasRequest:
 
     @property
     def nothing_yet(self) -> Atlas:
-        """What is known before the first run."""
+        """The map before the first run."""
         return Atlas(planned=self.cells.count * self.runs)
 
     @property
     def seeds(self) -> range:
-        """The seeds of each cell."""
+        """Seeds of each cell."""
         return range(self.recipe.seed, self.recipe.seed + self.runs)
 
     def plan(self, episodes: int) -> SurroundingsPlan:
-        """Return the plan of all cells, each run of so many ``episodes``."""
+        """Return the plan of all cells with `episodes` for each run."""
         settings = self.recipe.hyperparameters.as_dict()
         return SurroundingsPlan(
             self.recipe.scenario,
@@ -219,7 +221,7 @@ class AtlasRequest:
         )
 
     def recipe_of(self, index: int, seed: int) -> Recipe:
-        """Return how the run of cell ``index`` under ``seed`` starts."""
+        """Return the recipe of cell `index` under `seed`."""
         values = self.recipe.hyperparameters
         for name, value in self.cells.settings(index).items():
             values = changed_parameter(values, name, value)
@@ -227,9 +229,12 @@ class AtlasRequest:
 
 
 def why_unmapped(recipe: Recipe, world: World, *, is_edited: bool) -> str:
-    """Return why there is no map around the settings of ``recipe``, whose runs are in ``world``, as a clause.
+    """Return the reason why there is no map around `recipe` as a clause, or "" if there is one.
 
-    It is empty where there is one. ``is_edited`` says that somebody has changed that world since.
+    Args:
+        recipe: The run with its current settings.
+        world: World of the run.
+        is_edited: True if the world was edited.
     """
     row = algorithm_row(recipe.algorithm)
     if in_kiosk():
@@ -249,10 +254,7 @@ def why_unmapped(recipe: Recipe, world: World, *, is_edited: bool) -> str:
 
 
 def surroundings(recipe: Recipe, world: World, *, is_awaited: bool) -> AtlasRequest:
-    """Return the request of an atlas around the settings of ``recipe``, whose runs are in ``world``.
-
-    There is one: :func:`why_unmapped` says so.
-    """
+    """Return the request for a map around `recipe` in `world`, for which `why_unmapped` returned ""."""
     variations = axes_of(recipe, is_bandit=is_bandit(world.space))
     usual = min(episodes_of(recipe.scenario), world.budget or MOST_EPISODES)
     return AtlasRequest(recipe, variations, usual, RUNS, is_awaited)

@@ -1,4 +1,4 @@
-"""The work of an atlas: a small sweep, of which is told what is new as it goes on."""
+"""The work of a settings map: a small sweep that reports its progress."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from rl_tui.studies.sweeps.store import Store
 from rl_tui.studies.sweeps.sweep import SweepProgress, run_sweep
 
 MOST_SECONDS: Final = 120.0
-"""Seconds of processor time of a whole atlas."""
+"""CPU-time limit of a map in seconds."""
 MOST_STEPS: Final = 60_000_000
-"""Steps of all runs together, as far as first steps tell: some seconds."""
+"""Approximate limit of the steps in all runs, some seconds of work."""
 FIRST_STEPS: Final = 10_000
-"""First steps of the run in force and of the corners; by them it is judged how long episodes are."""
+"""Steps with which the length of episodes is estimated, in the current cell and the corners."""
 _FIGURES: Final = ("mean", "median", "low", "high", "count", "arrived", "restricted_mean")
 Tell = Callable[[Atlas], None]
 
 
 def work(request: AtlasRequest, tell: Callable[[Atlas, float], None]) -> None:
-    """Tell what is known, at the lowest priority once there is a cell to look at."""
+    """Compute the map for `request`, with the lowest priority once there is a cell to look at."""
     has_cells = False
 
     def tell_atlas(atlas: Atlas) -> None:
@@ -49,9 +49,8 @@ def work(request: AtlasRequest, tell: Callable[[Atlas, float], None]) -> None:
 
 
 class AtlasWork:
-    """Works out what ``request`` asks for, and tells by ``tell`` what is known, the last time at the end.
-
-    ``clock`` gives seconds of processor time.
+    """Computes the map for `request`, and calls `tell` with the results so far, at last with all. `clock`
+    returns CPU seconds.
     """
 
     def __init__(
@@ -64,7 +63,7 @@ class AtlasWork:
         self._changed = dict[int, Cell]()
 
     def run(self) -> None:
-        """Have all cells. Raises UserError where the plan cannot work."""
+        """Compute all cells. Raises UserError if the plan cannot work."""
         end = self._clock() + MOST_SECONDS
         plan = self._request.plan(self._episodes())
         self._atlas = replace(self._atlas, episodes=plan.episodes, impossible=_impossible(plan))
@@ -81,7 +80,7 @@ class AtlasWork:
             self._end(plan, store, AtlasState.DONE if is_done else AtlasState.OUT_OF_TIME)
 
     def _episodes(self) -> int:
-        """Return how many episodes each run has: those asked for, or as many as there is time for."""
+        """Return the episodes of each run: the wanted number, or as many as time allows."""
         request = self._request
         corners = (
             request.cells.index(corner)
@@ -92,7 +91,7 @@ class AtlasWork:
         return request.episodes if request.episodes <= there_is_time_for else _round_number(there_is_time_for)
 
     def _steps_an_episode(self, index: int) -> float:
-        """Return how many steps the first episodes of cell ``index`` take, each at least one."""
+        """Estimate the steps per episode in cell `index`, at least 1."""
         recipe = self._request.recipe_of(index, self._request.recipe.seed)
         run = Run(recipe, begin(recipe), evaluate=False)
         if was_compiled(run.learner.loop):
@@ -111,14 +110,13 @@ class AtlasWork:
         self._tell(self._atlas)
 
     def _take_in(self, plan: SweepPlan, store: Store) -> None:
-        """Summarise anew the cells that have got rows."""
         changed = {index: cell_of(store.rows(cell.key, plan.seeds)) for index, cell in self._changed.items()}
         self._changed.clear()
         cells = {**self._atlas.cells, **changed}
         self._atlas = replace(self._atlas, state=AtlasState.RUNNING, cells=cells)
 
     def _end(self, plan: SweepPlan, store: Store, state: AtlasState) -> None:
-        """Compare the cells, now that there are no more runs to come, and tell the last of it."""
+        """Compare the cells after the last run, and report."""
         self._take_in(plan, store)
         self._atlas = replace(
             self._atlas, standings=settled(standings(plan, store), self._atlas.cells, self._request.runs)
@@ -129,7 +127,7 @@ class AtlasWork:
 
 
 def standings(plan: SweepPlan, store: Store) -> dict[str, AtlasStandings]:
-    """Return how the cells of ``plan``, all in one world, compare by each measure that can be better."""
+    """Compare the cells of `plan`, all in one world, by each metric with a direction."""
     found = {}
     for name, measure in MEASURES.items():
         if measure.larger_is_better is None:
@@ -144,7 +142,9 @@ def standings(plan: SweepPlan, store: Store) -> dict[str, AtlasStandings]:
 def settled(
     found: Mapping[str, AtlasStandings], cells: Mapping[int, AtlasCell], runs: int
 ) -> dict[str, AtlasStandings]:
-    """Return those of ``found``, by measure, whose best is as good as any cell with fewer than ``runs``."""
+    """Keep the comparisons in `found` whose best cell is at least as good as each cell with fewer than
+    `runs` runs.
+    """
     unfinished = [cell for cell in cells.values() if cell.runs < runs]
     return {
         name: each
@@ -154,7 +154,7 @@ def settled(
 
 
 def cell_of(rows: Iterable[RunRow]) -> AtlasCell:
-    """Return what ``rows``, those of one cell, say together."""
+    """Summarize the `rows` of one cell."""
     summary = summarized(rows)
     figures: dict[str, dict[str, Any]] = {
         name: {each: value for each, value in found.items() if each in _FIGURES}
@@ -177,6 +177,6 @@ def _impossible(plan: SweepPlan) -> dict[int, str]:
 
 
 def _round_number(number: float) -> int:
-    """Return the largest of 1, 2, 5, 10, 20 … that is not above ``number``, at least 1."""
+    """Return the largest of 1, 2, 5, 10, 20, … up to `number`, at least 1."""
     digits = len(str(int(max(1.0, number)))) - 1
     return max(int(each * 10**digits) for each in (1, 2, 5) if each == 1 or each * 10**digits <= number)

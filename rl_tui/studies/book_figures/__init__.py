@@ -1,1 +1,1 @@
-"""Figures of the book, recomputed by this program and held against the printed ones."""
+"""Figures of the book, recomputed and compared with the printed ones."""

@@ -1,4 +1,4 @@
-"""The figures of the book that this program recomputes, a row each. It loads nothing heavy."""
+"""The table of the figures of the book. It imports nothing heavy."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class BookFigure:
     title: str
     source: str
     module: str
-    """Where it is measured, by the function ``measure``."""
+    """Module with its function `measure`."""
     book_runs: int | None
-    """Over how many runs the book has its means; None where it does not say."""
+    """Number of runs in the book, or None if unknown."""
     runs: int
-    """Over how many ours are, unless somebody asks for another number."""
+    """Default number of our runs."""
 
 
 class _Measure(Protocol):
@@ -69,9 +69,9 @@ FIGURES: Final = {
         ),
     )
 }
-"""The figures by their names."""
+"""All figures by id."""
 
 
 def measure(figure: BookFigure, measuring: Measuring, runs: int) -> MeasuredFigure:
-    """Recompute ``figure`` as means over so many ``runs``. Raises UserError as training does."""
+    """Recompute `figure` with means over `runs` runs. Raises UserError as training does."""
     return cast("_Measure", import_module(figure.module).measure)(measuring, runs)

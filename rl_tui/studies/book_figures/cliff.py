@@ -1,7 +1,6 @@
-"""Example 6.6: the sum of rewards in each episode while SARSA and Q-learning learn to walk along the cliff.
-
-ε = 0.1 and γ = 1, 500 episodes (Sutton & Barto, 2nd ed., page 132). The book does not say the step
-size; it is that of example 6.5, 0.5.
+"""Example 6.6: rewards while SARSA and Q-learning learn to walk along the cliff. ε = 0.1, γ = 1, 500
+episodes (Sutton & Barto, 2nd ed., page 132). The book gives no step size. This uses 0.5, as in example
+6.5.
 """
 
 from __future__ import annotations
@@ -18,12 +17,12 @@ EPISODES: Final = 500
 NAMES: Final = {"sarsa": "SARSA", "q-learning": "Q-learning"}
 REWARDS: Final = "sum of rewards during the episode"
 SETTINGS: Final = {"policy": "epsilon-greedy", "epsilon": 0.1, "gamma": 1.0}
-"""What all figures of the cliff have in common."""
+"""Settings of all figures of the cliff."""
 _STEP_SIZE: Final = 0.5
 
 
 def measure(measuring: Measuring, runs: int) -> MeasuredFigure:
-    """Train both ``runs`` times, with the same seeds."""
+    """Train both algorithms `runs` times with the same seeds."""
     measuring.expect(len(NAMES) * runs * EPISODES)
     made = {
         algorithm: measuring.train("cliff", runs, EPISODES, algorithm=algorithm, alpha=_STEP_SIZE, **SETTINGS)

@@ -13,13 +13,13 @@ _HALF_WIDTH: Final = 1.96
 
 
 def summary_of_comparisons(what: str, table: Sequence[BookComparison]) -> str:
-    """Return ``what`` a picture shows, and the numbers of ``table``, for those who cannot see it."""
+    """Return a text alternative: `what` the picture shows, with the numbers of `table`."""
     figures = (f"{each.what}: {'none' if each.ours is None else number_text(each.ours)}" for each in table)
     return f"{what} {'; '.join(figures)}."
 
 
 def drawn(curve: MeasuredCurve, colour: int, *, dashed: bool = False) -> ChartCurve:
-    """Return ``curve`` with the band of the 95 % interval of its means."""
+    """Return `curve` with a band for the 95 % interval of its means."""
     return ChartCurve(
         curve.name,
         tuple(curve.x),
@@ -39,6 +39,6 @@ def _edge(curve: MeasuredCurve, errors: float) -> tuple[float | None, ...]:
 
 
 def panel_of(curves: Sequence[MeasuredCurve], name: str) -> tuple[ChartCurve, ...]:
-    """Return those of ``curves`` that stand in the panel of that ``name``, each in a colour of its own."""
+    """Return the curves in the panel `name`, each with its own colour."""
     inside = [curve for curve in curves if curve.panel == name]
     return tuple(drawn(curve, place) for place, curve in enumerate(inside))

@@ -1,6 +1,5 @@
-"""Figure 8.2: steps per episode of Dyna-Q in the maze of example 8.1, by the number of planning steps.
-
-γ = 0.95, α = 0.1, ε = 0.1, 50 episodes (Sutton & Barto, 2nd ed., pages 164 and 165).
+"""Figure 8.2: steps per episode of Dyna-Q in the maze of example 8.1, by the number of planning steps. γ =
+0.95, α = 0.1, ε = 0.1, 50 episodes (Sutton & Barto, 2nd ed., pages 164 and 165).
 """
 
 from __future__ import annotations
@@ -18,14 +17,15 @@ from rl_tui.studies.pictures.picture import Chart, Picture, close_axis, fixed_ax
 EPISODES: Final = 50
 STEPS: Final = "steps per episode"
 SHORT: Final = 20.0
-"""Steps on average that count as short: the way has 14, and exploring makes some 17 of them."""
-# Planning steps, and after about how many episodes the book finds them optimal but for ε
+"""Mean steps of a short episode. The shortest path has 14, about 17 with exploration."""
+# For each number of planning steps: the episode from which the book finds ε-optimal behaviour, and its
+# margin
 BOOK: Final = {0: (25, 5), 5: (5, 2), 50: (3, 1)}
 _TEXT: Final = "text, example 8.1"
 
 
 def measure(measuring: Measuring, runs: int) -> MeasuredFigure:
-    """Train ``runs`` times with each number of planning steps, with the same seeds."""
+    """Train `runs` times for each number of planning steps, with the same seeds."""
     measuring.expect(len(BOOK) * runs * EPISODES)
     made = {
         planning: measuring.train(
@@ -52,7 +52,7 @@ def measure(measuring: Measuring, runs: int) -> MeasuredFigure:
 
 
 def name_of(planning: int) -> str:
-    """Return how the curve with so many planning steps is called."""
+    """Return the name of a curve."""
     return f"{planning} planning steps" if planning else "0 planning steps (direct RL only)"
 
 
@@ -82,7 +82,7 @@ def _table(made: dict[int, dict[str, list[Any]]]) -> tuple[BookComparison, ...]:
 
 
 def first_short(curve: dict[str, list[Any]]) -> float | None:
-    """Return the first episode of ``curve`` whose mean length is short; None if there is none."""
+    """Return the first short episode of `curve`, or None."""
     episodes = zip(curve["episode"], curve["length_mean"], strict=True)
     return next((float(episode) for episode, length in episodes if length <= SHORT), None)
 
@@ -111,7 +111,7 @@ def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[BookComparison],
 
 
 def _notes() -> tuple[str, ...]:
-    """Return why the first episode of the book is another one than ours."""
+    """Explain why the first episode differs from the book."""
     return (
         "Before the goal is found once there is nothing to go by: the first episode is a random walk, of "
         f"exactly {steps_of_a_random_walk():.1f} steps on average in this maze. The book's about 1700 are "
@@ -120,6 +120,6 @@ def _notes() -> tuple[str, ...]:
 
 
 def steps_of_a_random_walk() -> float | None:
-    """Return the expected number of steps until an agent that acts at random comes upon the goal, exactly."""
+    """Compute the expected steps to the goal under the random policy, exactly."""
     mdp = begin(recipe_of("maze")).world.mdp
     return None if mdp is None else figures(mdp, uniform_policy(mdp), 1.0).steps

@@ -1,4 +1,4 @@
-"""A figure of the book, recomputed: curves, and numbers of ours beside the printed ones."""
+"""A recomputed figure: curves, and our numbers next to the printed ones."""
 
 from __future__ import annotations
 
@@ -13,26 +13,25 @@ _STANDARD_ERRORS: Final = 3.0
 
 @dataclass(frozen=True, slots=True)
 class BookComparison:
-    """One number of the book and ours.
-
-    The book's lies from ``low`` to ``high``: what it prints is rounded, or was read off a figure.
+    """A number of the book and ours. The book's is in [`low`, `high`], because it is rounded or read off a
+    figure.
     """
 
     what: str
     book: str
-    """What the book says, as people read it."""
+    """The book's number as text."""
     place: str
-    """Where it says so."""
+    """Place in the book."""
     low: float
     high: float
     ours: float | None
-    """None where there is none, such as an episode that never came."""
+    """Our number, or None if there is none, such as an episode that never came."""
     stderr: float | None = None
-    """Its standard error; None where it is exact, or read off our own curve."""
+    """Its standard error, or None if it is exact or read off our curve."""
 
     @property
     def agrees(self) -> bool:
-        """Whether ours lies within the book's range, or outside it by three standard errors at most."""
+        """True if our number is in the book's range, or outside by at most three standard errors."""
         if self.ours is None:
             return False
         margin = _STANDARD_ERRORS * (self.stderr or 0.0)
@@ -41,9 +40,8 @@ class BookComparison:
 
 @dataclass(frozen=True, slots=True)
 class MeasuredCurve:
-    """The mean over runs at each ``x``, with its standard error, in the panel of that name.
-
-    All are of one length. A standard error is None where there is one run.
+    """The mean over runs at each `x` with its standard error, in the panel `panel`. All sequences have
+    equal lengths. A standard error is None for a single run.
     """
 
     panel: str
@@ -55,7 +53,7 @@ class MeasuredCurve:
 
 @dataclass(frozen=True, slots=True)
 class MeasuredFigure:
-    """What came of recomputing a figure."""
+    """The result of recomputing a figure."""
 
     table: tuple[BookComparison, ...]
     curves: tuple[MeasuredCurve, ...]
@@ -64,6 +62,14 @@ class MeasuredFigure:
 
 
 def read_off(what: str, value: float, margin: float, ours: float, stderr: float | None) -> BookComparison:
-    """Return a comparison with a number that was read off the printed figure, to within ``margin``."""
+    """Return a comparison with a number read off the printed figure.
+
+    Args:
+        what: Description.
+        value: Number of the book.
+        margin: Accuracy of the reading.
+        ours: Our number.
+        stderr: Its standard error, if any.
+    """
     book = f"{value:g} ± {margin:g}".replace("-", "−")
     return BookComparison(what, book, "read off", value - margin, value + margin, ours, stderr)

@@ -1,4 +1,4 @@
-"""A recomputed figure as JSON and as CSV."""
+"""A recomputed figure as JSON and CSV."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HEADER: Final = ("panel", "curve", "x", "mean", "stderr")
 def document_of(
     figure: BookFigure, measured: MeasuredFigure, runs: int, seed: int, seconds: float
 ) -> dict[str, Any]:
-    """Return the document of ``figure --json``. A bound that the book does not set is null."""
+    """Return the document of `figure --json`. A missing bound of the book is null."""
     document: dict[str, Any] = finite(
         {
             "figure": figure.id,
@@ -56,7 +56,7 @@ def _curve(each: MeasuredCurve) -> dict[str, Any]:
 
 
 def write_csv(stream: TextIO, measured: MeasuredFigure) -> None:
-    """Write a row for each point of each curve. Numbers keep all their digits; None is left empty."""
+    """Write one row for each point of each curve. Numbers keep all digits, and None is an empty field."""
     import csv
 
     writer = csv.writer(stream, lineterminator="\n")

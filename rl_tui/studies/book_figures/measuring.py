@@ -1,4 +1,4 @@
-"""Training for a figure: the shipped scenarios, settings that are all said, seeds in common."""
+"""Training for a figure: shipped scenarios, explicit settings, common seeds."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
 from rl_tui.worlds.mdp.space import FloatArray
 
 SETTINGS: Final = {"initial_q": 0.0, "ties": "random", "epsilon_decay": 0.0, "alpha_decay": 0.0}
-"""What all figures have in common: the book says nothing else of them."""
+"""Settings of all figures that the book does not give."""
 MOST_BINS: Final = 1_000
 
 
 class Measuring:
-    """Trains for one figure after the other, with the seeds from ``seed`` on in each."""
+    """Trains for several figures, each with the seeds from `seed` on."""
 
     def __init__(
         self,
@@ -37,13 +37,23 @@ class Measuring:
         self._done = 0
 
     def expect(self, episodes: int) -> None:
-        """Note that so many more episodes are to be trained in all, for the progress that is shown."""
+        """Add `episodes` to the expected total, for the reported progress."""
         self._episodes += episodes
 
     def train(self, scenario: str, runs: int, episodes: int, **settings: object) -> dict[str, Any]:
-        """Train the shipped ``scenario`` and return the document of ``train --runs --json``.
+        """Train a shipped scenario.
 
-        Its curve has a bin for each episode, up to a thousand of them. Raises UserError as training does.
+        Args:
+            scenario: Id of the scenario.
+            runs: Number of seeds.
+            episodes: Episodes of each run.
+            **settings: Algorithm and hyper-parameters.
+
+        Returns:
+            The document of `train --runs --json`, with a bin for each episode up to a thousand.
+
+        Raises:
+            UserError: A run broke down.
         """
         recipe = recipe_of(scenario, self._seed, **settings)
         before = self._done
@@ -64,18 +74,18 @@ class Measuring:
 
 
 def recipe_of(scenario: str, seed: int = 0, **settings: object) -> Recipe:
-    """Return the recipe of the shipped ``scenario``, whatever others of that name a person has."""
+    """Return the recipe of the shipped `scenario`, ignoring user scenarios of the same name."""
     file = shipped_folder() / f"{scenario}{SUFFIX}"
     return recipe_for(read_scenario(file), {**SETTINGS, **settings}, seed)
 
 
 def of_runs(document: dict[str, Any], name: str) -> FloatArray:
-    """Return the figure ``name`` of each run, [runs]."""
+    """Return the number `name` of each run, `[runs]`."""
     return np.array([row[name] for row in document["runs"]], dtype=np.float64)
 
 
 def mean_and_error(values: FloatArray | Sequence[float]) -> tuple[float, float | None]:
-    """Return the mean of ``values``, [n], and its standard error; None for one value."""
+    """Return the mean of `values`, `[n]`, and its standard error, which is None for one value."""
     count = len(values)
     error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
     return float(np.mean(values)), error

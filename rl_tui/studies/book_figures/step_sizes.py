@@ -1,8 +1,7 @@
-"""Figure 6.3: three TD control methods on the cliff, soon and in the long run, by their step size.
-
-Interim performance is the mean return of the first 100 episodes, asymptotic performance that of 100,000;
-ε = 0.1 and γ = 1 (Sutton & Barto, 2nd ed., page 133; H. van Seijen, H. van Hasselt, S. Whiteson, M. Wiering:
-A Theoretical and Empirical Analysis of Expected Sarsa, ADPRL 2009).
+"""Figure 6.3: three TD control methods on the cliff, soon and in the long run, by their step size. Interim
+performance is the mean return of the first 100 episodes, asymptotic performance of 100,000, with ε = 0.1
+and γ = 1 (Sutton & Barto, 2nd ed., page 133; H. van Seijen, H. van Hasselt, S. Whiteson, M. Wiering: A
+Theoretical and Empirical Analysis of Expected Sarsa, ADPRL 2009).
 """
 
 from __future__ import annotations
@@ -19,14 +18,14 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 STEP_SIZES: Final = tuple(round(0.1 + 0.05 * place, 2) for place in range(19))
 INTERIM, ASYMPTOTIC = 100, 100_000
-"""Of how many episodes each mean is."""
+"""Number of episodes in each mean."""
 ASYMPTOTIC_RUNS: Final = 10
-"""The book's; more are hardly worth it, for each is a mean of so many episodes."""
+"""As in the book. More add little, because each is a mean of many episodes."""
 NAMES: Final = {"expected-sarsa": "Expected SARSA", "sarsa": "SARSA", "q-learning": "Q-learning"}
 RETURNS: Final = "sum of rewards per episode"
 
 Returns = dict[tuple[str, float], FloatArray]
-"""By algorithm and step size: the mean return of an episode in each run."""
+"""Mean return per episode in each run, by algorithm and step size."""
 
 
 def measure(
@@ -35,9 +34,13 @@ def measure(
     step_sizes: Sequence[float] = STEP_SIZES,
     episodes: int = ASYMPTOTIC,
 ) -> MeasuredFigure:
-    """Train ``runs`` times for the interim performance, at most ten times for the asymptotic one.
+    """Train for interim performance, and at most ten times for asymptotic performance.
 
-    The latter is of so many ``episodes``. ``step_sizes`` ascend.
+    Args:
+        measuring: Trains the runs.
+        runs: Runs for interim performance.
+        step_sizes: Ascending values of α.
+        episodes: Episodes for asymptotic performance.
     """
     long_runs = min(runs, ASYMPTOTIC_RUNS)
     cells = [(algorithm, step_size) for algorithm in NAMES for step_size in step_sizes]
@@ -110,7 +113,7 @@ def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[Boo
 
 
 def _best(returns: Returns, algorithm: str) -> FloatArray:
-    """Return those of the step size with the largest mean."""
+    """Return the runs of the step size with the largest mean."""
     return max(
         (values for (name, _), values in returns.items() if name == algorithm), key=lambda each: each.mean()
     )

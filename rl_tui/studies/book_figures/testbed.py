@@ -1,7 +1,6 @@
-"""Figure 2.2: average performance of ε-greedy action-value methods on the ten-armed testbed.
-
-Ten arms whose true means are drawn from N(0, 1), rewards with noise of N(0, 1), estimates by sample
-averages from 0 on, 1,000 pulls of each bandit (Sutton & Barto, 2nd ed., section 2.3).
+"""Figure 2.2: average performance of ε-greedy action-value methods on the ten-armed testbed. The means of
+ten arms and the noise of rewards are drawn from N(0, 1). Estimates are sample averages from 0, over 1,000
+pulls of each bandit (Sutton & Barto, 2nd ed., section 2.3).
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ _TEXT: Final = "text, section 2.3"
 
 
 def measure(measuring: Measuring, runs: int) -> MeasuredFigure:
-    """Play ``runs`` bandits, the same ones with each ε."""
+    """Play `runs` bandits, the same ones for each ε."""
     measuring.expect(len(EPSILONS) * runs * PULLS)
     made = {
         epsilon: measuring.train(
@@ -45,7 +44,7 @@ def measure(measuring: Measuring, runs: int) -> MeasuredFigure:
 
 
 def name_of(epsilon: float) -> str:
-    """Return how the curve of ``epsilon`` is called."""
+    """Return the name of the curve for `epsilon`."""
     return f"ε = {epsilon:g}" if epsilon else "ε = 0 (greedy)"
 
 
@@ -65,7 +64,7 @@ def _table(made: dict[float, dict[str, Any]]) -> tuple[BookComparison, ...]:
     paid = {
         epsilon: mean_and_error(of_runs(document, "return_last_100")) for epsilon, document in made.items()
     }
-    # What was won and what was lost to worse arms add up to what the best arm pays, but for the noise
+    # Winnings plus regret equal the reward of always pulling the best arm, except for noise
     best = mean_and_error((of_runs(made[0.1], "winnings") + of_runs(made[0.1], "regret")) / PULLS)
     last = f"reward, last {LAST} pulls"
     rate = f"optimal action, last {LAST} pulls, %"
@@ -82,9 +81,9 @@ def _table(made: dict[float, dict[str, Any]]) -> tuple[BookComparison, ...]:
 
 
 def _last_optimal(curve: dict[str, list[Any]]) -> tuple[float, float | None]:
-    """Return the share of the best arm among the last pulls, in percent, and a bound of its standard error.
-
-    However the pulls of one run go together, the error of their mean is at most the largest of theirs.
+    """Return the share of the best arm in the last pulls, in percent, and a bound of its standard error.
+    However the pulls of a run are correlated, the error of their mean is at most the largest of their
+    errors.
     """
     rates = curve["optimal_action_rate"][-LAST:]
     errors = [error for error in curve["optimal_action_stderr"][-LAST:] if error is not None]

@@ -1,1 +1,1 @@
-"""The same runs under many seeds, worked out beside the one on screen."""
+"""The visible runs under many seeds, computed in the background."""

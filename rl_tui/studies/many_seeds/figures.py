@@ -1,4 +1,4 @@
-"""What many seeds say of the runs on screen: means with their errors, as far as they are worked out."""
+"""Results of the visible runs under many seeds: means with errors, so far as computed."""
 
 from __future__ import annotations
 
@@ -12,57 +12,57 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 class StudyState(StrEnum):
-    """How far a study has come."""
+    """Progress of a study."""
 
-    STARTING = "starting"  # nothing is there yet
+    STARTING = "starting"  # no results yet
     RUNNING = "running"
-    DONE = "done"  # all seeds that were wanted
-    OUT_OF_TIME = "out of time"  # the processor time that it may take is used up
-    FAILED = "failed"  # SeedStudy.message says why
-    REFUSED = "refused"  # these runs have nothing to be worked out; SeedStudy.message says why
+    DONE = "done"  # all wanted seeds
+    OUT_OF_TIME = "out of time"  # the CPU-time limit is reached
+    FAILED = "failed"  # see SeedStudy.message
+    REFUSED = "refused"  # not possible for these runs, see SeedStudy.message
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A mean over seeds. ``stderr`` is its standard error (of n − 1), None for fewer than two seeds."""
+    """A mean over seeds. `stderr` is its standard error (with n − 1), None for fewer than two seeds."""
 
     mean: float
     stderr: float | None
     count: int
-    """The seeds that have this figure."""
+    """Number of seeds with a value."""
 
 
 @dataclass(frozen=True, slots=True)
 class PairedDifference:
-    """The lane shown less another one, seed by seed: both had the same seeds."""
+    """The visible run minus another one, seed by seed."""
 
     mean: Estimate
     greater: int
-    """In how many seeds the lane shown has the greater figure."""
+    """Number of seeds in which the visible run has the larger value."""
     equal: int
-    """In how many both have the same."""
+    """Number of seeds with equal values."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeedCurve:
-    """The mean return per episode over seeds, in bins, [B] each; all empty where there is none."""
+    """The mean return per episode over seeds in B bins, or empty arrays."""
 
     episode: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
-    """The last episode of each bin, from 1."""
+    """Last episode of each bin, from 1, `[B]`."""
     mean: FloatArray = field(default_factory=lambda: np.empty(0))
     stderr: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaneStudy:
-    """One lane under many seeds. Figures have the names that ``train --runs --json`` gives them."""
+    """One run under many seeds. Numbers have their names in `train --runs --json`."""
 
     estimates: Mapping[str, Estimate]
-    """Each figure over the seeds that are done, as in the document's ``summary``."""
+    """Each number over the finished seeds, as in the document's `summary`."""
     this_seed: Mapping[str, float | None]
-    """The same figures of the first seed, which is that of the run on screen."""
+    """The same numbers for the first seed, which is that of the visible run."""
     differences: Mapping[str, PairedDifference] = field(default_factory=dict)
-    """The lane that was shown less this one, by figure; empty for that lane itself."""
+    """The visible run minus this one by number, empty for the visible run."""
     curve: SeedCurve = field(default_factory=SeedCurve)
     seeds: Mapping[str, FloatArray] = field(default_factory=dict)
     """Each figure of every seed that has it."""
@@ -70,29 +70,29 @@ class LaneStudy:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeedStudy:
-    """A study of the runs on screen under many seeds, as far as it has come."""
+    """A study of the visible runs under many seeds."""
 
     state: StudyState
     lanes: tuple[LaneStudy, ...] = ()
-    """One for each lane when the study began, one where there was one run; empty while nothing is there."""
+    """One for each run at the beginning of the study, empty without results."""
     shown: int = 0
-    """Which of them was shown when it began; differences are from it."""
+    """Index of the visible run at the beginning. Differences refer to it."""
     seeds: int = 0
-    """How many seeds are done in every lane: 8, 16, 32 … 256; fewer than 8 where time was up before."""
+    """Seeds finished in every run: 8, 16, 32, …, 256, or fewer than 8 if time ran out."""
     most: int = 0
-    """How many seeds it is to come to."""
+    """Number of seeds to reach."""
     episodes: int | None = None
-    """Episodes of each seed; None where it is ``steps`` that end a run."""
+    """Episodes of each seed, or None if `steps` end a run."""
     steps: int | None = None
-    """Steps of each seed, where they end it."""
+    """Steps of each seed, or None."""
     message: str = ""
-    """Why it is bounded as it is, or why there is none; mostly empty."""
+    """Why the study is limited or missing, usually empty."""
     how_long: str = ""
-    """How long the rest takes, or that the machine is busy; empty where neither is known."""
+    """Time left, or a note that the machine is busy, empty if unknown."""
     is_outdated: bool = False
-    """Whether runs have been changed since it began, so that it tells of other ones."""
+    """True if the runs have changed since."""
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more will come."""
+        """True if no further results will come."""
         return self.state not in (StudyState.STARTING, StudyState.RUNNING)

@@ -1,6 +1,5 @@
-"""The request for a study of many seeds: the runs to train, and the process that does it.
-
-There is at most one study at a time, in a process of the lowest priority.
+"""The request for a study of many seeds, and the process that computes it. There is at most one study at a
+time, with the lowest priority.
 """
 
 from __future__ import annotations
@@ -27,61 +26,61 @@ if TYPE_CHECKING:
 
 
 FIRST_BLOCK: Final = 8
-"""Seeds after which there is something to see; then they are doubled. Stepped worlds come to no more."""
+"""Seeds of the first report, after which their number doubles. Simulated environments have only these."""
 MOST_SEEDS: Final = 256
 MOST_STEPS: Final = 2_000_000
-"""Steps of one seed."""
+"""Largest number of steps of one seed."""
 MOST_PAIRS: Final = 1_000_000
-"""A world with more states and actions has no study: each lane would take a gigabyte."""
+"""Most pairs of a world. Larger ones would take a gigabyte for each run."""
 
 
 @dataclass(frozen=True, slots=True)
 class StudiedRun:
-    """A run on screen: where it began, and what was set on the way."""
+    """A visible run: its start and its changes."""
 
     recipe: Recipe
     journal: tuple[JournalEntry, ...]
 
     @property
     def algorithms(self) -> list[str]:
-        """The ids of all algorithms at work in it, one after the other."""
+        """Ids of all its algorithms, in order."""
         switches = (entry.change for entry in self.journal)
         return [self.recipe.algorithm, *(s.algorithm for s in switches if isinstance(s, SwitchAlgorithm))]
 
     @property
     def plans(self) -> bool:
-        """Whether a planner is among them, whose sweeps have no returns."""
+        """True if one of them is a planner, whose sweeps have no returns."""
         return any(BY_ID[algorithm].planner for algorithm in self.algorithms)
 
     @property
     def is_by_luck(self) -> bool:
-        """Whether another seed may come to something else."""
+        """True if another seed may give another result."""
         only_plans = all(BY_ID[algorithm].planner for algorithm in self.algorithms)
         return not only_plans or self.recipe.scenario.section.drawn_from_seed
 
 
 @dataclass(frozen=True, slots=True)
 class StudyRequest:
-    """What a study is to work out."""
+    """The request for a study."""
 
     lanes: tuple[StudiedRun, ...]
-    """The runs on screen."""
+    """The visible runs."""
     shown: int
-    """Which of them is shown."""
+    """Index of the visible run."""
     episodes: int | None
-    """Episodes of each seed, unless that takes too many steps; None where ``steps`` end it."""
+    """Episodes of each seed (unless they take too many steps), or None if `steps` end it."""
     steps: int | None
-    """Steps of each seed, where they end it."""
+    """Steps of each seed, or None."""
     most: int
-    """The number of seeds to come to."""
+    """Number of seeds to reach."""
     is_awaited: bool
-    """Whether all else waits for it, so that it need not let others go first."""
+    """True if the caller waits, so that the work keeps a normal priority."""
     message: str
-    """How it is bounded, or what is left out, in words; mostly empty."""
+    """Limits and omissions in words, usually empty."""
 
     @property
     def nothing_yet(self) -> SeedStudy:
-        """What is known before the first seed."""
+        """The study before the first seed."""
         return SeedStudy(
             StudyState.STARTING,
             shown=self.shown,
@@ -93,22 +92,26 @@ class StudyRequest:
 
 
 def studied_runs(group: RunGroup) -> tuple[StudiedRun, ...]:
-    """Return the runs of ``group`` with all that was changed on the branch in force, be it ahead of them."""
+    """Return the runs of `group` with all changes on the current branch, including later ones."""
     return tuple(
         StudiedRun(record.recipe, record.branches[record.branch].journal) for record in group.records()
     )
 
 
 def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
-    """Return what to work out of the runs of ``group``; the first block alone if it ``is_awaited``.
+    """Return the request for the runs of `group`, with only the first block if it `is_awaited`. Actions of
+    the user are left out.
 
-    Steps taken by a person are left out. Raises UserError where there is nothing to be worked out.
+    Raises:
+        UserError: A study is impossible for these runs.
     """
     if in_kiosk():
         raise UserError("many seeds are not worked out in a kiosk")
     lanes = studied_runs(group)
     if not any(lane.is_by_luck for lane in lanes):
-        raise UserError("a planner knows the world: every seed comes to the same, so there is nothing to see")
+        raise UserError(
+            "a planner knows the world, so every seed has the same result; choose an algorithm that learns"
+        )
     if len({lane.recipe.seed for lane in lanes}) > 1:
         raise UserError("the runs have different seeds; c e ends the one you control")
     run = group.current.run
@@ -133,16 +136,15 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
 
 
 def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None, int | None, str]:
-    """Return after how many episodes, or else steps, each seed ends, and what is to be said of that.
-
-    A change on the way has its step, which other seeds may not come to in as many episodes, and the sweeps
-    of a planner are no episodes: then steps end a seed.
+    """Return the episodes or else steps of each seed, and a note. Steps end a seed after a change at some
+    step, which other seeds may not reach in as many episodes. They also do for a planner, whose sweeps are
+    not episodes.
     """
     runs, world = group.runs, group.current.run.world
     step = max(run.step for run in runs)
     plans = any(lane.plans for lane in lanes)
     is_changed = any(0 < entry.step <= step for lane in lanes for entry in _settings_only(lane).journal)
-    # the pulls of a bandit are its episodes
+    # each pull of a bandit is an episode
     if step and (plans or (is_changed and not isinstance(world.drawing, Arms))):
         why = "a planner's backups are steps, not episodes" if plans else f"{_changed(lanes)} on the way"
         steps = min(step, MOST_STEPS)
@@ -172,14 +174,12 @@ def _settings_only(lane: StudiedRun) -> StudiedRun:
 
 
 WORK: Final = "rl_tui.studies.many_seeds.study:work"
-"""What runs in its process: it needs much that this one need not load."""
+"""Runs in a process of its own, with imports that this process does not need."""
 
 
 class SeedStudies:
-    """Has studies worked out in a process of their own, at the lowest priority.
-
-    ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`begin`
-    waits for the end of a study of one block, so that what is known does not depend on the time.
+    """Computes studies in a background process. `on_news` is called from any thread when there is news.
+    With `automatic` off, `begin` waits for a study of one block, so that results do not depend on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -189,9 +189,8 @@ class SeedStudies:
         self._lanes: tuple[StudiedRun, ...] = ()
 
     def begin(self, group: RunGroup) -> None:
-        """Begin a study of the runs of ``group`` as they are now, in place of any other.
-
-        Where there can be none, the study says why.
+        """Begin a study of the current runs in `group`, replacing any other. If it is impossible, the
+        study has the reason.
         """
         self.end()
         self._lanes = studied_runs(group)
@@ -209,16 +208,16 @@ class SeedStudies:
             process.wait()
 
     def end(self) -> None:
-        """End the study; nothing of it is known any more."""
+        """End and forget the study."""
         self._background.end()
         self._refused = None
 
     def close(self) -> None:
-        """End the study, from any thread, and begin none any more."""
+        """End the study, and begin no other. Safe from any thread."""
         self._background.close()
 
     def study_of(self, group: RunGroup) -> SeedStudy | None:
-        """Return what is known by now, with whether it is of the runs of ``group``; None without a study."""
+        """Return the study so far, marked if it is outdated for `group`, or None without one."""
         process = self._background.process
         study = self._refused if process is None else process.known
         if study is None:

@@ -1,6 +1,5 @@
-"""The work of a study of many seeds: train every run under one seed after another, and average.
-
-Results are reported block by block. The study stops when it has used its processor time.
+"""The work of a study of many seeds: train every run under one seed after another, and average. Results
+are reported block by block. The study stops when it has used its CPU time.
 """
 
 from __future__ import annotations
@@ -39,14 +38,14 @@ Row = Mapping[str, Any]
 
 
 def estimate_of(values: Iterable[float | None]) -> Estimate | None:
-    """Return the mean of the values that are there, as ``train --runs --json`` has it; None without any."""
+    """Return the mean of the known values, as in `train --runs --json`, or None."""
     found = summary(list(values))
     mean, count = found["mean"], found["count"]
     return None if mean is None or count is None else Estimate(mean, found["stderr"], int(count))
 
 
 def difference_of(shown: Sequence[float | None], other: Sequence[float | None]) -> PairedDifference | None:
-    """Return ``shown`` less ``other``, seed by seed; None where no seed has both."""
+    """Return `shown` minus `other`, seed by seed, or None if no seed has both."""
     pairs = [(a, b) for a, b in zip(shown, other, strict=True) if a is not None and b is not None]
     mean = estimate_of(a - b for a, b in pairs)
     if mean is None:
@@ -55,7 +54,7 @@ def difference_of(shown: Sequence[float | None], other: Sequence[float | None]) 
 
 
 def estimates_of(rows: Sequence[Row], names: Iterable[str]) -> dict[str, Estimate]:
-    """Return the mean over ``rows`` of each figure that any of them has."""
+    """Return the mean over `rows` of each number that exists."""
     found = {name: estimate_of(row[name] for row in rows) for name in names}
     return {name: estimate for name, estimate in found.items() if estimate is not None}
 
@@ -63,7 +62,7 @@ def estimates_of(rows: Sequence[Row], names: Iterable[str]) -> dict[str, Estimat
 def differences_of(
     shown: Sequence[Row], other: Sequence[Row], names: Iterable[str]
 ) -> dict[str, PairedDifference]:
-    """Return the rows of the lane shown less those of another one, for each figure that both have."""
+    """Return the visible run's rows minus another run's, for each number that both have."""
     found = {
         name: difference_of([row[name] for row in shown], [row[name] for row in other]) for name in names
     }
@@ -74,23 +73,23 @@ def differences_of(
 
 
 MOST_SECONDS: Final = 60.0
-"""Seconds of processor time of a whole study, compiling left out."""
+"""CPU-time limit of a study in seconds, without compilation."""
 BATCHED_BELOW: Final = 100_000
-"""Steps of a seed above which nothing is gained by training several at once."""
+"""Steps of a seed above which batches save no time."""
 COLLECTED_ABOVE: Final = 10_000
-"""Pairs above which the memory of a finished run is freed at once: its parts refer to each other."""
+"""Pairs above which a finished run is freed at once, because its parts form cycles."""
 
 
 class _TooLongError(Exception):
-    """A seed comes to more steps than it may take before it has finished its episodes."""
+    """A seed needs too many steps to finish its episodes."""
 
 
 class _OutOfTimeError(Exception):
-    """The study has taken all the processor time that it may."""
+    """The study has used its CPU time."""
 
 
 def work(request: StudyRequest, tell: Callable[[SeedStudy, float], None]) -> None:
-    """Tell what is known, block by block, at the lowest priority as soon as there is machine code."""
+    """Compute the study block by block, with the lowest priority once machine code is ready."""
     study = Study(request)
     if study.has_machine_code and not request.is_awaited:
         let_others_go_first()
@@ -102,9 +101,10 @@ def work(request: StudyRequest, tell: Callable[[SeedStudy, float], None]) -> Non
 
 
 class Study:
-    """Works out what ``request`` asks for. ``clock`` gives seconds of processor time.
+    """Computes the study for `request`. `clock` returns CPU seconds.
 
-    Raises UserError where a world cannot be built.
+    Raises:
+        UserError: A world cannot be built.
     """
 
     def __init__(self, request: StudyRequest, clock: Callable[[], float] = time.process_time) -> None:
@@ -121,18 +121,20 @@ class Study:
 
     @property
     def has_machine_code(self) -> bool:
-        """Whether all machine code that runs begin with is in the cache."""
+        """True if the machine code for the start of all runs is cached."""
         return all(was_compiled(lane.runs.first.learner.loop) for lane in self._lanes)
 
     def get_machine_code(self) -> None:
-        """Have machine code for what is long enough to need it; it may take a while."""
+        """Compile the loops that run long enough."""
         for lane in self._lanes:
             lane.runs.get_machine_code(self._request.most, self._goal, no_compiling)
 
     def reports(self) -> Iterator[SeedStudy]:
-        """Yield what is known after 8 seeds, 16, 32 …; the last one says why it ends.
+        """Yield the study after 8, 16, 32, … seeds. It ends after 60 s, including worlds but not
+        compilation, and the last report says why.
 
-        With the worlds, but without machine code, it takes 60 s. Raises UserError where a run breaks down.
+        Raises:
+            UserError: A run broke down.
         """
         end = self._clock() + MOST_SECONDS - self._spent
 
@@ -167,7 +169,7 @@ class Study:
             yield from self._blocks_of_goal(check)
 
     def _blocks_of_goal(self, check: Callable[[], None]) -> Iterator[SeedStudy]:
-        """Yield what is known after each block, every seed trained to the same goal."""
+        """Yield the study after each block, with every seed trained to the same goal."""
         seeds, block = 0, FIRST_BLOCK
         while seeds < self._request.most:
             while seeds < block:
@@ -182,7 +184,7 @@ class Study:
             yield self._tell(seeds, StudyState.DONE if is_last else StudyState.RUNNING)
 
     def _ended_early(self) -> SeedStudy:
-        """Return the last whole block; before the first one, what as many seeds of every lane say."""
+        """Return the last complete block, or else the seeds that every run has finished."""
         seeds = min(len(lane.rows) for lane in self._lanes)
         if seeds < 2:
             return replace(
@@ -206,7 +208,7 @@ class Study:
 
 
 def _bounding(check: Callable[[], None]) -> Callable[[Run | BatchedRuns], OnProgress]:
-    """Return what watches seeds, and ends their training by ``check`` or where one takes too many steps."""
+    """Return a listener that stops a seed by `check`, or after too many steps."""
 
     def watch(run: Run | BatchedRuns) -> OnProgress:
         def on_progress(done: int, wanted: int) -> None:
@@ -220,7 +222,7 @@ def _bounding(check: Callable[[], None]) -> Callable[[Run | BatchedRuns], OnProg
 
 
 class _Lane:
-    """One of the runs on screen under seed after seed."""
+    """A visible run under seed after seed."""
 
     def __init__(self, lane: StudiedRun, known: World | None) -> None:
         self.runs = SeededRuns(lane.recipe, lane.journal, known)
@@ -234,12 +236,12 @@ class _Lane:
 
     @property
     def seeds_at_once(self) -> int:
-        """How many seeds may be trained at once: one until it is known that none takes long."""
+        """Number of seeds to train together: one until it is known that none takes long."""
         is_quick = bool(self.rows) and self.rows[0]["steps"] <= BATCHED_BELOW
         return max(1, runs_at_once(self.runs)) if is_quick else 1
 
     def add_seeds(self, count: int, goal: Goal, check: Callable[[], None]) -> None:
-        """Train the next seeds to ``goal``; raises what ``check`` does, which is called now and then."""
+        """Train the next seeds to `goal`. `check` is called regularly and may raise to stop."""
         if goal.episodes is not None and not self._plans:
             self._curves.episodes = goal.episodes
         first = self.runs.first_seed + len(self.rows)
@@ -257,10 +259,9 @@ class _Lane:
         check()
 
     def complete_curve(self, goal: Goal, check: Callable[[], None]) -> None:
-        """Have the curve where a number of steps ends each seed: how wide its bins are shows only now.
-
-        The first block is simply trained once more, to the fewest episodes of its seeds: later ones have
-        bins of that width.
+        """Compute the curve if a number of steps ends each seed, because only now the width of its bins is
+        known. The first block is trained again to the fewest episodes of its seeds. Later blocks have bins
+        of that width.
         """
         if self._curves.episodes or goal.episodes is not None or self._plans:
             return
@@ -270,7 +271,7 @@ class _Lane:
             train_curves(self.runs, seeds, self._curves, watch=_bounding(check))
 
     def study(self, seeds: int, shown: _Lane | None) -> LaneStudy:
-        """Return what so many seeds say, with the differences from the lane ``shown``, if that is another."""
+        """Return the study of `seeds` seeds, with differences from the run `shown` if that is another."""
         rows, names = self.rows[:seeds], self.runs.figures
         common = [] if shown is None else [name for name in names if name in shown.runs.figures]
         return LaneStudy(
@@ -288,6 +289,6 @@ class _Lane:
             return SeedCurve()
         curve = mean_curve(self._curves.points[: len(rows)], self.runs.is_bandit)
         episode = np.array(curve["episode"], np.int64)
-        whole = episode <= min(row["episodes"] for row in rows)  # a later seed may have finished fewer
+        whole = episode <= min(row["episodes"] for row in rows)  # a later seed may have fewer episodes
         mean, stderr = np.array(curve["return_mean"]), np.array(curve["return_stderr"])
         return SeedCurve(episode[whole], mean[whole], stderr[whole])

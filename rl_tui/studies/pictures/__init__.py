@@ -1,1 +1,1 @@
-"""Pictures of results: charts and atlases as data, as SVG and as PNG."""
+"""Pictures of results: charts and heat maps as data, SVG and PNG."""

@@ -1,4 +1,4 @@
-"""Where everything of a chart stands: axes, bands, curves, and the names of curves at their right ends."""
+"""The layout of a chart: axes, bands, curves, and their names at the right ends."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _SAMPLE: Final = 26.0
 _MOST_NAME: Final = 220.0
 _GAP: Final = 8.0
 _MARK: Final = 3.4
-_ALIKE: Final = 6.0  # pixels; ends that are closer keep the order in which they were given
-_DENSE: Final = 300  # points, from which on a line is thinner
+_ALIKE: Final = 6.0  # pixels; closer ends keep the given order
+_DENSE: Final = 300  # points; denser lines are thinner
 _BAND_OPACITY: Final = 0.18
 
 
 def chart_shapes(chart: Chart, left: float, top: float, width: float) -> tuple[float, list[Shape]]:
-    """Return where the chart ends below, and its shapes; it is ``width`` wide."""
+    """Return the bottom of the chart and its shapes."""
     names = [fitting(curve.name, SIZE, _MOST_NAME) for curve in chart.curves]
     values = max((text_width(label, SIZE) for label in chart.y.labels), default=0.0) + _TICK + 4
     widest = max((text_width(name, SIZE) for name in names), default=0.0)
@@ -81,13 +81,13 @@ def _axes(chart: Chart, box: Rectangle) -> Iterator[Shape]:
 
 
 def _place(chart: Chart, box: Rectangle, x: float, y: float) -> Point:
-    # what lies far outside is cut anyway, and would be a number too long to read
+    # values far outside are clipped anyway, and would be long numbers
     share = min(max(chart.y.share(y), -9.0), 9.0)
     return box.left + chart.x.share(x) * box.width, box.bottom - share * box.height
 
 
 def _points(chart: Chart, box: Rectangle, curve: ChartCurve) -> list[list[Point]]:
-    """Return the points of each stretch of ``curve``."""
+    """Return the points of each stretch of `curve`."""
     return [
         [
             _place(chart, box, curve.x[place], value)
@@ -121,7 +121,7 @@ def _band(chart: Chart, box: Rectangle, curve: ChartCurve) -> Iterator[Shape]:
 
 
 def _intervals(chart: Chart, box: Rectangle, curve: ChartCurve, places: range) -> Iterator[Shape]:
-    """Yield the interval of each of these points as a bar."""
+    """Yield the interval of each point as a bar."""
     colour = colours.line_colour(curve.colour)
     for place in places:
         low, high = curve.low[place], curve.high[place]
@@ -151,7 +151,7 @@ def _marks(curve: ChartCurve, stretches: Sequence[Sequence[Point]], box: Rectang
 
 
 def _mark(curve: ChartCurve, x: float, y: float) -> Shape:
-    """Return the mark of ``curve``, whose form goes with its colour; a dashed one's is hollow."""
+    """Return the mark of `curve`. Its form depends on the colour, and it is hollow for a dashed line."""
     colour, _ = _look(curve)
     fill = colours.BACKGROUND if curve.dashed else colour
     corners = (0, 4, 3, 5)[curve.colour % 4]
@@ -173,7 +173,7 @@ def _names(
     places: Sequence[Sequence[Sequence[Point]]],
     box: Rectangle,
 ) -> Iterator[Shape]:
-    """Name each curve beside its right end, with a sample of its line, as near as the others let it."""
+    """Write each name at the right end of its curve with a sample of the line, moved to avoid overlaps."""
     ends = [
         min(max(stretches[-1][-1][1], box.top), box.bottom) if stretches else box.bottom
         for stretches in places
@@ -188,12 +188,10 @@ def _names(
 
 
 def spread(wanted: Sequence[float], apart: float, first: float, last: float) -> list[float]:
-    """Return ``wanted``, which ascend, moved as little as it takes to stand ``apart`` within first .. last.
-
-    Neighbours that are too close share the way: they stand around the middle of where they want to be. Where
-    there is too little room for all, they go beyond ``last``.
+    """Move ascending positions as little as needed to be at least `apart`, in [`first`, `last`].
+    Neighbours that are too close share the displacement. Without enough space, positions exceed `last`.
     """
-    groups: list[list[float]] = []  # each with the places wanted by its members
+    groups: list[list[float]] = []  # wanted positions of each group
     for value in wanted:
         groups.append([value])
         while len(groups) > 1 and _start(groups[-1], apart, first, last) < (

@@ -1,4 +1,4 @@
-"""Colours of pictures, on white: safe for colour-blind eyes, and readable in print."""
+"""Colours of pictures on white, distinguishable by colour-blind readers and in print."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ GRID: Final = "#e3e7ea"
 FRAME: Final = "#8a949b"
 MISSING: Final = "#eceff1"
 LINES: Final = ("#0068a8", "#c85000", "#6414dc", "#d4709c", "#8c3c28", "#1d242a")
-"""Colours of curves; from the seventh on they come again, with another dash."""
+"""Colours of curves. From the seventh on they repeat with another dash."""
 DASHES: Final = ("", "7 4", "2 3", "9 3 2 3")
-"""How lines are broken, in pixels of line and gap in turn, for each time round the colours."""
+"""Dash patterns in pixels of line and gap, for each round of colours."""
 RAMP: Final = (
     *("#fbf8d0", "#ebf2c3", "#d3e9bf", "#b1dcbd", "#8bcdbd", "#66bac0"),
     *("#48a3c0", "#3587b4", "#2a69a2", "#234d8c", "#1a3470"),
 )
-"""From the least to the largest value of an atlas: light to dark, monotone in luminance."""
+"""Colours of a heat map from the smallest to the largest value, with decreasing luminance."""
 _ON_DARK, _ON_LIGHT = "#ffffff", "#05080b"
 
 
 def line_colour(place: int) -> str:
-    """Return the colour of the curve at ``place``, from 0."""
+    """Return the colour of the curve at `place`, from 0."""
     return LINES[place % len(LINES)]
 
 
 def line_dash(place: int, *, dashed: bool) -> str:
-    """Return how the line of the curve at ``place`` is broken; empty for a solid one."""
+    """Return the dash pattern of the curve at `place`, empty for a solid line."""
     return DASHES[(place // len(LINES) + dashed) % len(DASHES)]
 
 
 def ramp_colour(share: float) -> str:
-    """Return the colour at ``share``, 0 to 1, of the ramp, mixed of the two nearest."""
+    """Return the interpolated colour at `share`, 0 to 1, of the ramp."""
     place = min(max(share, 0.0), 1.0) * (len(RAMP) - 1)
     left = min(int(place), len(RAMP) - 2)
     part = place - left
@@ -45,7 +45,7 @@ def ramp_colour(share: float) -> str:
 
 
 def text_on_ramp(share: float) -> str:
-    """Return the colour of text on :func:`ramp_colour` of ``share``."""
+    """Return the colour of text on `ramp_colour` of `share`."""
     return max(_ON_DARK, _ON_LIGHT, key=lambda text: contrast(text, ramp_colour(share)))
 
 

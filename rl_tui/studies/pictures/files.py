@@ -1,6 +1,5 @@
-"""Pictures as files: PNG drawn by Matplotlib, which is imported only here, or SVG.
-
-An SVG needs no other file, and the same picture has the same bytes.
+"""Picture files: PNG drawn by Matplotlib, which is imported only here, or SVG. An SVG needs no other file,
+and equal pictures have equal bytes.
 """
 
 from __future__ import annotations
@@ -25,14 +24,14 @@ from rl_tui.studies.pictures.shapes import Disc, DrawnPage, Rectangle, Shape, Te
 
 
 SCALE: Final = 2
-"""Dots of the PNG for each pixel of the layout, so that it is sharp on paper."""
+"""PNG pixels for each pixel of the layout, for sharp prints."""
 _DOTS_PER_INCH: Final = 100
 _POINTS_PER_INCH: Final = 72
 _ANCHORS: Final = {"start": "left", "middle": "center", "end": "right"}
 
 
 def check_matplotlib() -> None:
-    """Raise UserError where Matplotlib is not installed."""
+    """Raise UserError if Matplotlib is not installed."""
     if find_spec("matplotlib") is None:
         raise UserError(
             'a PNG is drawn by Matplotlib, which is not installed: pip install "rl-tui[plot]", '
@@ -41,12 +40,12 @@ def check_matplotlib() -> None:
 
 
 def png_of(picture: Picture) -> bytes:
-    """Return ``picture`` as the bytes of a PNG file. Raises UserError where Matplotlib is not installed."""
+    """Return `picture` as the bytes of a PNG. Raises UserError if Matplotlib is not installed."""
     check_matplotlib()
     import matplotlib as mpl
 
     with mpl.rc_context():
-        mpl.rcdefaults()  # what a person has set for other pictures is not for this one
+        mpl.rcdefaults()  # ignore the user's settings for other pictures
         return _drawn(laid_out(picture))
 
 
@@ -98,7 +97,7 @@ def _draw_patch(axes: Any, shape: shapes.Path | Disc, order: int) -> None:
         patch = PathPatch(Outline([*shape.points, *shape.points[:1]] if shape.closed else shape.points))
         patch.set_linewidth(_points(shape.width) if shape.stroke else 0.0)
         patch.set_alpha(shape.opacity)
-        if shape.dash:  # it is given in widths of the line
+        if shape.dash:  # in multiples of the line width
             patch.set_linestyle((0, [float(part) / shape.width for part in shape.dash.split()]))
     patch.set_facecolor(shape.fill or "none")
     patch.set_edgecolor(shape.stroke or "none")
@@ -120,7 +119,7 @@ _FONTS: Final = "'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', 'DejaVu 
 
 
 def svg_of(picture: Picture) -> str:
-    """Return ``picture`` as the text of an SVG file. It draws its own background."""
+    """Return `picture` as the text of an SVG with its own background."""
     page = laid_out(picture)
     clips = _clips(page)
     width, height = _number(page.width), _number(page.height)
@@ -203,7 +202,7 @@ def _text(text: str) -> str:
 
 
 def _number(value: float) -> str:
-    """Return ``value`` with two decimals at most: a hundredth of a pixel, alike on every machine."""
+    """Format `value` with at most two decimals, equally on every machine."""
     text = f"{value:.2f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
@@ -213,10 +212,11 @@ PNG: Final = ".png"
 
 @contextmanager
 def picture_file(path: Path) -> Iterator[Callable[[Picture], None]]:
-    """Yield what writes a picture to ``path``: a PNG where the name ends so, else an SVG.
+    """Yield a function that writes a picture to `path`, as PNG if the name ends in .png, else as SVG.
+    `whole_file` decides whether the file is kept.
 
-    That it cannot be written, or not drawn, shows before there is a picture: then UserError is raised. The
-    file is kept or removed as :func:`whole_file` does.
+    Raises:
+        UserError: The file cannot be written or drawn. This is raised before there is a picture.
     """
     is_png = path.suffix.lower() == PNG
     if is_png:

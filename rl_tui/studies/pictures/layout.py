@@ -1,6 +1,5 @@
-"""The layout of a picture in pixels: title, panels one below the other, notes.
-
-The heat map of two settings is laid out here too, with its colour bar and marks.
+"""The layout of a picture in pixels: title, panels one below the other, notes. The heat map of two
+settings is laid out here too, with its colour bar and marks.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ _BESIDE: Final = 6.0  # pixels between names and cells
 
 
 def atlas_shapes(atlas: AtlasChart, left: float, top: float, width: float) -> tuple[float, list[Shape]]:
-    """Return where the atlas ends below, and its shapes; it is ``width`` wide."""
+    """Return the bottom of the heat map and its shapes."""
     names = max(text_width(name, SIZE) for name in atlas.rows) + _BESIDE
     labels = max(text_width(label, SIZE) for label in atlas.scale.labels)
     y = top
@@ -106,7 +105,7 @@ def _dot(cell: Rectangle, colour: str, *, in_corner: bool) -> Disc:
 
 
 def _frame(cell: Rectangle) -> Iterator[Shape]:
-    """Yield a frame of black within white, which is seen on any colour."""
+    """Yield a black frame within white, visible on any colour."""
     for inset, colour, width in ((0.0, "#ffffff", 4.5), (0.0, "#05080b", 2.2)):
         inner = Rectangle(
             cell.left + inset, cell.top + inset, cell.width - 2 * inset, cell.height - 2 * inset
@@ -130,7 +129,7 @@ def _column_names(atlas: AtlasChart, box: Rectangle) -> Iterator[Shape]:
 
 
 def _thinned(count: int, room: float) -> Sequence[int]:
-    """Return which of ``count`` names are shown where each takes the ``room`` of so many."""
+    """Return the indexes of the names to show if each needs the space of `room` names."""
     return range(0, count, max(1, math.ceil(room - 1e-9)))
 
 
@@ -138,7 +137,7 @@ def _colour_bar(atlas: AtlasChart, bar: Rectangle) -> Iterator[Shape]:
     part = bar.height / _BAR_PARTS
     for place in range(_BAR_PARTS):
         share = (place + 0.5) / _BAR_PARTS
-        # down to the end of the bar, so that no line of the background shows between two
+        # to the end of the bar, so that no background shows between two parts
         box = Rectangle(bar.left, bar.top, bar.width, bar.height - place * part)
         yield area(box, colours.ramp_colour(share))
     yield Path(bar.corners, stroke=colours.FRAME, closed=True)
@@ -149,7 +148,7 @@ def _colour_bar(atlas: AtlasChart, bar: Rectangle) -> Iterator[Shape]:
 
 
 def _key(atlas: AtlasChart, left: float, y: float) -> Iterator[Shape]:
-    """Say what the marks mean."""
+    """Yield the legend of the marks."""
     if atlas.best is not None:
         yield from _frame(Rectangle(left + 1, y - 11, 14, 11))
         words = "the best"
@@ -171,7 +170,7 @@ _BETWEEN: Final = 22.0
 
 
 def laid_out(picture: Picture) -> DrawnPage:
-    """Return ``picture`` as shapes."""
+    """Return the shapes of `picture`."""
     shapes: list[Shape] = []
     inside = WIDTH - 2 * MARGIN
     y = MARGIN

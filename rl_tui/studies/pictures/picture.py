@@ -1,6 +1,5 @@
-"""A picture of results as data: charts and heat maps with their axes, without colours or pixels.
-
-Values far from the others would flatten a chart. Its axis leaves them out, and a note says so.
+"""A picture of results as data: charts and heat maps with their axes, without colours or pixels. Values
+far from the others would flatten a chart. Its axis leaves them out, and a note says so.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ _FEWEST_LOG_TICKS: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class ChartAxis:
-    """An axis from ``low`` to ``high``, low < high, with ``labels`` at ``ticks``, which ascend."""
+    """An axis from `low` to `high` (low < high) with `labels` at ascending `ticks`."""
 
     label: str
     low: float
@@ -34,25 +33,29 @@ class ChartAxis:
     logarithmic: bool = False
 
     def share(self, value: float) -> float:
-        """Return where ``value`` stands: 0 at the low end, 1 at the high one, beyond them outside that."""
+        """Return the position of `value`: 0 at the low end, 1 at the high end."""
         if not self.logarithmic:
             return (value - self.low) / (self.high - self.low)
         low = math.log(self.low)
-        width = math.log(self.high) - low or 1.0  # numbers may lie closer than their logarithms tell
+        width = math.log(self.high) - low or 1.0  # the logarithms of close numbers may be equal
         return (math.log(value) - low) / width if value > 0.0 else -math.inf
 
     @property
     def tick_shares(self) -> list[float]:
-        """Where the ticks stand."""
+        """Positions of the ticks."""
         return [self.share(tick) for tick in self.ticks]
 
 
 def round_axis(
     label: str, values: Iterable[float], *, zero: bool = False, most: int = MOST_TICKS
 ) -> ChartAxis:
-    """Return an axis between round numbers that holds ``values``, and 0 if ``zero``.
+    """Return an axis between round numbers with 2 to `most` ticks.
 
-    It has at most ``most`` ticks, at least two of them.
+    Args:
+        label: Label of the axis.
+        values: Values to include.
+        zero: Include 0.
+        most: Largest number of ticks.
     """
     low, high = _range_of(values)
     if zero:
@@ -66,9 +69,8 @@ def round_axis(
 
 
 def close_axis(label: str, values: Iterable[float], *, logarithmic: bool = False) -> ChartAxis:
-    """Return an axis from the least of ``values`` to the largest, with round ticks between them.
-
-    A logarithmic one needs values above 0.
+    """Return an axis from the smallest to the largest of `values`, with round ticks in between. A
+    logarithmic one needs values above 0.
     """
     low, high = _range_of(values)
     if low == high:
@@ -83,19 +85,19 @@ def close_axis(label: str, values: Iterable[float], *, logarithmic: bool = False
 
 
 def fixed_axis(label: str, ticks: Sequence[float]) -> ChartAxis:
-    """Return an axis from the first of ``ticks`` to the last."""
+    """Return an axis from the first of `ticks` to the last."""
     step = min(later - earlier for earlier, later in pairwise(ticks))
     return ChartAxis(label, ticks[0], ticks[-1], tuple(ticks), labels_of(ticks, step))
 
 
 def word_axis(label: str, words: Sequence[str]) -> ChartAxis:
-    """Return an axis on which ``words`` stand at 0, 1, 2 …"""
+    """Return an axis with `words` at 0, 1, 2, …."""
     ticks = tuple(float(place) for place in range(len(words)))
     return ChartAxis(label, -0.5, len(words) - 0.5, ticks, tuple(words))
 
 
 def labels_of(ticks: Sequence[float], step: float) -> tuple[str, ...]:
-    """Return how ``ticks`` are written that are ``step`` apart, all of them with as many decimals."""
+    """Return the labels of `ticks` that are `step` apart, with equal numbers of decimals."""
     largest = max(map(abs, ticks), default=0.0)
     if largest >= _LARGEST_PLAIN or step < _SMALLEST_PLAIN:
         digits = 1 + max(0, math.floor(math.log10(largest)) - math.floor(math.log10(step)))
@@ -105,7 +107,7 @@ def labels_of(ticks: Sequence[float], step: float) -> tuple[str, ...]:
 
 
 def number_text(value: float, digits: int = 4) -> str:
-    """Return ``value`` with so many digits, or all before the point, and no zeros at the end."""
+    """Format `value` with `digits` significant digits, or all integer digits, without trailing zeros."""
     size = abs(value)
     if size and not _SMALLEST_PLAIN <= size < _LARGEST_PLAIN:
         text = f"{value:.{digits - 1}e}"
@@ -149,9 +151,8 @@ def _logarithmic(label: str, low: float, high: float) -> ChartAxis:
 
 @dataclass(frozen=True, slots=True)
 class ChartCurve:
-    """A line through points, in the order of ``x``, with a band around it where ``low`` and ``high`` are.
-
-    All are of one length but for ``low`` and ``high``, which may be empty. None is a gap.
+    """A line through points in the order of `x`, with an optional band from `low` to `high`. Sequences
+    have equal lengths, but `low` and `high` may be empty. None is a gap.
     """
 
     name: str
@@ -160,63 +161,62 @@ class ChartCurve:
     low: tuple[float | None, ...] = ()
     high: tuple[float | None, ...] = ()
     colour: int = 0
-    """Its place among the colours; curves that belong together share it."""
+    """Index of the colour, shared by related curves."""
     dashed: bool = False
 
     @property
     def stretches(self) -> list[range]:
-        """The places of the points between gaps: one line each."""
+        """Indexes of the points between gaps, one range for each line."""
         return _stretches([value is not None for value in self.y])
 
     @property
     def band_stretches(self) -> list[range]:
-        """The places of the points of the band, likewise."""
+        """Indexes of the points of the band between gaps."""
         pairs = zip(self.low, self.high, strict=True)
         return _stretches([low is not None and high is not None for low, high in pairs])
 
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """Curves over one pair of axes. The title may be empty, and so may the names of all curves."""
+    """Curves over one pair of axes. The title and the names may be empty."""
 
     title: str
     x: ChartAxis
     y: ChartAxis
     curves: tuple[ChartCurve, ...]
     connected: bool = True
-    """Whether lines join the points; if not, each has its interval beside it."""
+    """True if lines join the points. Otherwise each has an interval."""
 
     @property
     def has_few_points(self) -> bool:
-        """Whether each point is worth a mark of its own."""
+        """True if each point gets a mark."""
         return all(len(curve.x) <= _MOST_MARKED for curve in self.curves)
 
 
 @dataclass(frozen=True, slots=True)
 class AtlasChart:
-    """A measure over two settings, a cell for each pair of values. The title may be empty.
-
-    ``values`` and ``alike`` are [rows][columns]; the first row is the lowest. None is a cell without a value.
+    """A metric over two settings, with a cell for each pair of values. `values` and `alike` are
+    `[rows][columns]`, the lowest row first. None is a cell without a value.
     """
 
     title: str
     x_label: str
     y_label: str
     columns: tuple[str, ...]
-    """The names of the columns."""
+    """Names of the columns."""
     rows: tuple[str, ...]
-    """The names of the rows."""
+    """Names of the rows."""
     values: tuple[tuple[float | None, ...], ...]
     scale: ChartAxis
-    """What the colours mean."""
+    """Meaning of the colours."""
     alike: tuple[tuple[bool, ...], ...]
-    """Whether a cell does not differ from the best."""
+    """True for cells tied with the best."""
     best: tuple[int, int] | None
-    """Row and column of the best cell, None where nothing says which is."""
+    """Row and column of the best cell, or None if unknown."""
 
     @property
     def marked(self) -> set[tuple[int, int]]:
-        """Rows and columns of the cells that do not differ from the best, without it."""
+        """Rows and columns of the cells tied with the best, without itself."""
         alike = {
             (row, column)
             for row, cells in enumerate(self.alike)
@@ -228,17 +228,14 @@ class AtlasChart:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """What is drawn: ``panels`` one below the other, under a ``title``, with ``notes`` at the end.
-
-    ``summary`` tells the picture to those who cannot see it.
-    """
+    """A title, `panels` one below the other, and `notes`. `summary` is the text alternative."""
 
     title: str
     summary: str
     panels: tuple[Chart | AtlasChart, ...]
     notes: tuple[str, ...] = ()
     band: str = ""
-    """What the bands around curves mean; said where they are drawn."""
+    """Meaning of the bands, shown if there are any."""
 
 
 _MOST_MARKED = 40
@@ -259,11 +256,11 @@ def _stretches(there: list[bool]) -> list[range]:
 
 
 _FAR: Final = 6.0
-"""So many times as far from the middle half as that is wide: what lies further does not count."""
+"""Outliers are further from the middle half of the values than this many times its width."""
 
 
 def kept_range(values: Sequence[float]) -> tuple[float, float]:
-    """Return the least and the largest of ``values`` that do not lie far from their middle half."""
+    """Return the smallest and largest of `values` without outliers."""
     ordered = sorted(values)
     low, high = ordered[len(ordered) // 4], ordered[(3 * len(ordered)) // 4]
     margin = _FAR * (high - low)
@@ -274,7 +271,7 @@ def kept_range(values: Sequence[float]) -> tuple[float, float]:
 
 
 def axis_with_cut(label: str, curves: Sequence[ChartCurve]) -> tuple[ChartAxis, str]:
-    """Return an axis for ``curves`` with their bands, and what to say of values that it leaves out."""
+    """Return an axis for `curves` with their bands, and a note about values beyond it."""
     values = [value for curve in curves for value in curve.y if value is not None]
     low, high = kept_range(values)
     edges = [
@@ -282,7 +279,7 @@ def axis_with_cut(label: str, curves: Sequence[ChartCurve]) -> tuple[ChartAxis, 
         for curve in curves
         for edge in (curve.low, curve.high)
         for value in edge
-        # a band may reach as far again as the curves do, not further
+        # a band may exceed the curves by their range at most
         if value is not None and 2 * low - high <= value <= 2 * high - low
     ]
     axis = round_axis(label, [low, high, *edges])
@@ -290,7 +287,7 @@ def axis_with_cut(label: str, curves: Sequence[ChartCurve]) -> tuple[ChartAxis, 
 
 
 def words_of_cut(values: Sequence[float], axis: ChartAxis) -> str:
-    """Return that some of ``values`` lie beyond ``axis``; empty if none does."""
+    """Return a note if `values` are beyond `axis`, or ""."""
     beyond = []
     if min(values) < axis.low:
         beyond.append(f"below {number_text(axis.low)}, down to {number_text(min(values))},")

@@ -1,6 +1,5 @@
-"""Results read from files: JSON of `train --runs` and `sweep`, stores, CSV of `train --curve`.
-
-A file that is none of these raises a UserError.
+"""Results read from files: JSON of `train --runs` and `sweep`, stores, CSV of `train --curve`. A file that
+is none of these raises a UserError.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ _HEAD: Final = b"SQLite format 3\0"
 
 
 def is_store(path: Path) -> bool:
-    """Return whether the file is an SQLite database, as stores are; False where it cannot be read."""
+    """Return True if the file is an SQLite database, as stores are, or False if it cannot be read."""
     try:
         with open_plain(path, "a store") as file:
             return file.read(len(_HEAD)) == _HEAD
@@ -40,9 +39,14 @@ def is_store(path: Path) -> bool:
 
 
 def document_of(path: Path, measure: str | None) -> Any:
-    """Return the document of the sweep that filled the store last; cells compare by ``measure`` if it is one.
+    """Return the document of the last sweep in the store.
 
-    Raises UserError where the file is no store of sweeps, or holds no sweep.
+    Args:
+        path: Store of sweeps.
+        measure: Metric by which cells are compared, ignored if unknown.
+
+    Raises:
+        UserError: The file is not a store of sweeps, or is empty.
     """
     with Store.to_read(path) as store:
         plans = store.plans()
@@ -61,7 +65,7 @@ EPISODE: Final = "episode"
 CSV: Final = ".csv"
 _NOT_SETTINGS: Final = ("runs", "failed", "like_best")
 _LONGEST: Final = 60
-_RESTRICTED: Final = "restricted_"  # begins what is known of arrivals where some runs never arrived
+_RESTRICTED: Final = "restricted_"  # prefix of numbers about arrivals if some runs never arrived
 _FEWEST_FOR_A_RATIO: Final = 3
 _LONGEST_TITLE: Final = 200
 _DRAWABLE: Final = f"numbers within ±{LARGEST_DRAWN:g}"
@@ -69,9 +73,10 @@ _WANTED: Final = "the JSON of train --runs or of sweep, a store of sweeps, or th
 
 
 def read_results(path: Path, measure: str | None = None) -> CurveTable | SweepTable:
-    """Return what the file holds; cells of a store compare by ``measure`` if it is one.
+    """Read the results in a file. Cells of a store are compared by `measure` if it is a metric.
 
-    Raises UserError where that is no results, or cannot be read.
+    Raises:
+        UserError: The file has no results, or cannot be read.
     """
     if is_store(path):
         return results_of(document_of(path, measure), str(path))
@@ -86,14 +91,12 @@ def read_results(path: Path, measure: str | None = None) -> CurveTable | SweepTa
     try:
         document = json.loads(text, parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
-        raise UserError(
-            f"{path}: is no JSON ({one_line(str(error), _LONGEST)}); expected {_WANTED}"
-        ) from error
+        raise UserError(f"{path}: not JSON ({one_line(str(error), _LONGEST)}); expected {_WANTED}") from error
     return results_of(document, str(path))
 
 
 def results_of(document: object, source: str) -> CurveTable | SweepTable:
-    """Return what the JSON ``document`` from ``source`` holds. Raises UserError where that is no results."""
+    """Return the results in the JSON `document` from `source`. Raises UserError if there are none."""
     if not isinstance(document, dict):
         raise _fault(source, "no JSON object")
     if isinstance(document.get("cells"), list):
@@ -110,7 +113,7 @@ def _fault(source: str, found: str, expected: str = _WANTED) -> UserError:
 
 
 def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no number")
+    raise ValueError(f"{name} is not a number")
 
 
 def _curve_of_csv(path: Path, text: str) -> CurveTable:
@@ -142,7 +145,7 @@ def _curve(document: Mapping[str, Any], source: str) -> CurveTable:
 
 
 def _checked(table: CurveTable, source: str) -> CurveTable:
-    """Return ``table`` where it is a curve over episodes with points on it."""
+    """Return `table` if it is a curve with points. Raises UserError otherwise."""
     lengths = {len(values) for values in table.columns.values()}
     episodes = table.columns.get(EPISODE, ())
     if len(lengths) != 1 or None in episodes or EPISODE not in table.columns:
@@ -166,7 +169,7 @@ def _sweep(document: Mapping[str, Any], source: str) -> SweepTable:
     if not cells:
         raise _fault(source, "a sweep without a cell that was trained", "one with runs in it")
     if not all(isinstance(cell, dict) for cell in cells):
-        raise _fault(source, "cells that are no JSON objects")
+        raise _fault(source, "cells that are not JSON objects")
     spreads = {name for name in measures if any(isinstance(cell.get(name), dict) for cell in cells)}
     if not spreads:
         raise _fault(source, "cells without a measure")
@@ -195,7 +198,7 @@ def _sweep(document: Mapping[str, Any], source: str) -> SweepTable:
 
 
 def _measures(found: object, source: str) -> dict[str, str]:
-    """Return the titles of the measures; a document lists their names, or more of each."""
+    """Return the titles of the metrics, which a document lists as names or as objects."""
     measures: dict[str, str] = {}
     for each in found if isinstance(found, list) else ():
         if isinstance(each, str):
@@ -232,14 +235,14 @@ def _is_setting(value: object) -> bool:
 
 
 def _settings_in(found: object, names: Iterable[str]) -> dict[str, Value] | None:
-    """Return the settings of that ``names`` in what should be a cell; None where it has not all of them."""
+    """Return the settings `names` of a cell, or None if one is missing."""
     if not isinstance(found, dict) or not all(_is_setting(found.get(name)) for name in names):
         return None
     return {name: found[name] for name in names}
 
 
 def _is_logarithmic(name: str, vary: object, values: Sequence[Value]) -> bool:
-    """Return whether the values of ``name`` stand at equal ratios: it is said so, or they do."""
+    """Return True if the values of `name` have equal ratios, by declaration or in fact."""
     numbers = sorted({value for value in values if not isinstance(value, bool | str)})
     if len(numbers) < len(set(values)) or not numbers or numbers[0] <= 0:
         return False

@@ -35,7 +35,7 @@ TITLES: Final = {
     "length_mean": "Steps per episode",
     "optimal_action_rate": "Optimal action, share of pulls",
 }
-"""What can be drawn, by the names of the columns."""
+"""Drawable columns with their titles."""
 _ERRORS: Final = {
     "return_mean": "return_stderr",
     "length_mean": "length_stderr",
@@ -46,10 +46,15 @@ _BAND: Final = "Bands: the 95 % interval of the mean"
 
 
 def curve_picture(tables: Sequence[CurveTable], measure: str | None = None) -> Picture:
-    """Return the chart of ``measure``, a name of ``TITLES`` or the return, of each of ``tables``.
+    """Return a chart of one column, with a curve for each table. Bands are 95 % intervals of the mean: by
+    Student's t if the number of runs is known, else ± 1.96 standard errors.
 
-    Bands are the 95 % interval of the mean: by Student's t where the number of runs is known, else 1.96
-    standard errors to either side. Raises UserError where a table has no such column.
+    Args:
+        tables: Learning curves.
+        measure: Name in `TITLES`, default the return.
+
+    Raises:
+        UserError: A table lacks the column.
     """
     column = measure or "return_mean"
     if column not in TITLES:
@@ -69,7 +74,7 @@ def curve_picture(tables: Sequence[CurveTable], measure: str | None = None) -> P
         for name, table in zip(names, tables, strict=True)
         if table.runs
     ]
-    heading = TITLES[column] if len(tables) == 1 else ""  # else it is the title
+    heading = TITLES[column] if len(tables) == 1 else ""  # otherwise it is the title
     has_bands = any(value is not None for curve in curves for value in curve.low)
     return Picture(
         title=names[0] if len(tables) == 1 else TITLES[column],
@@ -81,7 +86,7 @@ def curve_picture(tables: Sequence[CurveTable], measure: str | None = None) -> P
 
 
 def _names(tables: Sequence[CurveTable]) -> list[str]:
-    """Return a name for each of ``tables``, no two alike."""
+    """Return distinct names for `tables`."""
     names = [table.name for table in tables]
     return [
         name if names.count(name) == 1 else f"{name} ({place})" for place, name in enumerate(names, start=1)
@@ -104,7 +109,7 @@ def _curves_curve(name: str, table: CurveTable, column: str, place: int) -> Char
 
 
 def _half_width(runs: int | None) -> float:
-    """Return how many standard errors the 95 % interval of a mean over ``runs`` reaches to either side."""
+    """Return the half width of the 95 % interval of a mean over `runs`, in standard errors."""
     if runs is None or runs < 2:
         return _NORMAL
     from scipy.special import stdtrit
@@ -133,17 +138,17 @@ def _curves_summary(title: str, curves: Sequence[ChartCurve]) -> str:
 MOST_LINES: Final = 14
 MOST_PANELS: Final = 12
 _NAME_DIGITS: Final = 3
-_LONGEST_WORD: Final = 40  # characters of a word on an axis, or in the name of a line
-_APART: Final = 0.3  # of the way from one word to the next, between the first and the last of its points
+_LONGEST_WORD: Final = 40  # characters of a word on an axis or in the name of a line
+_APART: Final = 0.3  # of the distance between words, from the first to the last point of a word
 _INTERVAL: Final = "the interval of the mean that the sweep gives."
 _RESTRICTED: Final = "Runs that had not arrived when training ended count with the episodes that they had."
-_PARTIAL: Final = "Some means are those of the runs alone that have a value: see count in the results."
+_PARTIAL: Final = "Some means leave out runs without a value: see count in the results."
 Settings = tuple[Value, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class _Wanted:
-    """What is drawn of a sweep: a measure against ``x``, or over ``x`` and ``y``."""
+    """What to draw of a sweep: a metric against `x`, or over `x` and `y`."""
 
     table: SweepTable
     measure: str
@@ -152,27 +157,27 @@ class _Wanted:
 
     @property
     def others(self) -> tuple[str, ...]:
-        """The settings that are neither."""
+        """The settings other than `x` and `y`."""
         return tuple(name for name in self.table.names if name not in (self.x, self.y))
 
     @property
     def title(self) -> str:
-        """What of, and the measure in words."""
+        """Scenario and metric in words."""
         return f"{self.table.scenario}: {self.table.measures[self.measure]}".removeprefix(": ")
 
     def groups(self) -> dict[Settings, list[SweepCell]]:
-        """Return the cells by their values of the other settings, in the order of the sweep."""
+        """Return the cells by their other settings, in the order of the sweep."""
         groups: dict[Settings, list[SweepCell]] = {}
         for cell in self.table.cells:
             groups.setdefault(tuple(cell.settings[name] for name in self.others), []).append(cell)
         return groups
 
     def mean(self, cell: SweepCell) -> float | None:
-        """Return the measure of ``cell``."""
+        """Return the metric of `cell`."""
         return cell.spreads[self.measure].mean
 
     def notes(self, cut: str) -> tuple[str, ...]:
-        """Return what to say below: ``cut``, and where means are not those of all runs."""
+        """Return the notes below the picture: `cut`, and remarks about incomplete means."""
         there = [cell.spreads[self.measure] for cell in self.table.cells]
         is_partial = any(each.mean is not None and not each.is_of_all for each in there)
         is_restricted = any(each.is_restricted for each in there)
@@ -180,7 +185,7 @@ class _Wanted:
         return tuple(filter(None, said))
 
     def means(self) -> list[float]:
-        """Return the measure of all cells that have it. Raises UserError where none has."""
+        """Return the metric of all cells that have it. Raises UserError if none has."""
         means = [mean for cell in self.table.cells if (mean := self.mean(cell)) is not None]
         if not means:
             raise UserError(f"no cell has a value of {self.measure}: choose another --measure")
@@ -190,11 +195,16 @@ class _Wanted:
 def sweep_picture(
     table: SweepTable, measure: str | None = None, x: str | None = None, y: str | None = None
 ) -> Picture:
-    """Return a chart of ``measure`` against the setting ``x``, or where there is ``y`` an atlas.
+    """Return a chart of a metric against `x`, or a heat map with `y`.
 
-    Where nothing is said, x is the first setting with numbers, y the second if there is one, and the measure
-    the one by which the sweep judges. Raises UserError where a name is none of the sweep's, or there would be
-    too many lines or panels.
+    Args:
+        table: Results of a sweep.
+        measure: Metric, default the one that ranks the sweep.
+        x: Setting, default the first numeric one.
+        y: Setting. By default it is the second numeric one, if neither is given.
+
+    Raises:
+        UserError: A name is unknown, or there are too many lines or panels.
     """
     named = (("--measure", measure, tuple(table.measures)), ("--x", x, table.names), ("--y", y, table.names))
     for option, name, names in named:
@@ -216,7 +226,7 @@ def _is_numeric(table: SweepTable, name: str) -> bool:
 
 
 def _values(table: SweepTable, name: str) -> list[Value]:
-    """Return the values of a setting: numbers ascend, words are in the order of the sweep."""
+    """Return the values of a setting: numbers ascending, words in the order of the sweep."""
     values = list(dict.fromkeys(cell.settings[name] for cell in table.cells))
     if any(isinstance(value, bool | str) for value in values):
         return values
@@ -224,7 +234,7 @@ def _values(table: SweepTable, name: str) -> list[Value]:
 
 
 def value_text(value: Value, digits: int = 4) -> str:
-    """Return how a value of a setting is written, a number with at most so many digits after zeros."""
+    """Format a value of a setting, numbers with at most `digits` significant digits."""
     return number_text(value, digits) if not isinstance(value, bool | str) else _word(value)
 
 
@@ -233,7 +243,7 @@ def _word(value: bool | str) -> str:
 
 
 def setting_label(name: str) -> str:
-    """Return how a setting is called on an axis: its sign and its name."""
+    """Return the label of a setting: symbol and name."""
     parameter = PARAMETERS.get(name)
     if parameter is None or parameter.symbol == name:
         return one_line(name.replace("_", " "), _LONGEST_WORD)
@@ -241,7 +251,7 @@ def setting_label(name: str) -> str:
 
 
 def _said(names: Sequence[str], values: Settings) -> str:
-    """Return settings as people read them: words alone, numbers with their names."""
+    """Format settings: words alone, numbers with their names."""
     return ", ".join(
         one_line(value, _LONGEST_WORD) if isinstance(value, str) else f"{_sign(name)} = {value_text(value)}"
         for name, value in zip(names, values, strict=True)
@@ -267,7 +277,7 @@ def _chart(wanted: _Wanted) -> Picture:
         axis = word_axis(setting_label(wanted.x), [value_text(value) for value in values])
         places = {value: float(place) for place, value in enumerate(values)}
     is_line = _is_numeric(table, wanted.x)
-    # Words stand apart, and so do the points of one word
+    # words and the points of one word are spread out
     apart = 0.0 if is_line else _APART / max(1, len(groups) - 1)
     curves = tuple(
         _curve(
@@ -376,9 +386,10 @@ def picture_of(
     x: str | None = None,
     y: str | None = None,
 ) -> Picture:
-    """Return a picture of curves side by side, or of one sweep.
+    """Return a picture of several curves or of one sweep.
 
-    Raises UserError where ``tables`` are neither, or have not what is asked for.
+    Raises:
+        UserError: `tables` are neither, or lack what is requested.
     """
     curves = [table for table in tables if isinstance(table, CurveTable)]
     if len(curves) == len(tables):
@@ -389,5 +400,5 @@ def picture_of(
         return curve_picture(curves, measure)
     sweeps = [table for table in tables if isinstance(table, SweepTable)]
     if len(tables) > 1:
-        raise UserError("a sweep is drawn alone: give one file, or several of curves")
+        raise UserError("a sweep cannot share a chart; give one file, or several files of curves")
     return sweep_picture(sweeps[0], measure, x, y)

@@ -1,4 +1,4 @@
-"""What a picture is drawn of: texts, paths and discs, in pixels from the upper left corner."""
+"""The shapes of a picture: texts, paths and discs, in pixels from the upper left corner."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Final, Literal, NamedTuple
 Anchor = Literal["start", "middle", "end"]
 Point = tuple[float, float]
 
-# Widths of characters in a wide sans-serif font, in parts of the size: text is given room for this
+# Widths of characters in a wide sans-serif font, relative to the size, for estimates
 _WIDTHS: Final = {
     **dict.fromkeys("ijlI|'.,:;!", 0.34),
     **dict.fromkeys(" ftr()[]{}-/", 0.42),
@@ -19,7 +19,7 @@ _CAPITAL, _OTHER = 0.74, 0.64
 
 
 class Rectangle(NamedTuple):
-    """A rectangle."""
+    """A rectangle in pixels."""
 
     left: float
     top: float
@@ -28,24 +28,24 @@ class Rectangle(NamedTuple):
 
     @property
     def right(self) -> float:
-        """The x of its right side."""
+        """Position x of its right side."""
         return self.left + self.width
 
     @property
     def bottom(self) -> float:
-        """The y of its lower side."""
+        """Position y of its lower side."""
         return self.top + self.height
 
     @property
     def corners(self) -> tuple[Point, ...]:
-        """Its corners, from the upper left clockwise."""
+        """Its corners, clockwise from the upper left."""
         left, top, right, bottom = self.left, self.top, self.right, self.bottom
         return (left, top), (right, top), (right, bottom), (left, bottom)
 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A line of text whose baseline is at ``y``; ``anchor`` says which part of it is at ``x``."""
+    """A line of text with its baseline at `y`. `anchor` is the part of the text at `x`."""
 
     x: float
     y: float
@@ -58,9 +58,8 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """A line through ``points``, or the area within them where it is filled; what is outside ``clip`` is cut.
-
-    An empty colour draws nothing. ``dash`` has lengths of line and gap in turn.
+    """A line through `points`, or the filled area within them, clipped to `clip`. An empty colour draws
+    nothing. `dash` has alternating lengths of line and gap.
     """
 
     points: tuple[Point, ...]
@@ -89,7 +88,7 @@ Shape = Text | Path | Disc
 
 
 class DrawnPage(NamedTuple):
-    """All shapes of a picture, in the order in which they are drawn, and its size."""
+    """The shapes of a picture in drawing order, and its size."""
 
     width: float
     height: float
@@ -99,19 +98,19 @@ class DrawnPage(NamedTuple):
 
 
 def area(box: Rectangle, fill: str, stroke: str = "", width: float = 1.0) -> Path:
-    """Return the rectangle ``box``, filled, with a border where ``stroke`` is a colour."""
+    """Return `box` as a filled rectangle, with a border if `stroke` is a colour."""
     return Path(box.corners, stroke=stroke, width=width, fill=fill, closed=True)
 
 
 def text_width(text: str, size: float) -> float:
-    """Return how wide ``text`` may be, in pixels; in most fonts it is narrower."""
+    """Estimate the largest width of `text` in pixels."""
     return size * sum(
         _WIDTHS.get(character, _CAPITAL if character.isupper() else _OTHER) for character in text
     )
 
 
 def fitting(text: str, size: float, width: float) -> str:
-    """Return ``text``, cut and ended by an ellipsis where it may be wider than ``width``."""
+    """Return `text`, cut with an ellipsis if it may be wider than `width`."""
     if text_width(text, size) <= width:
         return text
     room = width - text_width("…", size)
@@ -125,7 +124,7 @@ def fitting(text: str, size: float, width: float) -> str:
 
 
 def wrapped(text: str, size: float, width: float) -> list[str]:
-    """Return ``text`` in lines of at most ``width``; a word that is wider is cut."""
+    """Return `text` in lines of at most `width`. A wider word is cut."""
     lines = [""]
     for word in (fitting(each, size, width) for each in text.split()):
         longer = f"{lines[-1]} {word}".strip()

@@ -1,4 +1,4 @@
-"""Results as they are drawn: the mean curves of runs, and the cells of a sweep."""
+"""Results for pictures: mean curves of runs, and cells of a sweep."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ Value = bool | int | float | str
 
 @dataclass(frozen=True, slots=True)
 class CurveTable:
-    """A mean learning curve: the lists of ``curve`` in ``train --runs --json``, all of one length."""
+    """A mean learning curve: the lists of `curve` in `train --runs --json`, with equal lengths."""
 
     name: str
-    """What it is of: scenario and algorithm, or the name of its file."""
+    """Scenario and algorithm, or the name of the file."""
     columns: Mapping[str, Sequence[float | None]]
     runs: int | None
-    """Over how many runs it is the mean; None where nothing says so."""
+    """Number of runs in the mean, or None if unknown."""
 
 
 @dataclass(frozen=True, slots=True)
 class CellSpread:
-    """What the runs of a cell come to in one measure; None where that has no value."""
+    """The mean of a cell in one metric with its interval, or None without a value."""
 
     mean: float | None
     low: float | None
-    """The ends of the interval of the mean."""
+    """Lower end of the interval of the mean."""
     high: float | None
     is_of_all: bool = True
-    """Whether every run of the cell has a value."""
+    """True if every run of the cell has a value."""
     is_restricted: bool = False
-    """Whether some runs never arrived, and count with the episodes that they had."""
+    """True if some runs never arrived, and count with their number of episodes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +40,9 @@ class SweepCell:
 
     settings: Mapping[str, Value]
     spreads: Mapping[str, CellSpread]
-    """By the names of the measures."""
+    """Results by the names of the metrics."""
     like_best: bool | None
-    """Whether it could not be told from the best; None where nothing says so."""
+    """True if statistically tied with the best, or None if not tested."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,15 +50,15 @@ class SweepTable:
     """The cells of a sweep."""
 
     scenario: str
-    """Empty where several are swept."""
+    """Name of the scenario, empty if several are swept."""
     names: tuple[str, ...]
-    """The settings that it varies."""
+    """Settings that vary."""
     logarithmic: frozenset[str]
-    """Those whose values stand at equal ratios."""
+    """Settings with values at equal ratios."""
     measures: Mapping[str, str]
-    """The titles of the measures by their names."""
+    """Titles of the metrics by name."""
     judged_by: str
-    """The measure by which cells are compared with the best."""
+    """Metric that ranks the cells."""
     cells: Sequence[SweepCell]
     bests: Sequence[Mapping[str, Value]]
-    """The settings of the best cell, of each world where several are swept."""
+    """Settings of the best cell, for each world if several are swept."""

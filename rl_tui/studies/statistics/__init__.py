@@ -1,1 +1,1 @@
-"""What many runs say together: intervals, comparisons, arrivals, what a choice is worth. Pure functions."""
+"""Statistics of many runs as pure functions: intervals, comparisons, arrivals, sensitivity."""

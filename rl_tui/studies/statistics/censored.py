@@ -1,4 +1,4 @@
-"""When runs arrive at a goal, if some do not within the time they have: those are censored, not late."""
+"""Times of arrival at a goal if some runs do not arrive in their time. Those are censored, not late."""
 
 from __future__ import annotations
 
@@ -10,18 +10,24 @@ import numpy as np
 from rl_tui.studies.statistics.intervals import FEWEST_RUNS, interval_of, share_interval
 from rl_tui.worlds.mdp.space import FloatArray
 
-_HALF: Final = 0.5 + 1e-9  # a product of shares that should be one half may come out above it, by rounding
+_HALF: Final = 0.5 + 1e-9  # a product of shares that equals one half may be rounded up
 
 
 @dataclass(frozen=True, slots=True)
 class Arrivals:
     """The arrivals of some runs, in the unit of their times.
 
-    ``share`` of the ``count`` runs arrived, with Wilson's 95 % interval ``share_low`` .. ``share_high``.
-    ``median`` is the first time by which at least half of all runs have arrived; None if that is not seen.
-    ``restricted_mean`` is the mean of the time to arrival or ``horizon``, whichever comes first: not a mean
-    time to arrival unless all arrived. ``low`` .. ``high`` is its 95 % interval. Intervals are None below ten
-    runs, the last one also where some run was not watched to the horizon.
+    Attributes:
+        count: Number of runs.
+        share: Share of runs that arrived, 0 to 1.
+        share_low: Lower end of Wilson's 95 % interval of the share, None below ten runs.
+        share_high: Upper end of that interval.
+        median: First time by which at least half of all runs have arrived, None if that was not observed.
+        restricted_mean: Mean of min(arrival, `horizon`). It is a mean time to arrival only if all arrived.
+        low: Lower end of its 95 % interval, None below ten runs or if a run was not watched to the
+            horizon.
+        high: Upper end of that interval.
+        horizon: Longest time that a run was watched.
     """
 
     count: int
@@ -36,15 +42,19 @@ class Arrivals:
 
 
 def arrivals_of(times: FloatArray, watched: FloatArray) -> Arrivals | None:
-    """Return what is known of arrival from ``times``, [n], NaN for a run that did not arrive; None without
-    any.
+    """Summarize arrivals. Runs must not have been stopped because they were slow or quick to learn, since
+    the remaining sample would be biased. Equal budgets exclude that.
 
-    ``watched``, [n], is how long each run had: its budget. That of a run that arrived counts only for the
-    horizon, which is the longest of all. Runs must not have been stopped because they were slow or quick to
-    learn, or what is left is no fair sample. Where all have the same budget, that is certain.
+    Args:
+        times: Time of arrival, NaN for a run that did not arrive, `[n]`.
+        watched: Budget of each run, `[n]`. For a run that arrived it only affects the horizon, which is
+            the longest budget.
 
-    Raises ValueError if shapes differ, a time is negative or longer than it was watched, or a budget is not
-    finite.
+    Returns:
+        The summary, or None without runs.
+
+    Raises:
+        ValueError: Shapes differ, a time is negative or exceeds the budget, or a budget is not finite.
     """
     if times.shape != watched.shape or times.ndim != 1 or not np.isfinite(watched).all():
         raise ValueError("each run needs a time, or NaN, and how long it was watched")
@@ -75,12 +85,17 @@ def arrivals_of(times: FloatArray, watched: FloatArray) -> Arrivals | None:
 
 
 def still_under_way(times: FloatArray, watched: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the moments of arrivals, [m], rising from 0, and the share of runs not yet there after each.
+    """Estimate the share of runs that have not arrived (E. L. Kaplan and P. Meier, "Nonparametric
+    Estimation from Incomplete Observations", 1958). At each moment the share falls by the part that
+    arrives among the runs still watched, including those watched to that moment.
 
-    At every moment the share falls by the part of those that arrive among those still watched, a run that is
-    watched to that very moment included: E. L. Kaplan and P. Meier, "Nonparametric Estimation from Incomplete
-    Observations", 1958. Between two moments it stays; the first is 0, at which it is 1 if no run arrives so
-    soon.
+    Args:
+        times: Time of arrival or NaN, `[n]`.
+        watched: Budget of each run, `[n]`.
+
+    Returns:
+        Moments, `[m]`, rising from 0, and the share after each, `[m]`. The share is 1 at 0 unless a run
+        arrives then.
     """
     arrived = ~np.isnan(times)
     moments, arrivals = np.unique(times[arrived], return_counts=True)
@@ -98,5 +113,5 @@ def _first_half(moments: FloatArray, still: FloatArray) -> float | None:
 
 
 def _area(moments: FloatArray, still: FloatArray, horizon: float) -> float:
-    """Return the mean of the time to arrival or the horizon: the area below the share not yet there."""
+    """Return the mean of min(arrival, horizon), which is the area below the share."""
     return float(np.sum(still * np.diff(np.append(moments, horizon))))

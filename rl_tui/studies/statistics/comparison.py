@@ -1,4 +1,4 @@
-"""Which cells of a sweep cannot be told from the best one."""
+"""The cells of a sweep that are tied with the best."""
 
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from rl_tui.studies.statistics.intervals import EQUAL, FEWEST_RUNS
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 ERROR: Final = 0.05
-"""The chance that a cell as good as the best is called different, over all cells together."""
+"""Probability of calling any cell as good as the best different."""
 METHOD: Final = "paired t-tests against the best, Holm's step-down corrected for the choice of the best"
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """C cells against the one with the best mean.
+    """C cells compared with the one with the best mean.
 
-    ``best`` is its index, None where no cell has a value. ``compared``, [C], are the cells that share enough
-    seeds with it to be compared, itself among them; ``alike``, [C], those of them that could not be shown to
-    be worse. ``method`` names the test and its correction.
+    Attributes:
+        best: Index of the best cell, None without values.
+        alike: True for cells not shown to be worse than the best, including itself, `[C]`.
+        compared: True for cells with enough common seeds, including the best, `[C]`.
+        method: Name of the test and its correction.
     """
 
     best: int | None
@@ -31,21 +33,24 @@ class Comparison:
 
 
 def not_different(values: FloatArray, larger_is_better: bool = True) -> Comparison:
-    """Compare cells, one a row of ``values``, [C, N], with the best of them; a column is a seed.
+    """Compare cells with the best of them. The best is the first with the best mean, among the cells with
+    enough runs or else with most. Two cells are compared by their common seeds, if these are at least
+    `FEWEST_RUNS`.
 
-    A run that failed or is not there yet is NaN: two cells are compared by the seeds that both have, if these
-    are at least ``FEWEST_RUNS``. The best is the first with the best mean among the cells that have as many
-    runs, or where none has, among those that have most.
+    Args:
+        values: Results, `[C, N]`, a column for each seed, NaN for a missing run.
+        larger_is_better: Direction of the metric.
 
-    It is chosen from the same numbers, so a test against it alone, corrected for the number of cells, errs
-    far too often. A cell that is as good as any is called different only if it differs much, seed by seed,
-    from one of the C − 1 others, any of which may be found best. With m such cells that are m (C − 1) pairs,
-    by whose number ``ERROR`` is divided. m is at most C, and at most C − k once k cells were shown to be
-    worse: S. Holm, "A Simple Sequentially Rejective Multiple Test Procedure", 1979. It holds however cells
-    depend on each other. The question is that of J. C. Hsu, "Simultaneous Confidence Intervals for all
-    Distances from the 'Best'", 1981.
+    Raises:
+        ValueError: A value is infinite, or `values` is not a matrix.
 
-    Raises ValueError if a value is infinite, or ``values`` is no matrix.
+    The best is chosen from the same numbers, so a test with a correction for C only would err far too
+    often. A cell as good as any is called different only if it differs much from one of the C − 1 others,
+    any of which may be chosen as best. With m such cells there are m (C − 1) pairs, by which `ERROR` is
+    divided. m is at most C, and at most C − k once k cells were shown to be worse (S. Holm, "A Simple
+    Sequentially Rejective Multiple Test Procedure", 1979). This holds for any dependence between cells.
+    For the question see J. C. Hsu, "Simultaneous Confidence Intervals for all Distances from the 'Best'",
+    1981.
     """
     if values.ndim != 2 or np.isinf(values).any():
         raise ValueError("cells are compared by a matrix of finite numbers, NaN for a run that is not there")
@@ -67,7 +72,7 @@ def not_different(values: FloatArray, larger_is_better: bool = True) -> Comparis
 
 
 def _best(results: FloatArray, there: BoolArray) -> int | None:
-    """Return the first row with the largest mean, of those that have enough runs, or else the most."""
+    """Return the first row with the largest mean, among those with enough runs or else with most."""
     runs = there.sum(axis=1)
     eligible = runs >= min(FEWEST_RUNS, max(1, int(runs.max(initial=0))))
     if not eligible.any():
@@ -77,9 +82,8 @@ def _best(results: FloatArray, there: BoolArray) -> int | None:
 
 
 def _chances(results: FloatArray, best: FloatArray, shared: BoolArray) -> FloatArray:
-    """Return, for each row, the chance that an equal one comes out so far below ``best``: a paired t-test.
-
-    Where all differences are the same there is no spread to compare with: it is 1 if they are 0, else 0.
+    """Return for each row the p-value of a paired t-test: the probability that an equal cell is this far
+    below `best`. Constant differences give 1 if they are 0, else 0.
     """
     from scipy.special import stdtr  # takes long to import
 
@@ -96,7 +100,7 @@ def _chances(results: FloatArray, best: FloatArray, shared: BoolArray) -> FloatA
 
 
 def _worse(chances: FloatArray) -> IntArray:
-    """Return the indices of the cells shown to be worse than the best, which is one more than these."""
+    """Return the indexes of the cells shown to be worse than the best, which is not among them."""
     others = chances.size
     order = np.argsort(chances, kind="stable")
     levels = ERROR / (np.arange(others + 1, 1, -1.0) * others)

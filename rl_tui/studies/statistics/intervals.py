@@ -1,4 +1,4 @@
-"""The middle of many runs, and an interval for their mean."""
+"""Averages of many runs, with an interval for the mean."""
 
 from __future__ import annotations
 
@@ -15,21 +15,20 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 CONFIDENCE: Final = 0.95
 FEWEST_RUNS: Final = 10
-"""Below this many runs nothing is claimed of the mean."""
+"""Fewest runs for statements about the mean."""
 RESAMPLES: Final = 20_000
 MOST_RESAMPLED: Final = 300
-"""Above this many runs a formula takes the place of resamples: other resamples would differ as much."""
+"""Runs above which a formula replaces resampling, which would differ as much by chance."""
 EQUAL: Final = 1e-9
-"""Results that differ by less, as a part of the largest one, are equal: exact figures are no more exact."""
+"""Relative difference below which results are equal, since exact results are no more accurate."""
 SEED: Final = 20_210_830
-_TIE: Final = 1e-12  # means of resamples this near to the mean, in units of the largest deviation, equal it
+_TIE: Final = 1e-12  # tolerance of resampled means, in units of the largest deviation
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """The middle of the values of some runs, each in their unit.
-
-    ``low`` and ``high`` are the ends of the 95 % interval of the mean; both are None below ``FEWEST_RUNS``.
+    """Averages of the values of some runs. `low` and `high` are the ends of the 95 % interval of the mean,
+    None below `FEWEST_RUNS`.
     """
 
     mean: float
@@ -41,11 +40,10 @@ class Summary:
 
 
 def summary_of(values: Iterable[float], seed: int = SEED) -> Summary | None:
-    """Return mean, median, interquartile mean and interval of ``values``, in any order; None without any.
+    """Return the averages of `values`, or None without values. Equal values give equal bits in any order.
 
-    The same values give the same bits, however they are ordered and whatever was asked before.
-
-    Raises ValueError if a value is not finite.
+    Raises:
+        ValueError: A value is not finite.
     """
     ordered = np.sort(_finite(values))
     if not ordered.size:
@@ -62,31 +60,30 @@ def summary_of(values: Iterable[float], seed: int = SEED) -> Summary | None:
 
 
 def interquartile_mean(values: Iterable[float]) -> float:
-    """Return the mean of the middle half of ``values``; those that a quartile cuts count by their part.
+    """Return the mean of the middle half of `values`. The i-th of n sorted values covers [i/n, (i+1)/n],
+    and its weight is the part of that in [1/4, 3/4]. No value is lost by rounding, and two values give
+    their mean (Agarwal et al., "Deep Reinforcement Learning at the Edge of the Statistical Precipice",
+    2021).
 
-    Of the sorted values, the i-th of n stands on [i/n, (i+1)/n]; its weight is the part of that in
-    [1/4, 3/4]. So no value is dropped by rounding, and 2 values give their mean. For the use of it see
-    Agarwal et al., "Deep Reinforcement Learning at the Edge of the Statistical Precipice", 2021.
-
-    Raises ValueError if there is no value, or one is not finite.
+    Raises:
+        ValueError: There is no value, or one is not finite.
     """
     ordered = np.sort(_finite(values))
     if not ordered.size:
         raise ValueError("no value has no interquartile mean")
     edges = np.clip(np.arange(ordered.size + 1) / ordered.size, 0.25, 0.75)
-    first = ordered[0]  # equal values then give exactly that value
+    first = ordered[0]  # equal values then give exactly this value
     return float(first + 2.0 * np.sum(np.diff(edges) * (ordered - first)))
 
 
 def interval_of(values: Iterable[float], seed: int = SEED) -> tuple[float, float] | None:
-    """Return the ends of the 95 % interval of the mean of ``values``; None below ``FEWEST_RUNS`` of them.
+    """Return the 95 % interval of the mean of `values`, or None below `FEWEST_RUNS`. Equal values give an
+    interval of width 0. For two different values the mean is a share, with Wilson's interval. `EQUAL`
+    neighbours count as one value. Otherwise it is an expanded BCa bootstrap interval, or
+    `_skewness_interval` for many values.
 
-    Equal values have no spread: both ends are that value. Where there are two different values, the mean is a
-    share, and the interval is Wilson's of that share. Neighbours that are ``EQUAL`` count as one value. Else
-    it is an expanded BCa bootstrap interval (``_bootstrap_interval``), or for many values
-    ``_skewness_interval``.
-
-    Raises ValueError if a value is not finite.
+    Raises:
+        ValueError: A value is not finite.
     """
     ordered = np.sort(_finite(values))
     count = ordered.size
@@ -110,37 +107,36 @@ def interval_of(values: Iterable[float], seed: int = SEED) -> tuple[float, float
 
 
 def share_interval(successes: int, count: int) -> tuple[float, float]:
-    """Return Wilson's 95 % interval, within [0, 1], of the share that ``successes`` of ``count`` estimate.
+    """Return Wilson's 95 % interval, in [0, 1], of the share estimated by `successes` of `count` (E. B.
+    Wilson, "Probable Inference, the Law of Succession, and Statistical Inference", 1927). For its coverage
+    see Brown, Cai and DasGupta, "Interval Estimation for a Binomial Proportion", 2001.
 
-    E. B. Wilson, "Probable Inference, the Law of Succession, and Statistical Inference", 1927; for how it
-    covers see Brown, Cai and DasGupta, "Interval Estimation for a Binomial Proportion", 2001.
-
-    Raises ValueError if ``count`` is not positive or ``successes`` not within 0 .. ``count``.
+    Raises:
+        ValueError: `count` is not positive, or `successes` is not in [0, `count`].
     """
     if not 0 <= successes <= count or not count:
-        raise ValueError(f"{successes} of {count} is no share")
+        raise ValueError(f"{successes} of {count} is not a share")
     share, z = successes / count, _normal_quantile(0.5 + CONFIDENCE / 2)
     middle = (share + z * z / (2 * count)) / (1 + z * z / count)
     half = z / (1 + z * z / count) * (share * (1 - share) / count + z * z / (4 * count * count)) ** 0.5
-    # At either end the formula gives exactly 0 or 1, but for rounding
+    # at either end the formula gives exactly 0 or 1, except for rounding
     low = 0.0 if successes == 0 else max(0.0, middle - half)
     high = 1.0 if successes == count else min(1.0, middle + half)
     return low, high
 
 
 def _bootstrap_interval(deviations: FloatArray, seed: int) -> tuple[float, float]:
-    """Return the expanded BCa interval of the mean of what deviates from it by ``deviations``, [n], sorted.
-
-    Efron, "Better Bootstrap Confidence Intervals", 1987, with the quantile of Student's distribution in place
-    of the normal one, which makes up for the spread of n values being n − 1 over n too small (Hesterberg,
-    "What Teachers Should Know About the Bootstrap", 2015, on expanded percentiles).
+    """Return the expanded BCa interval of the mean, from sorted `deviations`, `[n]` (Efron, "Better
+    Bootstrap Confidence Intervals", 1987). Student's quantile replaces the normal one, because the spread
+    of n values is too small by (n − 1)/n (Hesterberg, "What Teachers Should Know About the Bootstrap",
+    2015, on expanded percentiles).
     """
     means = np.sort(deviations.take(resamples(deviations.size, seed)).sum(axis=0) / deviations.size)
     return _ends(means, deviations)
 
 
 def _ends(means: FloatArray, deviations: FloatArray) -> tuple[float, float]:
-    """Return the two quantiles of ``means``, sorted, that BCa chooses: bias and acceleration corrected."""
+    """Return the quantiles of sorted `means` after BCa's correction of bias and acceleration."""
     ties = np.searchsorted(means, (-_TIE, _TIE))
     below = float(np.clip(ties.mean() / means.size, 1 / means.size, 1 - 1 / means.size))
     bias = _normal_quantile(below)
@@ -154,10 +150,8 @@ def _ends(means: FloatArray, deviations: FloatArray) -> tuple[float, float]:
 
 
 def _skewness_interval(deviations: FloatArray, seed: int) -> tuple[float, float]:
-    """Return Student's interval with what skewness adds to both ends; ``seed`` is not needed.
-
-    To the second order it is what BCa comes to: N. J. Johnson, "Modified t Tests and
-    Confidence Intervals for Asymmetrical Populations", 1978.
+    """Return Student's interval, shifted for skewness. `seed` is unused. It equals BCa to second order (N.
+    J. Johnson, "Modified t Tests and Confidence Intervals for Asymmetrical Populations", 1978).
     """
     count = deviations.size
     error = float(np.sum(deviations**2) / (count - 1) / count) ** 0.5
@@ -170,14 +164,12 @@ def _skewness(deviations: FloatArray) -> float:
     return float(np.mean(deviations**3) / np.mean(deviations**2) ** 1.5)
 
 
-@lru_cache(maxsize=4)  # each takes up to 12 MB
+@lru_cache(maxsize=4)  # up to 12 MB each
 def resamples(count: int, seed: int) -> npt.NDArray[np.uint16]:
-    """Return which of ``count`` values each resample draws, by rank, [count, RESAMPLES].
-
-    All cells of as many runs share it. It is balanced: every value is drawn equally often in all, so the mean
-    of the resamples is the mean (Davison, Hinkley and Schechtman, "Efficient Bootstrap Simulation", 1986).
-    And each resample has its mirror image, so that results and costs, their negatives, come to the
-    same.
+    """Return the drawn ranks of each resample, `[count, RESAMPLES]`, shared by all cells with `count`
+    runs. Every value is drawn equally often, so the mean of the resamples is the mean (Davison, Hinkley
+    and Schechtman, "Efficient Bootstrap Simulation", 1986). Each resample has a mirror image, so that
+    results and their negatives give mirrored intervals.
     """
     generator = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, count])))
     ranks = np.repeat(np.arange(count, dtype=np.uint16), RESAMPLES // 2)
@@ -188,7 +180,6 @@ def resamples(count: int, seed: int) -> npt.NDArray[np.uint16]:
 
 
 def _quantile(ordered: FloatArray, share: float) -> float:
-    """Return the quantile of sorted values, straight between neighbours."""
     place = share * (ordered.size - 1)
     before = int(place)
     after = min(before + 1, ordered.size - 1)

@@ -1,4 +1,4 @@
-"""How much an algorithm depends on settings that were found for each scenario alone."""
+"""How much an algorithm depends on settings tuned for each scenario."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """What settings of its own are worth to each of S scenarios, in parts of best − random.
+    """The gain of tuning for each of S scenarios, in units of best − random.
 
-    ``value`` is ``tuned`` − ``in_common``: the mean over scenarios of the score with the best settings for
-    each, less that of the settings which are best for all together. ``best``, [S], and ``common`` are their
-    indices, ``lost``, [S], what each scenario loses by the common ones.
-
-    The largest of several means is too high by luck, so ``value`` comes out too large where runs are few.
-    ``held_out`` is without that luck: settings chosen by one half of the seeds and scored by the other, and
-    the other way round, on average. It may be below 0, and is None if a setting has no run in one of the
-    halves.
+    Attributes:
+        value: `tuned` − `in_common`. It is too large with few runs, because the largest of several means
+            is high by luck.
+        held_out: The same without that luck, None if a setting has no run in a half. Settings are chosen
+            by one half of the seeds and scored by the other, then vice versa. It may be negative.
+        tuned: Mean score over scenarios with the best settings of each.
+        in_common: Mean score with the settings that are best for all together.
+        best: Indexes of the best settings, `[S]`.
+        common: Index of the common settings.
+        lost: Loss of each scenario with the common settings, `[S]`.
     """
 
     value: float
@@ -33,18 +35,23 @@ class Sensitivity:
 
 
 def sensitivity_of(values: FloatArray, random: FloatArray, best: FloatArray) -> Sensitivity | None:
-    """Return how sensitive to its settings an algorithm is.
+    """Compute the sensitivity of an algorithm to its settings, mean_s max_h g(s, h) − max_h mean_s g(s,
+    h). Here g(s, h) is the mean over runs of (score − random) / (best − random). The method is by J.
+    Adkins, M. Bowling and A. White, "A Method for Evaluating Hyperparameter Sensitivity in Reinforcement
+    Learning", 2024. They scale by percentiles, while here the scores of the random and the best policy are
+    exact. The result is 0 if the same settings are best everywhere, and for one scenario.
 
-    ``values``, [S scenarios, H settings, N seeds], are the scores of its runs, NaN for one that is not there.
-    Sensitivity = mean_s max_h g(s, h) − max_h mean_s g(s, h), where g(s, h) is the mean over runs of (score −
-    random) / (best − random): J. Adkins, M. Bowling and A. White, "A Method for Evaluating Hyperparameter
-    Sensitivity in Reinforcement Learning", 2024. They scale by percentiles of scores; here the uniformly
-    random and the best policy of each scenario are known exactly, ``random`` and ``best``, [S]. It is 0 if
-    the same settings are best everywhere, and always for one scenario. For costs ``best`` is the smaller one.
+    Args:
+        values: Scores of the runs, `[S, H settings, N seeds]`, NaN for a missing run. A setting without a
+            run in some scenario is ignored.
+        random: Score of the random policy, `[S]`.
+        best: Score of the best policy, `[S]`, below `random` for costs.
 
-    A setting without any run in some scenario is left out everywhere; None if that leaves none.
+    Returns:
+        The sensitivity, or None without settings.
 
-    Raises ValueError if shapes do not fit, or if ``random`` is as good as ``best`` in a scenario.
+    Raises:
+        ValueError: Shapes do not fit, or `random` equals `best` in a scenario.
     """
     if values.ndim != 3 or random.shape != best.shape or random.shape != values.shape[:1]:
         raise ValueError("values need a row for each scenario, and a random and a best score for each")
@@ -70,7 +77,7 @@ def sensitivity_of(values: FloatArray, random: FloatArray, best: FloatArray) -> 
 
 
 def _means(runs: FloatArray) -> FloatArray:
-    """Return the mean of the runs that are there, NaN where none is."""
+    """Return the mean of the existing runs, NaN without any."""
     count = np.sum(~np.isnan(runs), axis=2)
     means = np.full(count.shape, np.nan)
     np.divide(np.nansum(runs, axis=2), count, out=means, where=count > 0)
@@ -78,7 +85,7 @@ def _means(runs: FloatArray) -> FloatArray:
 
 
 def _choices(scores: FloatArray) -> tuple[IntArray, int]:
-    """Return the best settings for each scenario, and for all; of equal ones the first."""
+    """Return the best settings for each scenario, and for all together. The first of equal ones counts."""
     return np.argmax(scores, axis=1), int(np.argmax(scores.mean(axis=0)))
 
 

@@ -1,4 +1,4 @@
-"""How much of its lead the best cell loses when it is run again on fresh seeds."""
+"""How much the best cell loses when it is run again on fresh seeds."""
 
 from __future__ import annotations
 
@@ -10,10 +10,14 @@ from rl_tui.studies.statistics.intervals import Summary, summary_of
 
 @dataclass(frozen=True, slots=True)
 class Shrinkage:
-    """A cell when it was chosen as the best, the same on fresh seeds, and what lies between.
+    """The best cell as chosen, and again on fresh seeds.
 
-    ``shrunk`` is by how much the mean was worse again, in its unit; below 0 it was better. ``low`` ..
-    ``high`` is the 95 % interval of that, None if one of both has fewer than ten runs.
+    Attributes:
+        first: Averages when it was chosen.
+        again: Averages on fresh seeds.
+        shrunk: Loss of the mean, negative if it was better again.
+        low: Lower end of the 95 % interval of the loss, None below ten runs.
+        high: Upper end of that interval.
     """
 
     first: Summary
@@ -26,15 +30,17 @@ class Shrinkage:
 def shrinkage_of(
     first: Iterable[float], again: Iterable[float], larger_is_better: bool = True
 ) -> Shrinkage | None:
-    """Return how much worse ``again`` is than ``first``, whose seeds are others; None without any of one.
+    """Compute how much worse `again` is than `first`, on different seeds. The best of many cells looks
+    better than it is, because luck helped to choose it. The interval combines those of the two means (G.
+    Y. Zou and A. Donner, "Construction of Confidence Limits About Effect Measures: A General Approach",
+    2008). For two shares it is method 10 of R. G. Newcombe, "Interval Estimation for the Difference
+    Between Independent Proportions", 1998.
 
-    The best of many looks better than it is, since luck helped to choose it: what it shrinks by is that luck.
-    The interval of the difference is put together from those of the two means, each end from the distances
-    that push it: G. Y. Zou and A. Donner, "Construction of Confidence Limits About Effect Measures: A General
-    Approach", 2008. Of two shares it is R. G. Newcombe, "Interval Estimation for the Difference Between
-    Independent Proportions", 1998, method 10.
+    Returns:
+        The loss, or None without values of one.
 
-    Raises ValueError if a value is not finite.
+    Raises:
+        ValueError: A value is not finite.
     """
     before, after = summary_of(first), summary_of(again)
     if before is None or after is None:

@@ -1,1 +1,1 @@
-"""Many runs: a grid of settings, each under many seeds, kept in a store."""
+"""Sweeps: a grid of settings, each under many seeds, with the runs in a store."""

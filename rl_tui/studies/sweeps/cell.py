@@ -1,7 +1,6 @@
-"""A cell of a sweep: one combination of settings, and the key under which its runs are stored.
-
-Equal training has an equal key, however the settings are written. Where the cell allows it, one call of
-machine code trains many seeds, with the same bits as one by one.
+"""A cell of a sweep: one combination of settings, and the key under which its runs are stored. Equal
+training has an equal key, however the settings are written. Where the cell allows it, one call of machine
+code trains many seeds, with the same bits as one by one.
 """
 
 from __future__ import annotations
@@ -33,35 +32,35 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 KEY_FORMAT: Final = 1
-"""Raised when the key itself is made in another way."""
+"""Increased when the form of the key changes."""
 KERNELS: Final = 1
-"""Raised when the same recipe and seed come to other steps or estimates than before, bit for bit."""
+"""Increased when equal recipes and seeds give different steps or estimates, in any bit."""
 FIGURES: Final = 1
-"""Raised when the same run comes to other figures, or to figures of another meaning."""
+"""Increased when equal runs give different numbers, or numbers with another meaning."""
 
-# Figures are those of the greedy policy, whose ties this decides, whatever the agent's own policy is
+# ties decide the greedy policy that is evaluated, even if the agent has another policy
 _ALWAYS: Final = ("ties",)
 _STEP_SIZE: Final = ("step_size_schedule", "alpha_min", "alpha_decay")
 
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """One combination of settings: what is trained there, under every seed alike."""
+    """One combination of settings, trained under every seed."""
 
     index: int
-    """Its number in the plan, from 0."""
+    """Number in the plan, from 0."""
     settings: Mapping[str, Value]
-    """The value of each setting that varies, by its name, in the order of the plan."""
+    """Values of the varying settings by name, in the order of the plan."""
     recipe: Recipe
-    """How its runs start; the seed is the first of the plan."""
+    """Start of its runs. The seed is the first of the plan."""
     goal: Goal
-    """So many episodes each run is trained for."""
+    """Number of episodes of each run."""
     content: WorldContent
-    """The world of its runs."""
+    """World of its runs."""
 
     @cached_property
     def identity(self) -> dict[str, Any]:
-        """All that its runs come from but for the seed, in one form: what its key is a hash of."""
+        """Everything that determines its runs except the seed, in a canonical form."""
         return {
             "format": KEY_FORMAT,
             "kernels": KERNELS,
@@ -77,23 +76,23 @@ class Cell:
 
     @cached_property
     def key(self) -> str:
-        """The sha256, in hexadecimal, of the text of its identity."""
+        """SHA-256 of the identity, in hexadecimal."""
         return hashlib.sha256(self.identity_text.encode()).hexdigest()
 
     @cached_property
     def identity_text(self) -> str:
-        """Its identity as JSON with sorted keys and no spaces."""
+        """The identity as JSON with sorted keys and no spaces."""
         return json.dumps(self.identity, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
     @property
     def text(self) -> str:
-        """Its settings in one line: ``alpha=0.1 algorithm=sarsa``."""
+        """Its settings in one line: `alpha=0.1 algorithm=sarsa`."""
         return settings_text(self.settings)
 
 
 @dataclass(frozen=True)
 class SkippedCell:
-    """A combination of settings that cannot work together, and why."""
+    """A combination of settings that cannot work together, with the reason."""
 
     index: int
     settings: Mapping[str, Value]
@@ -101,28 +100,26 @@ class SkippedCell:
 
 
 def settings_text(settings: Mapping[str, Value]) -> str:
-    """Return ``settings`` in one line: ``alpha=0.1 algorithm=sarsa``."""
+    """Format `settings` in one line: `alpha=0.1 algorithm=sarsa`."""
     return " ".join(f"{name}={written(value)}" for name, value in settings.items())
 
 
 def used_parameters(
     algorithm: str, values: Hyperparameters, *, is_bandit: bool
 ) -> dict[str, int | float | str]:
-    """Return the hyper-parameters that make a difference, each in one form: what is equal is written alike.
-
-    Those that algorithm and policy do not use are left out, and so are those that change nothing as things
-    stand, such as where a decay of 0 would end.
+    """Return the hyper-parameters with an effect, in a canonical form. Settings that the algorithm and
+    policy do not use are left out, and those without effect, such as the end of a decay of 0.
     """
     used: dict[str, int | float | str] = {}
     for name in dict.fromkeys((*parameters_of(algorithm, values.policy), *_ALWAYS)):
         if name == "policy" or why_idle(name, algorithm, values, is_bandit=is_bandit):
             continue
         if values.sample_average and name in ("alpha", *_STEP_SIZE):
-            used["alpha"] = SAMPLE_AVERAGE  # alpha may say so, or its schedule
+            used["alpha"] = SAMPLE_AVERAGE  # alpha or its schedule may say so
             continue
         value = values.value(name)
         if not isinstance(value, str):
-            value = int(value) if PARAMETERS[name].whole else float(value) + 0.0  # no zero below zero
+            value = int(value) if PARAMETERS[name].whole else float(value) + 0.0  # no negative zero
         used[name] = value
     return used
 
@@ -144,20 +141,23 @@ MEASURES: Final = {
         "return_last_100",
     )
 }
-"""The measures of a sweep by their ids, in the order of their columns."""
+"""Metrics of a sweep by id, in the order of columns."""
 ARRIVED: Final = "arrived"
-"""The figure beside ``arrival``: 1 where it happened, 0 where training ended before, null if no one knows."""
+"""Column after `arrival`: 1 if it happened, 0 if training ended before, null if unknown."""
 JUDGED_BY: Final = ("area", "expected_return")
-"""By the first of these that its runs have a sweep is judged, where nobody says by which."""
+"""Default metrics that rank a sweep. The first with values is used."""
 
 Figures = Mapping[str, float | int | None]
 
 
 def figures_of_run(run: MeasuredRun, best: float | None, line: float | None, arrival: int | None) -> Figures:
-    """Return every measure of ``run``, and ``arrived``.
+    """Return every metric of `run`, and `arrived`.
 
-    The best policy earns ``best``; after ``arrival`` episodes the greedy policy first earned ``line``. Each
-    is None where nobody can say, ``arrival`` also where that did not happen.
+    Args:
+        run: The finished run.
+        best: Expected return of the best policy, or None if unknown.
+        line: Return that counts as arrival, or None if unknown.
+        arrival: Episodes until the greedy policy first reached `line`, or None.
     """
     arrived = None if line is None else int(arrival is not None)
     return {**figures_of(replace(run, best_return=best, arrival=arrival), MEASURES), ARRIVED: arrived}
@@ -167,9 +167,8 @@ def figures_of_run(run: MeasuredRun, best: float | None, line: float | None, arr
 
 
 def loop_in_batches(cell: Cell) -> Loop | None:
-    """Return the loop that trains many seeds of ``cell`` at once; None where each goes by itself.
-
-    That is where each has a world of its own, or one that drifts or has no table.
+    """Return the loop that trains many seeds of `cell` together. None if each seed has its own world, or
+    if the world drifts or has no table.
     """
     mdp, recipe = cell.content.facts.mdp, cell.recipe
     if mdp is None or mdp.drift_std > 0.0 or cell.content.shared is None or BY_ID[recipe.algorithm].planner:
@@ -179,7 +178,9 @@ def loop_in_batches(cell: Cell) -> Loop | None:
 
 
 def runs_in_batches(cell: Cell) -> SeededRuns | None:
-    """Return the runs of ``cell``, to be trained in batches; None where that cannot be, or not yet."""
+    """Return the runs of `cell` for training in batches, or None if that is impossible or not compiled
+    yet.
+    """
     if loop_in_batches(cell) not in COMPILED_LOOPS:
         return None
     facts = cell.content.facts
@@ -194,11 +195,18 @@ def batched_figures(
     line: float | None,
     check: Callable[[], None],
 ) -> list[Figures | None]:
-    """Return the figures of each of ``seeds`` of ``seeded``, the runs of ``cell``; None if it broke down.
+    """Train several seeds of a cell together.
 
-    After each of ``marks``, episodes that ascend, their greedy policies are looked at until they earn
-    ``line``; where there is none, no mark is looked at. ``check`` is called now and then, and may raise to
-    end it.
+    Args:
+        cell: The cell.
+        seeded: Its runs.
+        seeds: Seeds to train.
+        marks: Ascending episodes at which the greedy policy is evaluated.
+        line: Return that counts as arrival, or None to skip marks.
+        check: Called between slow parts, and may raise to stop.
+
+    Returns:
+        The numbers of each seed, or None for a run that broke down.
     """
     facts = cell.content.facts
     marks = marks if line is not None else ()
@@ -219,8 +227,8 @@ def _arrivals(
     line: float,
     check: Callable[[], None],
 ) -> list[int | None]:
-    """Return after which of ``marks`` the greedy policy of each run first earned ``line``; None for none."""
-    assert mdp is not None  # or there were no line
+    """Return the first of `marks` at which each greedy policy reached `line`, or None."""
+    assert mdp is not None  # otherwise there would be no line
     batch, ties = runs.batch, runs.hyperparameters.ties
     found: list[int | None] = [None] * len(batch.stop)
     waiting = np.arange(len(found))

@@ -1,7 +1,6 @@
-"""The results of a sweep as the document of `sweep --json`, its cells in the order of the plan, and as CSV.
-
-The document also reports the best cell of each world, on fresh seeds too, and how sensitive each algorithm is
-to its settings over several scenarios.
+"""The results of a sweep as the document of `sweep --json`, its cells in the order of the plan, and as
+CSV. The document also reports the best cell of each world, on fresh seeds too, and how sensitive each
+algorithm is to its settings over several scenarios.
 """
 
 from __future__ import annotations
@@ -30,9 +29,8 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 
 def write_csv(stream: TextIO, plan: SweepPlan, store: Store) -> None:
-    """Write what ``store`` has of ``plan``: the settings, the seed, every figure, and why a run failed.
-
-    Rows stand by the order of the plan and then by seed, without times or places.
+    """Write the rows of `plan`: settings, seed, every number, and the reason of a failure. Rows follow the
+    order of the plan, then seeds.
     """
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow([*plan.names, "seed", *FIGURES, "failed"])
@@ -50,18 +48,17 @@ def write_csv(stream: TextIO, plan: SweepPlan, store: Store) -> None:
 
 
 SCORES: Final = ("expected_return", "area")
-"""The measures that have a scale from the random policy to the best one."""
+"""Metrics with a scale from the random to the best policy."""
 
 _SAID: Final = ("id", "title", "formula", "unit", "larger_is_better", "may_never_arrive")
-"""What a document says of a measure."""
+"""Attributes of a metric in a document."""
 _Settings = tuple[tuple[str, Value], ...]
 
 
 def sensitivities(plan: SweepPlan, store: Store, measure: Measure) -> list[dict[str, Any]] | None:
-    """Return, as JSON, how sensitive each algorithm of ``plan`` is to the settings that vary.
-
-    None where nothing can be said: fewer than two scenarios, points at random, a measure without a scale, or
-    a scenario without an exact answer. A setting of which a run broke down in some scenario is left out.
+    """Return the sensitivity of each algorithm to the varying settings as JSON data. None if undefined:
+    fewer than two scenarios, random points, a metric without a scale, or a scenario without exact results.
+    A setting with a failed run in some scenario is left out.
     """
     varied = next((each.listed for each in plan.variations if each.name == SCENARIO), ())
     if plan.random is not None or len(varied) < 2 or measure.id not in SCORES:
@@ -123,7 +120,7 @@ def _as_json(
 
 
 def _scale(cell: Cell) -> tuple[float, float] | None:
-    """Return what the random policy and the best one earn in the world of ``cell``; None if nobody knows."""
+    """Return the returns of the random and the best policy in the world of `cell`, or None if unknown."""
     facts = cell.content.facts
     if cell.content.shared is None or facts.random is None or facts.best is None:
         return None
@@ -143,20 +140,20 @@ _NOBODY: Final[FloatArray] = np.empty(0)
 
 @dataclass(frozen=True)
 class CellResult:
-    """A cell, and what its runs say together."""
+    """A cell with the summary of its runs."""
 
     cell: Cell
     summary: CellSummary
 
     @property
     def as_json(self) -> Document:
-        """It as a document has it: settings, runs, failed, and each measure."""
+        """The cell in a document: settings, runs, failed, and each metric."""
         summary = self.summary
         return {**self.cell.settings, "runs": summary.runs, "failed": summary.failed, **summary.figures}
 
 
 def results(plan: SweepPlan, store: Store) -> Iterator[CellResult]:
-    """Yield each cell of ``plan`` that ``store`` has runs of, in the order of the plan, one at a time."""
+    """Yield each cell of `plan` with runs in `store`, one at a time in the order of the plan."""
     for index in range(plan.count):
         found = result_of(plan, store, index)
         if found is not None:
@@ -164,7 +161,7 @@ def results(plan: SweepPlan, store: Store) -> Iterator[CellResult]:
 
 
 def result_of(plan: SweepPlan, store: Store, index: int) -> CellResult | None:
-    """Return cell ``index`` of ``plan``; None where it cannot work, or ``store`` has no run of it."""
+    """Return cell `index` of `plan`, or None if it cannot work or has no run."""
     cell = plan.cell(index)
     if not isinstance(cell, Cell):
         return None
@@ -173,15 +170,14 @@ def result_of(plan: SweepPlan, store: Store, index: int) -> CellResult | None:
 
 
 def fresh_seeds(plan: SweepPlan) -> range:
-    """Return as many seeds as each cell has, none of them among those."""
+    """Return as many new seeds as each cell has."""
     return range(plan.first_seed + plan.runs, plan.first_seed + 2 * plan.runs)
 
 
 def best_documents(standings: Standings, plan: SweepPlan, store: Store, *, again: bool) -> list[Document]:
-    """Return the best cell of each world as JSON, and with ``again`` what it came to on fresh seeds.
-
-    By those nobody chose it: ``shrunk`` is by how much its mean is worse there, with a 95 % interval. There
-    is no ``again`` where it was not chosen among several.
+    """Return the best cell of each world as JSON data. With `again` it includes the results on fresh
+    seeds, which did not influence the choice. `shrunk` is the loss of the mean there, with a 95 %
+    interval. A cell that was not chosen among several has no `again`.
     """
     documents, chosen = list[Document](), {cell.index for cell in standings.chosen}
     for cell in standings.bests:
@@ -218,7 +214,12 @@ def json_pieces(
 ) -> Iterator[str]:
     """Yield the document in pieces, so that it is never in memory as a whole.
 
-    ``bests`` is what :func:`best_documents` returned, ``more`` what else stands at the end.
+    Args:
+        plan: Plan of the sweep.
+        store: Its rows.
+        standings: Comparison of the cells.
+        bests: Result of `best_documents`.
+        **more: Further entries at the end.
     """
     head = {
         "scenario": plan.scenario.id,

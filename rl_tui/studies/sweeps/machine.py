@@ -1,4 +1,4 @@
-"""Where rows were made: the kind of machine, and the versions of what their bits depend on."""
+"""The machine and versions with which rows were made."""
 
 from __future__ import annotations
 
@@ -12,15 +12,14 @@ from typing import Final
 
 _PACKAGES: Final = ("numpy", "numba", "scipy", "gymnasium")
 PROCESSORS: Final = Path("/proc/cpuinfo")
-"""Where Linux says what it runs on."""
-_MODELS: Final = ("model name", "CPU part", "cpu")  # of Intel's kind, ARM's, POWER's
+"""Linux file that describes the processor."""
+_MODELS: Final = ("model name", "CPU part", "cpu")  # keys of Intel, ARM and POWER
 
 
 @cache
 def this_machine() -> str:
-    """Return, as JSON, the kind of machine and the versions here: where they are equal, bits are.
-
-    Logarithms and powers are the C library's, and the solver of exact figures takes what the processor has.
+    """Return the kind of machine and the versions as JSON. If they are equal, so are the bits. Logarithms
+    and powers depend on the C library, the exact solver on the processor.
     """
     from rl_tui import __version__
 
@@ -37,7 +36,7 @@ def this_machine() -> str:
 
 
 def _processor() -> str:
-    """Return the model of the processor, as far as the system says."""
+    """Return the model of the processor, if known."""
     try:
         lines = PROCESSORS.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:

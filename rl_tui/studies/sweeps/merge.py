@@ -1,4 +1,4 @@
-"""Puts stores together: each row once, and the same figures wherever a row stands in two of them."""
+"""Merging of stores: each run once, with a check for equal results."""
 
 from __future__ import annotations
 
@@ -13,28 +13,37 @@ from rl_tui.studies.sweeps.store import Store, StoredCell
 
 @dataclass
 class Merged:
-    """What came of putting stores together."""
+    """Numbers of merged rows."""
 
     new: int = 0
-    """Rows that were added."""
+    """Rows added."""
     same: int = 0
-    """Rows that were there already, with the same figures."""
+    """Rows already there with equal results."""
     kept: int = 0
-    """Rows that another kind of machine gave other figures: the first one stands."""
+    """Rows with different results on another kind of machine. The first ones are kept."""
 
 
 def merge(
     out: Path, stores: Sequence[Path], on_progress: Callable[[int, int], None] = lambda done, wanted: None
 ) -> Merged:
-    """Add the rows of ``stores`` to the one at ``out``, which is made where there is none.
+    """Merge stores into one file.
 
-    Raises UserError where one of them is no store, or where a run has two different results on one kind of
-    machine; what was added until then is left as it was before.
+    Args:
+        out: Store to write, created if needed.
+        stores: Stores to read. None of them may be `out`.
+        on_progress: Called with (stores done, stores in all).
+
+    Returns:
+        Numbers of rows.
+
+    Raises:
+        UserError: A file is not a store, or a run has two results on one kind of machine. Nothing is
+            changed then.
     """
     for path in stores:
         if path.resolve() == out.resolve():
             raise UserError(f"{path} is what is merged into: name it once")
-        with Store.to_read(path):  # before anything is made
+        with Store.to_read(path):  # before anything is created
             pass
     merged = Merged()
     with Store.to_write(out) as target:

@@ -1,6 +1,5 @@
-"""The plan of a sweep: which settings vary, and how often and how long each combination is trained.
-
-A plan is a grid of settings, or points drawn at random from it. Stores keep it as JSON.
+"""The plan of a sweep: which settings vary, and how often and how long each combination is trained. A plan
+is a grid of settings, or points drawn at random from it. Stores keep it as JSON.
 """
 
 from __future__ import annotations
@@ -41,14 +40,14 @@ from rl_tui.worlds.files.scenario import Scenario, scenario_of
 
 
 LARGEST_SEED: Final = 9 * 10**18
-"""What a whole number of a database, and of a kernel, can hold."""
+"""Largest integer of a database and of a kernel."""
 _MOST_TRIED: Final = 2_000
 _MOST_RECIPES: Final = 64
 
 
 @dataclass(frozen=True)
 class Shard:
-    """One of so many ``parts`` of a plan that are worked on apart, ``number`` from 1."""
+    """One of several `parts` of a plan, `number` from 1."""
 
     number: int
     parts: int
@@ -59,50 +58,49 @@ WHOLE: Final = Shard(1, 1)
 
 @dataclass(frozen=True)
 class SweepPlan:
-    """A grid of settings, or points drawn from it, each trained under the same seeds.
-
-    ``overrides`` are settings that all cells share, where they are not those of the scenario's file. With
-    ``random`` so many points are drawn from the variations, by ``random_seed``.
+    """A grid of settings, or points drawn from it, each trained under the same seeds. `overrides` are
+    settings of all cells that differ from the scenario. With `random`, that many points are drawn by
+    `random_seed`.
     """
 
     scenario: Scenario
     variations: tuple[Variation, ...]
     overrides: Mapping[str, object] = field(default_factory=dict)
     episodes: int | None = None
-    """So many episodes each run is trained for; None: as many as its scenario suggests."""
+    """Episodes of each run, or None for the scenario's default."""
     runs: int = 10
-    """So many seeds each cell is trained under."""
+    """Number of seeds of each cell."""
     first_seed: int = 0
-    """The first of the seeds, which are common to all cells."""
+    """First seed, common to all cells."""
     random: int | None = None
     random_seed: int = 0
     worlds: Worlds = field(default_factory=Worlds, compare=False, repr=False)
-    """The worlds of its cells."""
+    """Cache of the cells' worlds."""
     _recipes: dict[tuple[object, ...], Recipe] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )
 
     @property
     def seeds(self) -> range:
-        """The seeds of each cell."""
+        """Seeds of each cell."""
         return range(self.first_seed, self.first_seed + self.runs)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the settings that vary."""
+        """Names of the varying settings."""
         return tuple(each.name for each in self.variations)
 
     @property
     def count(self) -> int:
-        """How many cells there are, those that cannot work among them."""
+        """Number of cells, including those that cannot work."""
         return prod(each.count for each in self.variations) if self.random is None else self.random
 
     def cell(self, index: int) -> Cell | SkippedCell:
-        """Return the cell number ``index``, from 0; the last setting runs fastest."""
+        """Return cell `index`, from 0. The last setting varies fastest."""
         return self.cell_of(index, self.settings(index))
 
     def cell_of(self, index: int, settings: Mapping[str, Value]) -> Cell | SkippedCell:
-        """Return the cell of these ``settings``, whether the plan has them or not."""
+        """Return the cell of `settings`, even if it is not in the plan."""
         world = {name: value for name, value in world_settings(settings).items() if name != SCENARIO}
         try:
             content = self.worlds.of(self._scenario(settings), world, self.first_seed)
@@ -115,7 +113,7 @@ class SweepPlan:
         )
 
     def settings(self, index: int) -> dict[str, Value]:
-        """Return the settings of cell number ``index``, by their names."""
+        """Return the settings of cell `index` by name."""
         if not 0 <= index < self.count:
             raise IndexError(index)
         if self.random is not None:
@@ -127,9 +125,8 @@ class SweepPlan:
         return dict(reversed(chosen))
 
     def order(self, shard: Shard = WHOLE) -> Iterator[int]:
-        """Yield the number of each cell of ``shard`` once: a coarse lattice first, then what lies between.
-
-        The parts of all shards together are the whole; points drawn at random come as they are drawn.
+        """Yield the number of each cell of `shard` once, a coarse lattice first. All shards together have
+        every cell. Random points come in the order in which they are drawn.
         """
         every = (
             coarse_first([Axis(each.count, each.spread is not None) for each in self.variations])
@@ -139,11 +136,13 @@ class SweepPlan:
         return (index for place, index in enumerate(every) if place % shard.parts == shard.number - 1)
 
     def size_of(self, shard: Shard) -> int:
-        """Return how many cells ``shard`` has."""
+        """Return the number of cells in `shard`."""
         return len(range(shard.number - 1, self.count, shard.parts))
 
     def check(self) -> None:
-        """Raise UserError, naming it, where a value can work in no cell, or there are too many cells."""
+        """Raise UserError if a value works in no cell, or if there are too many cells. The message names
+        it.
+        """
         names = self.names
         for name in names:
             if names.count(name) > 1:
@@ -166,9 +165,9 @@ class SweepPlan:
                 self._check_value(each, value)
 
     def without_effect(self) -> list[str]:
-        """Return which of the settings neither algorithm nor policy uses, whatever else varies."""
+        """Return the settings that no algorithm or policy in the plan uses."""
         choices = [each for each in self.variations if each.name in (ALGORITHM, SCENARIO, "policy")]
-        used = {"ties"}  # they decide the greedy policy, whoever acts
+        used = {"ties"}  # they decide the greedy policy, whatever the agent's policy is
         for chosen in islice(product(*(each.listed for each in choices)), _MOST_TRIED):
             first = {each.name: _telling(each)[0] for each in self.variations}
             cell = self.cell_of(
@@ -179,7 +178,7 @@ class SweepPlan:
         return [name for name in (*self.names, *self.overrides) if name in PARAMETERS and name not in used]
 
     def _check_value(self, variation: Variation, value: Value) -> None:
-        """Raise UserError where ``value`` of ``variation`` works with nothing that the others may be."""
+        """Raise UserError if `value` works with no values of the other settings."""
         others = [each for each in self.variations if each is not variation and _decides(each)]
         fault = ""
         for number, chosen in enumerate(product(*(_telling(each) for each in others))):
@@ -195,11 +194,11 @@ class SweepPlan:
         return str(settings[SCENARIO]) if SCENARIO in settings else self.scenario
 
     def _recipe(self, content: WorldContent, settings: Mapping[str, Value]) -> Recipe:
-        """Return how runs with ``settings`` start; what many cells have in common is made once."""
+        """Return the recipe for `settings`, caching what many cells share."""
         common = {name: value for name, value in settings.items() if name in (ALGORITHM, "policy")}
         policy = POLICY_BY_ID.get(str(common.get("policy", self.overrides.get("policy"))))
         if "alpha" in settings and (policy is None or policy.needs_step_size):
-            common["alpha"] = settings["alpha"]  # whether it is given decides what the step size is
+            common["alpha"] = settings["alpha"]  # a given alpha decides the kind of step size
         place = content.scenario, *common.items()
         known = self._recipes.get(place)
         if known is None:
@@ -221,17 +220,17 @@ class SweepPlan:
 
 
 def world_settings(settings: Mapping[str, Value]) -> dict[str, Value]:
-    """Return those of ``settings`` that make another world: the scenario, and parameters of its world."""
+    """Return the settings that change the world: the scenario and parameters of its world."""
     return {name: value for name, value in settings.items() if name == SCENARIO or name.startswith(PREFIX)}
 
 
 def _decides(variation: Variation) -> bool:
-    """Return whether it depends on the value of ``variation`` if others can work: a number never does."""
+    """Return True if the value of `variation` may decide whether others work. A number never does."""
     return variation.spread is None or variation.name.startswith(PREFIX)
 
 
 def _telling(variation: Variation) -> Sequence[Value]:
-    """Return the values of ``variation`` that tell whether all of them can work: of a range its ends."""
+    """Return values that show whether all can work: the ends of a range, or all listed ones."""
     spread = variation.spread
     if spread is None:
         return variation.listed
@@ -245,9 +244,8 @@ _LONGEST_FAULT: Final = 200
 
 
 def written_plan(plan: SweepPlan) -> str:
-    """Return ``plan`` as :func:`read_plan` reads it: JSON, the same for the same plan.
-
-    The world and the defaults of its scenario are part of it, so it can be read without any file.
+    """Format `plan` as JSON for `read_plan`, equal for equal plans. It includes the world and the defaults
+    of the scenario, so it can be read without any file.
     """
     return json.dumps(
         {
@@ -266,7 +264,7 @@ def written_plan(plan: SweepPlan) -> str:
 
 
 def read_plan(text: str) -> SweepPlan:
-    """Return the plan that ``text`` says. Raises UserError where it says none, or its scenario is gone."""
+    """Parse a plan. Raises UserError if it is not one, or its scenario is gone."""
     try:
         said: dict[str, Any] = json.loads(text)
         plan = SweepPlan(
@@ -280,7 +278,7 @@ def read_plan(text: str) -> SweepPlan:
             _whole(said, "random_seed", 0, LARGEST_SEED) or 0,
         )
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as fault:
-        raise UserError(f"this is no plan of a sweep ({one_line(str(fault), _LONGEST_FAULT)})") from fault
+        raise UserError(f"not a sweep plan ({one_line(str(fault), _LONGEST_FAULT)})") from fault
     if plan.count * plan.runs > MOST_SWEEP_ROWS:
         raise UserError(
             f"this plan asks for {plan.count:,} cells of {counted(plan.runs, 'run')}; "
@@ -290,9 +288,9 @@ def read_plan(text: str) -> SweepPlan:
 
 
 def _settings(said: object) -> dict[str, object]:
-    """Return the settings that all cells share; whether they can be is for the recipe to say."""
+    """Return the common settings. The recipe checks their values."""
     if not isinstance(said, dict) or not all(isinstance(each, str | int | float) for each in said.values()):
-        raise ValueError("settings are no words and numbers")
+        raise ValueError("settings must be words or numbers")
     return said
 
 

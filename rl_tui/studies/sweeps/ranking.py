@@ -1,4 +1,4 @@
-"""Which cell of a sweep is best, and which others cannot be told from it."""
+"""The best cell of a sweep, and the cells tied with it."""
 
 from __future__ import annotations
 
@@ -24,68 +24,66 @@ _World = tuple[tuple[str, Value], ...]
 
 @dataclass(frozen=True, eq=False)
 class Ranking:
-    """The C cells in one world that there are runs of, by one measure.
-
-    Runs that never arrive count with the number of episodes that they had. Where a run of a cell broke down,
-    or has no value, the mean of the others says too much of it: such a cell is best only where all are such.
+    """The C cells with runs in one world, compared by one metric. Runs that never arrive count with their
+    number of episodes. The mean of a cell with failed runs or missing values is too optimistic. Such a
+    cell is best only if all cells are incomplete.
     """
 
     indexes: IntArray
-    """[C], their numbers in the plan, ascending."""
+    """Numbers in the plan, ascending, `[C]`."""
     means: FloatArray
-    """[C], the mean of the measure; NaN where no run has it."""
+    """Means of the metric, NaN without a value, `[C]`."""
     best: Cell | None
-    """The best cell, the first of equals; None where no run has the measure."""
+    """The best cell (the first of equal ones), or None if no run has a value."""
     alike: BoolArray
-    """[C], which cannot be told from the best, itself among them."""
+    """True for cells tied with the best, including itself, `[C]`."""
     compared: BoolArray
-    """[C], which could be compared with it: both have enough runs."""
+    """True for cells with enough runs to compare, `[C]`."""
 
     def verdict(self, index: int) -> bool | None:
-        """Return whether cell ``index`` of the plan is like the best; None where it was not compared."""
+        """Return True if cell `index` of the plan is tied with the best, or None if not compared."""
         place = int(np.searchsorted(self.indexes, index))
         return bool(self.alike[place]) if self.compared[place] else None
 
     @property
     def was_chosen(self) -> bool:
-        """Whether the best was chosen among several, so that luck has helped to choose it."""
+        """True if the best was chosen among several, so that luck may have helped."""
         return self.best is not None and len(self.indexes) > 1
 
 
 @dataclass(frozen=True, eq=False)
 class Standings:
-    """How the cells of a plan compare by ``measure``: those in one world with each other.
-
-    What is earned in one world says nothing of what can be earned in another.
+    """The comparison of the cells in each world by `measure`. Returns of different worlds are not
+    comparable.
     """
 
     measure: Measure
-    """By which they are compared."""
+    """Metric of the comparison."""
     rankings: Mapping[_World, Ranking]
-    """One for each world, by the settings that vary of it, in the order of the plan."""
+    """A ranking for each world, by its varying settings, in the order of the plan."""
     skipped: int
-    """How many cells of the plan cannot work."""
+    """Number of cells that cannot work."""
     reasons: tuple[SkippedCell, ...]
     """The first of these."""
     method: str = METHOD
-    """How they are compared, by name."""
+    """Name of the test."""
 
     def verdict(self, cell: Cell) -> bool | None:
-        """Return whether ``cell`` is like the best in its world; None where it was not compared."""
+        """Return True if `cell` is tied with the best in its world, or None if not compared."""
         return self.rankings[_world(cell.settings)].verdict(cell.index)
 
     @property
     def bests(self) -> list[Cell]:
-        """The best cell in each world."""
+        """The best cell of each world."""
         return [each.best for each in self.rankings.values() if each.best is not None]
 
     @property
     def chosen(self) -> list[Cell]:
-        """Those of them that were chosen among several."""
+        """The best cells that were chosen among several."""
         return [each.best for each in self.rankings.values() if each.was_chosen and each.best is not None]
 
     def first(self, ranking: Ranking, count: int) -> list[int]:
-        """Return the numbers in the plan of the ``count`` best cells of ``ranking``, the best one first."""
+        """Return the numbers of the `count` best cells of `ranking`, the best first."""
         sign = -1.0 if self.measure.larger_is_better else 1.0
         order = np.argsort(sign * ranking.means, kind="stable")  # NaN last
         ranked = [int(ranking.indexes[place]) for place in order[: count + 1]]
@@ -96,9 +94,12 @@ class Standings:
 
 
 def standings_of(plan: SweepPlan, store: Store, measure: Measure | None = None) -> Standings:
-    """Return how the cells of ``plan`` that ``store`` has runs of compare by ``measure``.
+    """Compare the cells of `plan` with runs in `store`.
 
-    Without one it is the first of the usual ones that any run has.
+    Args:
+        plan: Plan of the sweep.
+        store: Its rows.
+        measure: Metric, default the first of `JUDGED_BY` that has values.
     """
     candidates = [measure] if measure is not None else [MEASURES[name] for name in JUDGED_BY]
     found = [_standings(plan, store, candidates[0])]
@@ -108,7 +109,7 @@ def standings_of(plan: SweepPlan, store: Store, measure: Measure | None = None) 
 
 
 class _Values:
-    """The cells of one world, gathered."""
+    """The cells of one world."""
 
     def __init__(self) -> None:
         self.indexes = list[int]()

@@ -1,7 +1,6 @@
-"""The runs of a cell: train every seed, and summarize the results. All training of a sweep is here.
-
-A loop runs interpreted until that has cost enough time to justify machine code. A run that breaks down
-gives a row too, with the reason.
+"""The runs of a cell: train every seed, and summarize the results. All training of a sweep is here. A loop
+runs interpreted until that has cost enough time to justify machine code. A run that breaks down gives a
+row too, with the reason.
 """
 
 from __future__ import annotations
@@ -45,16 +44,15 @@ from rl_tui.worlds.mdp.space import FloatArray
 # When to get machine code
 
 
-# To rent until it costs as much as to buy is never worse than twice the best that can be done
+# Renting until it costs as much as buying is at most twice as expensive as the optimum
 WORTH_READING: Final = 0.3
 WORTH_COMPILING: Final = 2.0
 
 
 class MachineCodeDemand:
-    """Adds up for how long each loop ran interpreted, whichever run it was, and gets machine code in time.
-
-    What is in the cache is read by the thread that asks; what is not is compiled beside the runs. Safe to be
-    called from several threads.
+    """Adds up the interpreted time of each loop over all runs, and requests machine code in time. Cached
+    code is read in the calling thread, other code is compiled in parallel to the runs. Safe from several
+    threads.
     """
 
     def __init__(self) -> None:
@@ -64,7 +62,7 @@ class MachineCodeDemand:
         self._lock = threading.Lock()
 
     def ran(self, loop: Loop, seconds: float) -> None:
-        """Note that ``loop`` ran interpreted for so many ``seconds``, and get its machine code if due."""
+        """Add `seconds` of interpreted time, and request machine code if it pays."""
         if loop in COMPILED_LOOPS or loop in BACKGROUND.failed:
             return
         with self._lock:
@@ -79,17 +77,17 @@ class MachineCodeDemand:
 
 
 DEMAND: Final = MachineCodeDemand()
-"""The one of this process."""
+"""The shared instance of this process."""
 
 
 # One row per seed
 
 
 NEAR: Final = 0.05
-"""So near to the best, as a share of what it is above random, counts as having arrived."""
+"""Distance to the best that counts as arrival, as a share of best − random."""
 GROWTH: Final = 2.0**0.25
 LONGEST_REASON: Final = 200
-# So often at least it is asked whether to go on: some 0.1 s
+# largest number of steps between two checks, about 0.1 s
 _CHUNK: Final = 2_000_000
 _CHUNK_INTERPRETED: Final = 10_000
 
@@ -98,10 +96,8 @@ GoOn = Callable[[], None]
 
 @dataclass(frozen=True, slots=True)
 class RunRow:
-    """What one seed of a cell came to.
-
-    ``figures`` has every measure by its id, and ``arrived``; they are all None where the run broke down, and
-    ``failed`` then says why. ``seconds`` are those of its training and its figures.
+    """The result of one seed of a cell. `figures` has every metric by id and `arrived`, all None if the
+    run broke down with the reason `failed`. `seconds` includes training and evaluation.
     """
 
     seed: int
@@ -109,20 +105,19 @@ class RunRow:
     failed: str | None = None
     seconds: float = 0.0
     machine: str | None = field(default=None, compare=False)
-    """Where it was made; None: here."""
+    """Machine that made it, or None for this one."""
 
 
 NO_FIGURES: Final[Figures] = dict.fromkeys((*MEASURES, ARRIVED))
 
 
 def go_on() -> None:
-    """Let training go on."""
+    """Continue without a check."""
 
 
 def run_rows(cell: Cell, seeds: Sequence[int], check: GoOn = go_on) -> Iterator[RunRow]:
-    """Yield the row of each of ``seeds`` in ``cell``, in their order.
-
-    A run that breaks down is a row too. ``check`` is called now and then, and may raise to end it.
+    """Yield the row of each seed in order, also for runs that break down. `check` is called regularly and
+    may raise to stop.
     """
     waiting, marks = list(seeds), tuple(marks_up_to(cell.goal.episodes or 0))
     while waiting:
@@ -136,7 +131,7 @@ def run_rows(cell: Cell, seeds: Sequence[int], check: GoOn = go_on) -> Iterator[
         found = batched_figures(cell, seeded, at_once, marks, _arrival_line(cell.content.facts), check)
         seconds = (time.perf_counter() - start) / len(at_once)
         for seed, figures in zip(at_once, found, strict=True):
-            # One that broke down has to say by itself why
+            # a run that broke down is repeated alone to find the reason
             yield _row(cell, seed, check) if figures is None else RunRow(seed, figures, None, seconds)
 
 
@@ -154,7 +149,7 @@ def _row(cell: Cell, seed: int, check: GoOn) -> RunRow:
 
 
 def marks_up_to(episodes: int) -> Iterator[int]:
-    """Yield after which episodes a run is looked at: 1, 2, 3 …, growing by 2^(1/4), and the last."""
+    """Yield the episodes at which a run is evaluated: 1, 2, 3, …, growing by 2^(1/4), and the last."""
     mark = 1
     while mark < episodes:
         yield mark
@@ -170,26 +165,25 @@ def _figures(cell: Cell, seed: int, check: GoOn) -> Figures:
     wanted = cell.goal.episodes or 0
     line = None if run.learner.drifted is not None else _arrival_line(facts)
     arrival = _train(run, wanted, line, check)
-    if run.learner.drifted is not None:  # each run came to means of its own
+    if run.learner.drifted is not None:  # each run has its own drifted means
         facts = ExactFacts(run.learner.mdp)
     check()
     measured = measured_run(run, greedy_figures(run, facts.optimum(recipe.hyperparameters.gamma)))
     if run.learner.plans:
-        measured = replace(measured, bandit=None)  # its backups pull no arm
+        measured = replace(measured, bandit=None)  # a planner's backups pull no arm
     return figures_of_run(measured, facts.best, line, arrival)
 
 
 def _arrival_line(facts: ExactFacts) -> float | None:
-    """Return what the greedy policy has to earn to have arrived; None where nobody can say."""
+    """Return the return that counts as arrival, or None if unknown."""
     if facts.mdp is None or facts.best is None or facts.random is None:
         return None
     return facts.best - NEAR * (facts.best - facts.random)
 
 
 def _train(run: Run, episodes: int, line: float | None, check: GoOn) -> int | None:
-    """Train ``run`` for so many ``episodes``; return after which mark its greedy policy reached ``line``.
-
-    None where it did at none, or there is no such line. Raises UserError where the run breaks down.
+    """Train `run` for `episodes` and return the mark at which its greedy policy reached `line`, or None.
+    Raises UserError if it breaks down.
     """
     arrival = None if line is None else _arrival(run, episodes, line, check)
     _advance(run, episodes, check)
@@ -206,7 +200,7 @@ def _arrival(run: Run, episodes: int, line: float, check: GoOn) -> int | None:
 
 
 def _advance(run: Run, episodes: int, check: GoOn) -> None:
-    """Advance ``run`` until it has finished so many ``episodes``. Raises UserError where it breaks down."""
+    """Advance `run` to `episodes` finished episodes. Raises UserError if it breaks down."""
     learner = run.learner
     while learner.episodes < episodes and not run.over:
         check()
@@ -229,22 +223,28 @@ _NO_ARRIVALS: Final = dict.fromkeys(
 
 @dataclass(frozen=True)
 class CellSummary:
-    """The rows of one cell in numbers."""
+    """Summary of the rows of one cell."""
 
     runs: int
-    """How many there are, those that broke down among them."""
+    """Number of runs, including failed ones."""
     failed: int
-    """How many broke down."""
+    """Number of failed runs."""
     figures: dict[str, dict[str, Any]] = field(default_factory=dict)
-    """For each measure its mean, median, iqm, low, high and count, in that order."""
+    """Mean, median, iqm, low, high and count of each metric."""
     first_failure: str = ""
-    """Why the first of them broke down."""
+    """Why the first failed run broke down."""
 
 
 def values_by_seed(rows: Iterable[RunRow], measure: Measure, seeds: range) -> tuple[FloatArray | None, bool]:
-    """Return ``measure`` of each of ``seeds``, [N], NaN where there is none, and whether every row has it.
+    """Return a metric by seed. Runs that never arrive count with their number of episodes.
 
-    None where there is no row. Runs that never arrive have the number of episodes that they had.
+    Args:
+        rows: Rows of one cell.
+        measure: The metric.
+        seeds: Consecutive seeds, N in number.
+
+    Returns:
+        Values, `[N]`, NaN if missing (None without rows), and True if every row has one.
     """
     values, count = np.full(len(seeds), np.nan), 0
     for row in rows:
@@ -256,7 +256,7 @@ def values_by_seed(rows: Iterable[RunRow], measure: Measure, seeds: range) -> tu
 
 
 def summarized(rows: Iterable[RunRow]) -> CellSummary:
-    """Return what ``rows``, those of one cell, say together."""
+    """Summarize the `rows` of one cell."""
     kept = list(rows)
     sound = [row for row in kept if row.failed is None]
     failures = [row.failed for row in kept if row.failed is not None]
@@ -280,10 +280,9 @@ def _figure(values: Sequence[float]) -> dict[str, Any]:
 
 
 def _arrivals(rows: Sequence[RunRow]) -> dict[str, Any]:
-    """Return the summary of arrivals, of which some are only known to be later than the end of training.
-
-    Mean, iqm and interval are there only where all have arrived. ``restricted_mean`` is the mean of
-    min(arrival, episodes), with its interval.
+    """Summarize arrivals, some of which are only known to be later than the end of training. Mean, iqm and
+    interval exist only if all have arrived. `restricted_mean` is the mean of min(arrival, episodes), with
+    its interval.
     """
     watched = [row for row in rows if row.figures[ARRIVED] is not None]
     times = np.array([row.figures["arrival"] if row.figures[ARRIVED] else np.nan for row in watched], float)
@@ -309,7 +308,7 @@ def _arrivals(rows: Sequence[RunRow]) -> dict[str, Any]:
 
 
 def _restricted(row: RunRow) -> float | None:
-    """Return min(arrival, episodes) of ``row``; None where nobody can say."""
+    """Return min(arrival, episodes) of `row`, or None if unknown."""
     if row.figures[ARRIVED] is None:
         return None
     return row.figures["arrival"] if row.figures[ARRIVED] else row.figures["episodes"]

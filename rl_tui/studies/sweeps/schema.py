@@ -1,4 +1,4 @@
-"""The tables of a store, and whether a database has these and nothing else."""
+"""The tables of a store, and the check that a database has these and nothing else."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from rl_tui.common.findings import shown
 from rl_tui.studies.sweeps.cell import ARRIVED, MEASURES
 
 FORMAT: Final = 1
-"""Raised when the tables become others."""
+"""Increased when the tables change."""
 APPLICATION: Final = 0x524C5453
-"""What SQLite keeps in the head of the file to tell what it is: RLTS."""
+"""Application id in the SQLite file: RLTS."""
 
 _WHOLE: Final = ("arrival", "steps", "episodes")
 FIGURES: Final = (*MEASURES, ARRIVED)
-"""The columns of figures, in their order."""
+"""Columns of numbers, in order."""
 
 
 def _figure_columns() -> str:
@@ -67,13 +67,11 @@ _Object = tuple[str, str, str, str]
 
 
 def check_schema(database: sqlite3.Connection, name: str) -> None:
-    """Raise UserError where the database of that ``name`` is not a store of this format, or more than that.
-
-    A view may never end, and a trigger may change what is written. So nothing but the schema is read before
-    all of it is known to be ours.
+    """Raise UserError if the database is not exactly a store of this format. A view may never end, and a
+    trigger may change what is written. So only the schema is read before all of it is verified.
     """
     if database.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
-        raise UserError(f"{name}: is a database, but no store of a sweep; give another --store")
+        raise UserError(f"{name}: a database, but not a sweep store; choose another file with --store")
     found, expected = _objects(database), _expected()
     meta = next(each for each in expected if each[1] == "meta" and each[0] == "table")
     if meta not in found:
@@ -93,7 +91,7 @@ def check_schema(database: sqlite3.Connection, name: str) -> None:
 
 
 def _objects(database: sqlite3.Connection) -> frozenset[_Object]:
-    """Return all that the schema of ``database`` defines, without comments: they name titles of measures."""
+    """Return all definitions of `database` without comments, which contain titles of metrics."""
     return frozenset(
         (str(kind), str(name), str(table), " ".join(_COMMENT.sub("", str(sql)).split()))
         for kind, name, table, sql in database.execute(_OBJECTS)

@@ -1,7 +1,5 @@
-"""The store of sweeps: one SQLite file that holds every run once.
-
-It has a single writer at a time. A lock left behind on this machine is taken over; one of another
-machine stays until its file is removed.
+"""The store of sweeps: one SQLite file that holds every run once. It has a single writer at a time. A lock
+left behind on this machine is taken over. One of another machine stays until its file is removed.
 """
 
 from __future__ import annotations
@@ -36,10 +34,9 @@ _ELSEWHERE: Final = "let each machine write a store of its own (--shard), then r
 
 
 class WriterLock:
-    """The right to write the store at ``path``, until it is released or the process ends.
-
-    The system knows on one machine whether its holder lives, so a lock left behind there is taken over. On a
-    drive that several machines share nobody knows: another machine's lock stands until its file is removed.
+    """The right to write the store at `path`, until it is released or the process ends. The system knows
+    whether a holder on this machine lives, so its lock can be taken over. The lock of another machine on a
+    shared drive stays until its file is removed.
     """
 
     def __init__(self, path: Path) -> None:
@@ -48,7 +45,7 @@ class WriterLock:
         self._lock = FileLock(path)
 
     def acquire(self) -> None:
-        """Take it. Raises UserError, naming the holder, where somebody else has it, and OSError."""
+        """Acquire the lock. Raises UserError, naming the holder, if another process has it, and OSError."""
         if not self._lock.acquire():
             raise UserError(f"{self._path} is being written by {_in_words(self._holder())}; one at a time")
         holder = self._holder()
@@ -63,11 +60,11 @@ class WriterLock:
             "host": socket.gethostname(),
             "since": time.strftime("%Y-%m-%d %H:%M:%S %z"),
         }
-        self._note.unlink(missing_ok=True)  # whatever was put there in its place
+        self._note.unlink(missing_ok=True)  # it may have been replaced by something else
         self._note.write_text(json.dumps(said), encoding="utf-8")
 
     def release(self) -> None:
-        """Give it back."""
+        """Release the lock."""
         self._note.unlink(missing_ok=True)
         self._lock.release()
 
@@ -90,10 +87,10 @@ def _in_words(holder: dict[str, Any]) -> str:
 
 
 COMMIT_EVERY: Final = 0.1
-"""Seconds after which finished rows are committed, if nobody is busy; a kill loses 0.25 of them at most."""
+"""Seconds after which finished rows are committed. A kill loses at most 0.25 s of them."""
 _KIND: Final = "a store of sweeps"
-_LONGEST_VALUE: Final = 100_000_000  # bytes; a plan holds the text of its scenario
-_PATIENCE: Final = 5.0  # seconds for which another process may hold the file
+_LONGEST_VALUE: Final = 100_000_000  # bytes; a plan contains the text of its scenario
+_PATIENCE: Final = 5.0  # seconds that another process may lock the file
 _COLUMNS: Final = ", ".join(("seed", *FIGURES, "failed", "seconds"))
 _INSERT_ROW: Final = (
     f"INSERT OR IGNORE INTO rows (key, {_COLUMNS}, machine) VALUES ({', '.join('?' * (len(FIGURES) + 5))})"
@@ -101,7 +98,7 @@ _INSERT_ROW: Final = (
 
 
 class StoredCell(NamedTuple):
-    """A cell as a store names it; scenario and settings are those under which it was first trained."""
+    """A cell in a store, with scenario and settings of its first training."""
 
     key: str
     identity: str
@@ -110,25 +107,26 @@ class StoredCell(NamedTuple):
 
 
 class Store:
-    """The rows of sweeps in one file, or without one until it is closed.
+    """The rows of sweeps in a file, or in a temporary database. Made by `to_write`, `to_read` or
+    `without_file`, for one thread, in a `with` block.
 
-    Made by :meth:`to_write`, :meth:`to_read` and :meth:`without_file`, to be used in one thread, in a
-    ``with`` block. Raises UserError where the file cannot be used, or the disk is full.
+    Raises:
+        UserError: The file cannot be used, or the disk is full.
     """
 
     def __init__(self, database: sqlite3.Connection, name: str, lock: WriterLock | None = None) -> None:
         self._database = database
         self._lock = lock
         self.name = name
-        """What the file is called."""
+        """Name of the file."""
         self._machines: dict[str, int] = {}
         self._committed = time.monotonic()
 
     @classmethod
     def to_write(cls, path: Path) -> Store:
-        """Return the store at ``path``, made where there is none; nobody else can write it meanwhile."""
+        """Open the store at `path` for exclusive writing; create it if needed."""
         if not path.name:
-            raise UserError(f"{path}: is no name of a file; expected one such as sweep.sqlite")
+            raise UserError(f"{path}: not a file name; expected one such as sweep.sqlite")
         if not path.absolute().parent.is_dir():
             raise UserError(f"{path}: there is no folder {path.parent}; make it first")
         _check_kind(path)
@@ -152,7 +150,7 @@ class Store:
 
     @classmethod
     def to_read(cls, path: Path) -> Store:
-        """Return the store at ``path``, which somebody may be writing, to be read only."""
+        """Open the store at `path` for reading, even while another process writes it."""
         _check_kind(path)
         if not path.exists():
             raise UserError(f"{path}: found no such file; expected {_KIND}")
@@ -168,7 +166,7 @@ class Store:
 
     @classmethod
     def without_file(cls) -> Store:
-        """Return a store that is gone when it is closed; what is too much for memory waits on disk."""
+        """Return a temporary store, on disk if it exceeds memory."""
         database = sqlite3.connect("", isolation_level=None)
         _make_tables(database)
         return cls(database, "memory")
@@ -185,7 +183,7 @@ class Store:
         self.close()
 
     def close(self) -> None:
-        """Commit what was added and let the file go."""
+        """Commit pending rows and close the file."""
         try:
             if self._database.in_transaction:
                 with _in_one_line(self.name):
@@ -196,10 +194,15 @@ class Store:
                 self._lock.release()
 
     def add(self, cell: StoredCell, rows: Iterable[RunRow], machine: str | None = None) -> int:
-        """Add ``rows`` of ``cell``, those left out that are there; return how many are new.
+        """Add new rows of a cell. They are committed by `commit` or `close`.
 
-        ``machine`` is where they were made, None for here. They are committed by :meth:`commit`, and at the
-        latest when the store is closed.
+        Args:
+            cell: Cell of the rows.
+            rows: Rows to add. Existing ones are skipped.
+            machine: Machine that made them, or None for this one.
+
+        Returns:
+            Number of new rows.
         """
         with _in_one_line(self.name):
             self._begin()
@@ -215,7 +218,7 @@ class Store:
         return added
 
     def _verify(self, key: str, seeds: set[int]) -> None:
-        """Raise UserError unless there is a row of each of ``seeds``, which were written."""
+        """Raise UserError if a row of `seeds` is missing after a write."""
         if not seeds:
             return
         lost = seeds.intersection(self.missing(key, range(min(seeds), max(seeds) + 1)))
@@ -225,19 +228,19 @@ class Store:
             )
 
     def note_plan(self, plan: str) -> None:
-        """Keep ``plan``, the text of one, if it is not there."""
+        """Add the text of a plan if it is new."""
         with _in_one_line(self.name):
             self._begin()
             self._database.execute("INSERT OR IGNORE INTO plans VALUES (?, ?)", (plan, _now()))
 
     def plans(self) -> list[str]:
-        """Return the texts of all plans that it was filled by, the first one first."""
+        """Return the texts of all plans, the first one first."""
         with _in_one_line(self.name):
             found = self._database.execute("SELECT plan FROM plans ORDER BY created, plan").fetchall()
         return [self._text(plan) for (plan,) in found]
 
     def commit(self, *, at_once: bool = True) -> None:
-        """Commit what was added; unless ``at_once`` only where the last time is a while ago."""
+        """Commit pending rows. Unless `at_once`, only after some time."""
         now = time.monotonic()
         if self._database.in_transaction and (at_once or now - self._committed >= COMMIT_EVERY):
             with _in_one_line(self.name):
@@ -245,33 +248,33 @@ class Store:
             self._committed = now
 
     def roll_back(self) -> None:
-        """Forget what was added and is not committed."""
+        """Discard rows that are not committed."""
         with _in_one_line(self.name):
             if self._database.in_transaction:
                 self._database.execute("ROLLBACK")
 
     def rows(self, key: str, seeds: range) -> Iterator[RunRow]:
-        """Yield the rows of the cell of ``key`` that have one of ``seeds``, ascending by 1."""
+        """Yield the rows of the cell `key` with consecutive `seeds`."""
         wanted = f"SELECT {_COLUMNS} FROM rows WHERE key = ? AND seed >= ? AND seed < ? ORDER BY seed"
         with _in_one_line(self.name):
             for row in self._database.execute(wanted, (key, seeds.start, seeds.stop)):
                 yield self._run(row)
 
     def missing(self, key: str, seeds: range) -> list[int]:
-        """Return those of ``seeds``, ascending by 1, of which the cell of ``key`` has no row."""
+        """Return the consecutive `seeds` without a row in the cell `key`."""
         wanted = "SELECT seed FROM rows WHERE key = ? AND seed >= ? AND seed < ?"
         with _in_one_line(self.name):
             there = {seed for (seed,) in self._database.execute(wanted, (key, seeds.start, seeds.stop))}
         return [seed for seed in seeds if seed not in there]
 
     def cells(self) -> Iterator[StoredCell]:
-        """Yield every cell that there are rows of, by its key."""
+        """Yield every cell by key."""
         with _in_one_line(self.name):
             for texts in self._database.execute("SELECT * FROM cells ORDER BY key"):
                 yield StoredCell._make(map(self._text, texts))
 
     def rows_by_machine(self, key: str) -> Iterator[tuple[str, RunRow]]:
-        """Yield every row of the cell of ``key`` by its seed, and the machine that it was made on."""
+        """Yield every row of the cell `key` by seed, with the machine that made it."""
         wanted = (
             f"SELECT machines.machine, {_COLUMNS} FROM rows JOIN machines ON machines.id = rows.machine "
             "WHERE key = ? ORDER BY seed"
@@ -281,12 +284,12 @@ class Store:
                 yield self._text(machine), self._run(row)
 
     def count(self) -> int:
-        """Return how many rows there are."""
+        """Return the number of rows."""
         with _in_one_line(self.name):
             return int(self._database.execute("SELECT COUNT(*) FROM rows").fetchone()[0])
 
     def _run(self, row: Sequence[object]) -> RunRow:
-        """Return a run as it was stored: SQLite keeps text in a column of numbers."""
+        """Return a run, checking types, because SQLite allows text in numeric columns."""
         seed, *figures, failed, seconds = row
         for each in (seed, *figures, seconds):
             if each is not None and not (isinstance(each, int | float) and math.isfinite(each)):
@@ -319,19 +322,19 @@ class Store:
 
 
 def _kept(row: RunRow) -> Iterator[float | None]:
-    """Yield the figures of ``row``, None in place of one that overflowed."""
+    """Yield the numbers of `row`, None for an overflow."""
     for figure in map(row.figures.get, FIGURES):
         yield figure if figure is None or math.isfinite(figure) else None
 
 
 def stored(cell: Cell) -> StoredCell:
-    """Return ``cell`` as a store names it."""
+    """Return `cell` in the form of a store."""
     return StoredCell(cell.key, cell.identity_text, cell.recipe.scenario.id, json.dumps(dict(cell.settings)))
 
 
 @contextmanager
 def _in_one_line(name: str) -> Iterator[None]:
-    """Let what SQLite complains of be one line that names the file."""
+    """Turn an SQLite error into one line with the name of the file."""
     try:
         yield
     except sqlite3.Error as error:
@@ -342,7 +345,7 @@ def _in_one_line(name: str) -> Iterator[None]:
 def _reason(code: int, said: str) -> str:
     match code:
         case sqlite3.SQLITE_NOTADB:
-            return "is no store of a sweep; give another --store"
+            return "not a sweep store; choose another file with --store"
         case sqlite3.SQLITE_CORRUPT:
             return f"is damaged ({said}); go on from a copy, or in a new file"
         case sqlite3.SQLITE_FULL:
@@ -354,7 +357,7 @@ def _reason(code: int, said: str) -> str:
 
 
 def _check_kind(path: Path) -> None:
-    """Raise UserError where ``path`` is a pipe, a device or the like, which SQLite would wait for."""
+    """Raise UserError if `path` is a pipe, a device or the like, which would block SQLite."""
     try:
         check_plain(path, _KIND)
     except UnreadableError as reason:
@@ -362,7 +365,7 @@ def _check_kind(path: Path) -> None:
 
 
 def _distrust(database: sqlite3.Connection) -> None:
-    """Let nothing in the file of ``database`` call functions, nor any value in it take all memory."""
+    """Prevent function calls from the file, and values that exhaust memory."""
     database.execute("PRAGMA trusted_schema = OFF")
     database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LONGEST_VALUE)
 
@@ -390,7 +393,9 @@ def _now() -> str:
 
 
 def _opened_to_read(path: Path) -> sqlite3.Connection:
-    """Return the database at ``path``; where its folder takes no files, as nobody can be writing it."""
+    """Open the database at `path` for reading. In a read-only folder nobody can be writing it, so it is
+    opened as immutable.
+    """
     address = path.absolute().as_uri()
     database = sqlite3.connect(f"{address}?mode=ro", uri=True, timeout=_PATIENCE, isolation_level=None)
     try:

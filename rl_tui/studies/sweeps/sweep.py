@@ -1,4 +1,4 @@
-"""Runs a sweep: goes through its plan, trains what is not stored yet, and stores what comes of it."""
+"""Runs a sweep: trains the cells of a plan that are not stored yet."""
 
 from __future__ import annotations
 
@@ -20,63 +20,63 @@ from rl_tui.studies.sweeps.runs import RunRow, run_rows
 from rl_tui.studies.sweeps.store import COMMIT_EVERY, Store, stored
 
 LONGEST_GOODBYE: Final = 2.0
-"""Seconds for which runs that were broken off are waited for: an environment may not answer."""
-_AHEAD: Final = 2  # batches that wait for each worker
-_MOST_SEEDS: Final = 64  # of a batch
+"""Seconds to wait for cancelled runs, because an environment may not respond."""
+_AHEAD: Final = 2  # waiting batches for each worker
+_MOST_SEEDS: Final = 64  # in a batch
 _LONGEST_LOOK: Final = 0.05  # seconds
 _MOST_REASONS: Final = 3
 
 
 class Batch(NamedTuple):
-    """The unit of work: some seeds of one cell."""
+    """A unit of work: some seeds of one cell."""
 
     cell: Cell
     seeds: tuple[int, ...]
 
 
 class Workers(Protocol):
-    """Who trains the batches of a sweep. Every method is called from one thread."""
+    """Trains the batches of a sweep, called from one thread."""
 
     @property
     def room(self) -> int:
-        """How many more batches can be taken now."""
+        """Number of further batches to accept."""
         ...
 
     def submit(self, batch: Batch) -> None:
-        """Take ``batch`` on."""
+        """Queue `batch`."""
         ...
 
     def finished(self, seconds: float) -> Sequence[tuple[Batch, RunRow]]:
-        """Return rows that have come, and of which batch; wait for so many ``seconds`` for the first."""
+        """Return finished rows with their batches, waiting up to `seconds` for the first."""
         ...
 
     def close(self) -> None:
-        """Let go of all that is not finished; what came meanwhile, :meth:`finished` still returns."""
+        """Stop unfinished work. `finished` still returns earlier rows."""
         ...
 
 
 @dataclass
 class SweepProgress:
-    """How far a sweep has come."""
+    """Progress of a sweep."""
 
     planned: int
-    """Rows there are in all; those of cells that turn out to be impossible among them."""
+    """Rows in all, including those of impossible cells."""
     done: int = 0
-    """Rows that are stored, or will never be."""
+    """Rows that are stored or impossible."""
     known: int = 0
-    """Those of ``done`` that were stored before."""
+    """Rows in `done` that were stored before."""
     trained: int = 0
-    """Those of ``done`` that were not."""
+    """Rows in `done` that were trained now."""
     failed: int = 0
-    """Those of ``done`` whose run broke down."""
+    """Rows in `done` whose run broke down."""
     steps: int = 0
-    """Steps that were taken for the others."""
+    """Steps taken by trained rows."""
     skipped: int = 0
     """Cells whose settings cannot work together."""
     reasons: list[str] = field(default_factory=list)
-    """Why, of the first of them."""
+    """Reasons of the first of them."""
     seconds: float = 0.0
-    """How long it has taken so far."""
+    """Duration so far."""
 
 
 OnProgress = Callable[[SweepProgress], None]
@@ -84,7 +84,7 @@ OnRows = Callable[[Cell, Sequence[RunRow]], None]
 
 
 def no_progress(progress: SweepProgress) -> None:
-    """Ignore how far a sweep has come."""
+    """Ignore progress."""
 
 
 def no_rows(cell: Cell, rows: Sequence[RunRow]) -> None:
@@ -92,12 +92,12 @@ def no_rows(cell: Cell, rows: Sequence[RunRow]) -> None:
 
 
 def never() -> bool:
-    """Go on to the end."""
+    """Return False: continue to the end."""
     return False
 
 
 class SweepEndedError(Exception):
-    """A run need not go on."""
+    """Stops a run that is no longer needed."""
 
 
 def run_sweep(
@@ -110,12 +110,20 @@ def run_sweep(
     on_rows: OnRows = no_rows,
     is_over: Callable[[], bool] = never,
 ) -> SweepProgress:
-    """Have every row of ``shard`` of ``plan`` in ``store``, the coarse lattice of cells first.
+    """Train all missing rows of a plan, a coarse lattice of cells first. All callbacks run in this thread,
+    which alone writes the store. At `is_over` or KeyboardInterrupt, finished rows are kept.
 
-    What is stored is not trained again. ``on_rows`` is called with each cell's rows, those that were stored
-    before and then those that come; ``on_progress`` several times a second. All is called in this thread,
-    which alone writes the store. Once ``is_over``, or at KeyboardInterrupt, what is finished is kept.
-    Raises UserError where the plan cannot work, or the store cannot be written.
+    Args:
+        plan: Plan of the sweep.
+        store: Rows, also from earlier runs.
+        shard: Part of the plan.
+        workers: Trains the batches, default threads of this process.
+        on_progress: Called several times a second.
+        on_rows: Called with each cell's stored rows, and then with new ones.
+        is_over: Returns True to stop.
+
+    Raises:
+        UserError: The plan cannot work, or the store cannot be written.
     """
     plan.check()
     store.note_plan(written_plan(plan))
@@ -126,10 +134,7 @@ def run_sweep(
 def run_again(
     plan: SweepPlan, cell: Cell, store: Store, workers: Workers | None = None, on_rows: OnRows = no_rows
 ) -> SweepProgress:
-    """Have rows of ``cell`` in ``store`` for as many seeds as ``plan`` has, none of them among those.
-
-    The rest is as for :func:`run_sweep`.
-    """
+    """Train `cell` with as many fresh seeds as `plan` has. Other arguments as for `run_sweep`."""
     alone = replace(
         plan,
         variations=tuple(Variation(name, (value,)) for name, value in cell.settings.items()),
@@ -141,7 +146,7 @@ def run_again(
 
 
 def _run(runner: _Runner, is_over: Callable[[], bool]) -> SweepProgress:
-    """Let ``runner`` run; keep what is finished however that ends."""
+    """Run `runner`, and keep finished rows whatever happens."""
     try:
         runner.run(is_over)
     finally:
@@ -169,12 +174,12 @@ class _Runner:
         self._ahead: deque[Batch] = deque()
         self._start = time.perf_counter()
         self._under_way = set[tuple[str, int]]()
-        # Cells of other settings may come to the same runs: they wait for the rows of the first
+        # cells with other settings may have the same runs, so they wait for the rows of the first
         self._waiting = dict[tuple[str, int], list[Cell]]()
         self.progress = SweepProgress(plan.size_of(shard) * plan.runs)
 
     def run(self, is_over: Callable[[], bool]) -> None:
-        """Go through the plan until its end, or until ``is_over``."""
+        """Process the plan to its end, or until `is_over`."""
         self._tell()
         while not is_over():
             self._look_ahead()
@@ -188,13 +193,13 @@ class _Runner:
         self._tell()
 
     def take_in(self, seconds: float) -> None:
-        """Store the rows that have come, after at most so many ``seconds``."""
+        """Store finished rows, waiting up to `seconds`."""
         for (batch, machine), rows in groupby(self._workers.finished(seconds), key=_origin):
             self._keep(batch.cell, [row for _, row in rows], machine)
         self._store.commit(at_once=False)
 
     def _keep(self, cell: Cell, rows: list[RunRow], machine: str | None) -> None:
-        """Store ``rows`` of ``cell``, and tell everybody who waits for them."""
+        """Store the `rows` of `cell`, and pass them to all cells that wait for them."""
         self._store.add(stored(cell), rows, machine)
         self.progress.trained += len(rows)
         by_cell = defaultdict[Cell, list[RunRow]](list, {cell: rows})
@@ -209,13 +214,15 @@ class _Runner:
             self._on_rows(each, of_cell)
 
     def close(self) -> None:
-        """Let the workers go, and keep what is finished."""
+        """Stop the workers, and keep finished rows."""
         self._workers.close()
         self.take_in(0.0)
         self._store.commit()
 
     def _look_ahead(self) -> None:
-        """Go through cells until there is enough to do, but not for long: most may be stored already."""
+        """Prepare batches until there is enough work, for a limited time: most cells may be stored
+        already.
+        """
         end = time.perf_counter() + _LONGEST_LOOK
         while self._workers.room > len(self._ahead) and time.perf_counter() < end:
             index = next(self._cells, None)
@@ -242,12 +249,12 @@ class _Runner:
             yield batch
 
     def _seeds_at_once(self, shard: Shard) -> int:
-        """Return how many seeds a batch has: with few cells fewer, so that no worker is without work."""
+        """Return the size of a batch, smaller for few cells, so that every worker has work."""
         rows = self._plan.size_of(shard) * self._plan.runs
         return max(1, min(_MOST_SEEDS, -(-rows // (4 * max(1, self._workers.room)))))
 
     def _waits(self, cell: Cell, seed: int) -> bool:
-        """Return whether that row is under way for a cell that comes to the same runs."""
+        """Return True if the row is being trained for an equal cell."""
         place = cell.key, seed
         if place not in self._under_way:
             return False
@@ -270,13 +277,13 @@ class _Runner:
 
 
 def _origin(finished: tuple[Batch, RunRow]) -> tuple[Batch, str | None]:
-    """Return of which batch a row is, and where it was made."""
+    """Return the batch of a row, and the machine that made it."""
     batch, row = finished
     return batch, row.machine
 
 
 class ThreadWorkers:
-    """Threads of this process, one a core if not said otherwise: kernels run beside one another."""
+    """Threads of this process, by default one for each core, since kernels run in parallel."""
 
     def __init__(self, jobs: int | None = None) -> None:
         self._jobs = jobs or cores()
@@ -289,12 +296,12 @@ class ThreadWorkers:
 
     @property
     def room(self) -> int:
-        """How many more batches can be taken now."""
+        """Number of further batches to accept."""
         with self._lock:
             return max(0, self._jobs * _AHEAD - self._taken)
 
     def submit(self, batch: Batch) -> None:
-        """Take ``batch`` on."""
+        """Queue `batch`."""
         with self._lock:
             self._taken += 1
         if len(self._threads) < self._jobs:
@@ -304,7 +311,7 @@ class ThreadWorkers:
         self._batches.put(batch)
 
     def finished(self, seconds: float) -> Sequence[tuple[Batch, RunRow]]:
-        """Return rows that have come, and of which batch; wait for so many ``seconds`` for the first."""
+        """Return finished rows with their batches, waiting up to `seconds` for the first."""
         found = []
         with suppress(queue.Empty):
             each = self._rows.get(timeout=seconds) if seconds else self._rows.get_nowait()
@@ -316,7 +323,7 @@ class ThreadWorkers:
         return found
 
     def close(self) -> None:
-        """Break off what is not finished, and wait for it a little."""
+        """Cancel unfinished work, with a short wait."""
         self._is_closed.set()
         for _ in self._threads:
             self._batches.put(None)

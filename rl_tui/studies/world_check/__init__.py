@@ -1,1 +1,1 @@
-"""What an author wants to know of a world before a class gets it."""
+"""The world check: facts that an author needs about a world."""

@@ -1,4 +1,4 @@
-"""The whole check of one world: exact figures, and what short trainings of each algorithm come to."""
+"""The full check of one world: exact results, and short trainings of each algorithm."""
 
 from __future__ import annotations
 
@@ -39,28 +39,31 @@ from rl_tui.studies.world_check.report import CheckStage, TrialsMade, WorldRepor
 from rl_tui.studies.world_check.words import names
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-# Short trainings: does what each algorithm learns ever end?
+# Short trainings: does the learned policy end?
 
 
 SEEDS: Final = (0, 1, 2)
 MOST_EPISODES: Final = 500
 MOST_STEPS: Final = 100_000
-"""Of one training; of a planner, backups of a state."""
+"""Steps of one training, or a planner's backups."""
 _MOST_TRIED_STATES: Final = 1_000
 _MOST_TRIED_ACTIONS: Final = 50
-"""In a larger world nothing is learned in so few steps."""
+"""Limits of a world for trials. In a larger one so few steps teach nothing."""
 
 _CHUNK: Final = 2_000
-"""Steps between two looks at whether an episode is long: always as many, or it would depend on the time."""
+"""Steps between two checks for a long episode, a constant so that results do not depend on timing."""
 
 
 class GreedyTrial(NamedTuple):
-    """What came of one training.
+    """The result of one training.
 
-    ``endless_at`` is a state that the greedy policy of what was learned may come to and from which it never
-    ends, None where it ends with probability 1, or a planner had not converged. ``long_episode`` is the
-    number, from 1, of an episode that had not ended after 50,000 steps; None: each did. ``is_whole``: all its
-    episodes were finished, or the planner converged.
+    Attributes:
+        algorithm: Id of the algorithm.
+        seed: Seed of the training.
+        endless_at: A reachable state from which the learned greedy policy never ends. None if it ends with
+            probability 1, or if a planner had not converged.
+        long_episode: Number, from 1, of an episode that had not ended after 50,000 steps, or None.
+        is_whole: True if all episodes were finished, or the planner converged.
     """
 
     algorithm: str
@@ -71,37 +74,44 @@ class GreedyTrial(NamedTuple):
 
     @property
     def may_never_end(self) -> bool:
-        """Whether the greedy policy, or an episode of learning, may go on for ever."""
+        """True if the greedy policy, or an episode of training, may never end."""
         return self.endless_at is not None or self.long_episode is not None
 
     @property
     def is_cut_short(self) -> bool:
-        """Whether there was more to learn, of which nothing is known."""
+        """True if the training was incomplete."""
         return not self.is_whole and self.long_episode is None
 
 
 def may_stay(mdp: TabularMDP) -> bool:
-    """Return whether some policy of ``mdp`` may stay for ever; else no trial is needed, each ends."""
+    """Return True if some policy may never end. Otherwise no trial is needed."""
     return bool(staying_states(exact_model(mdp), np.ones(mdp.pairs, dtype=np.bool_)).any())
 
 
 def is_tried(mdp: TabularMDP) -> bool:
-    """Return whether ``mdp`` is small enough to be tried."""
+    """Return True if `mdp` is small enough for trials."""
     return mdp.states <= _MOST_TRIED_STATES and len(mdp.action_names) <= _MOST_TRIED_ACTIONS
 
 
 def suitable(mdp: TabularMDP, hyperparameters: Hyperparameters) -> tuple[str, ...]:
-    """Return the ids of the algorithms that can learn in ``mdp`` with these settings."""
+    """Return the ids of the algorithms that can learn in `mdp` with these settings."""
     return tuple(each for each in BY_ID if not incompatibility(mdp, each, hyperparameters))
 
 
 def trials(
     mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episodes: int
 ) -> Iterator[GreedyTrial]:
-    """Yield a trial of ``algorithm``, which is :func:`suitable`, for each of ``SEEDS``.
+    """Train for each of `SEEDS`, with the same results for the same arguments. A planner needs only one
+    trial.
 
-    Each takes at most so many ``episodes`` and ``MOST_STEPS`` steps. Equal arguments give equal trials.
-    A planner draws nothing: one trial does.
+    Args:
+        mdp: World.
+        algorithm: Id of a `suitable` algorithm.
+        hyperparameters: Settings.
+        episodes: Most episodes, besides at most `MOST_STEPS` steps.
+
+    Yields:
+        A trial for each seed.
     """
     seeds, patience = SEEDS[:1] if BY_ID[algorithm].planner else SEEDS, Patience()
     for number, seed in enumerate(seeds):
@@ -117,7 +127,7 @@ def trials(
 def _trial(
     mdp: TabularMDP, learner: Learner, seed: int, wanted: int, look: Callable[[Learner], None]
 ) -> GreedyTrial:
-    """Train ``learner`` for ``wanted`` episodes, or backups of a planner; ``look`` after every chunk."""
+    """Train `learner` for `wanted` episodes (or a planner's backups), with `look` after every chunk."""
     is_long, stop = False, Stop.DONE
     while learner.step < MOST_STEPS and learner.episodes < wanted and not is_long:
         stop = learner.advance(min(_CHUNK, MOST_STEPS - learner.step), wanted - learner.episodes)
@@ -127,7 +137,7 @@ def _trial(
         is_long = not learner.plans and learner.episode_step >= LONG_EPISODE
         look(learner)
     is_whole = learner.converged if learner.plans else learner.episodes >= wanted
-    # a planner that was broken off has no policy yet
+    # an interrupted planner has no policy yet
     greedy = (
         greedy_policy(mdp, learner.q, learner.hyperparameters.ties) if is_whole or not learner.plans else None
     )
@@ -141,13 +151,13 @@ def _trial(
 
 
 MOST_SECONDS: Final = 300
-"""Of a processor. The dearest of the shipped worlds takes a minute where nothing is compiled yet."""
+"""CPU-time limit in seconds. The slowest shipped world takes a minute without compiled code."""
 _MOST_NAMED: Final = 3
 TOO_LARGE: Final = f"not worked out above {MOST_STATES:,} states"
 
 
 class Question(NamedTuple):
-    """The world to check, and the agent with whose settings; ``episodes`` are those of a whole training."""
+    """A world to check with settings. `episodes` are those of a full training."""
 
     mdp: TabularMDP
     algorithm: str
@@ -156,29 +166,27 @@ class Question(NamedTuple):
 
 
 def work(asked: Question, tell: Callable[[WorldReport, float], None]) -> None:
-    """Tell the report as it grows; what a process of its own does."""
+    """Compute the report and send it as it grows. This is the work of a background process."""
     bound_processor_time(MOST_SECONDS)
     for report in reports(asked):
         tell(report, list(BY_ID).index(report.trying) / len(BY_ID) if report.trying else 0.0)
 
 
 def without_table() -> WorldReport:
-    """Return the report on a world that is stepped: nothing is known of it."""
-    return WorldReport(warnings=(f"nothing can be told: {NO_TABLE}",))
+    """Return the report on a simulated world, about which nothing is known."""
+    return WorldReport(warnings=(f"no exact checks: {NO_TABLE}",))
 
 
 def deep_check(asked: Question) -> WorldReport:
-    """Return the whole report on the world of ``asked``.
-
-    All is exact but for ``endless``, which rests on trainings of limited length: see :class:`TrialsMade`.
-    Equal questions have equal answers, however long they take.
+    """Return the full report on the world of `asked`. Everything is exact except `endless`, which depends
+    on limited trainings (see `TrialsMade`). Equal questions have equal answers, whatever their duration.
     """
     *_, report = reports(asked)
     return report
 
 
 def reports(asked: Question) -> Iterator[WorldReport]:
-    """Yield the report as it grows: figures, flips, then algorithm by algorithm; the last one is whole."""
+    """Yield the report as it grows: exact results, flip points, then each algorithm."""
     report = _figures(asked)
     yield report
     report = _with_flips(report, asked.mdp)
@@ -187,7 +195,7 @@ def reports(asked: Question) -> Iterator[WorldReport]:
 
 
 def _figures(asked: Question) -> WorldReport:
-    """Return all that is exact but for flips."""
+    """Return all exact results except flip points."""
     mdp, unknown = asked.mdp, dict[str, str]()
     random_return, best_return = _returns(mdp, unknown)
     first = _first_wait(asked, unknown)
@@ -205,7 +213,7 @@ def _figures(asked: Question) -> WorldReport:
 
 
 def _returns(mdp: TabularMDP, unknown: dict[str, str]) -> tuple[float | None, float | None]:
-    """Return what the random and the best policy earn; say of either why it is not known."""
+    """Return the returns of the random and the best policy, and record in `unknown` why one is missing."""
     if mdp.states > MOST_STATES:
         unknown |= {"random_return": TOO_LARGE, "best_return": TOO_LARGE}
         return None, None
@@ -228,7 +236,7 @@ def _shortest_way(mdp: TabularMDP, gamma: float, unknown: dict[str, str]) -> int
         unknown[name] = str(reason)
         return None
     if steps is None:
-        unknown[name] = "the best policy never comes to an end"
+        unknown[name] = "an episode of the best policy never ends"
     elif mdp.time_limit and steps > mdp.time_limit:
         limit = counted(mdp.time_limit, "step")
         unknown[name] = f"its end is {steps:,} steps away, an episode has {limit}"
@@ -248,9 +256,9 @@ def _first_wait(asked: Question, unknown: dict[str, str]) -> Wait | None:
 
 
 def _wait_warnings(wait: Wait | None, episodes: int) -> tuple[str, ...]:
-    """Return that nothing is learned in a whole training of so many ``episodes``, where that is likely."""
+    """Return a warning if `episodes` of training will probably teach nothing."""
     if wait is not None and wait.chance == 0.0:
-        return ("nothing is ever learned: no episode can come to anything that moves an estimate",)
+        return ("nothing is ever learned: no episode can reach an outcome that changes an estimate",)
     if wait is None or wait.median_episodes is None or wait.median_episodes <= episodes:
         return ()
     training = f"and a training has {counted(episodes, 'episode')}"
@@ -267,7 +275,7 @@ def _with_flips(report: WorldReport, mdp: TabularMDP) -> WorldReport:
 
 
 def _with_trials(report: WorldReport, asked: Question) -> Iterator[WorldReport]:
-    """Yield ``report`` before each algorithm, with those that may learn never to end, and at the end."""
+    """Yield `report` before each algorithm, with those that may never end, and at the end."""
     mdp, settings, episodes = asked.mdp, asked.hyperparameters, min(MOST_EPISODES, asked.episodes)
     warning = endless_warning_in(mdp, settings, asked.episodes)
     known = (*report.warnings, *([warning] if warning else []))
@@ -303,10 +311,7 @@ def _may_never_end(made: Sequence[GreedyTrial]) -> tuple[str, ...]:
 
 
 def _warnings(made: Sequence[GreedyTrial], mdp: TabularMDP, episodes: int) -> list[str]:
-    """Return what ``made`` gives cause to warn of, and what to do.
-
-    A time limit has done it already; and from a state without a way out nothing else is to be expected.
-    """
+    """Return warnings for the trials in `made`. With a time limit or endless states, they are not needed."""
     said = []
     greedy = [trial for trial in made if trial.endless_at is not None]
     if greedy:
@@ -322,7 +327,7 @@ def _warnings(made: Sequence[GreedyTrial], mdp: TabularMDP, episodes: int) -> li
 
 
 def _names(made: Sequence[GreedyTrial]) -> str:
-    """Return what the algorithms of ``made`` are called; where there are many, how many."""
+    """Return the names of the algorithms in `made`, or their number if there are many."""
     found = tuple(dict.fromkeys(trial.algorithm for trial in made))
     is_short = len(found) <= _MOST_NAMED or len(found) == len(BY_ID)
     return names(found) if is_short else f"{len(found)} of {len(BY_ID)} algorithms"

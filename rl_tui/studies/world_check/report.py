@@ -1,4 +1,4 @@
-"""What a world was found to be."""
+"""The report of a world check."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class CheckStage(IntEnum):
-    """What is worked out now, in this order."""
+    """Current stage of the computation, in order."""
 
     FIGURES = 0
     FLIPS = 1
@@ -23,10 +23,9 @@ class CheckStage(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class TrialsMade:
-    """How much was trained of each algorithm: under these ``seeds``, so many episodes, at most so many steps.
-
-    No ``seeds``: none was needed, since each policy ends. Those ``in_part`` had more episodes to go when
-    their steps were used up, or broke down: what they learn later is not known.
+    """The extent of the trials: `seeds` for each algorithm, with limits for episodes and steps. Without
+    `seeds`, no trial was needed, because every policy ends. The algorithms `in_part` used up their steps
+    early or broke down, so their later learning is unknown.
     """
 
     seeds: tuple[int, ...]
@@ -37,39 +36,38 @@ class TrialsMade:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldReport:
-    """What an author wants to know of a world, as far as it is worked out.
-
-    None is what is not worked out yet, or not known: then ``unknown`` says why, by the name of the field.
+    """Results of a world check so far. None means pending, or unknown with a reason in `unknown` by field
+    name.
     """
 
     stage: CheckStage = CheckStage.DONE
-    """What is worked out now."""
+    """Current stage."""
     trying: str = ""
-    """The algorithm that is trained now; empty where none is."""
+    """Algorithm in training, or ""."""
     warnings: tuple[str, ...] = ()
-    """What is doubtful of the world, and what to do, a line each."""
+    """Warnings with remedies, one line each."""
     unknown: Mapping[str, str] = field(default_factory=dict)
-    """Why something is not known."""
+    """Reasons why results are unknown."""
     random_return: float | None = None
-    """The exact expected return of the uniformly random policy, undiscounted, within the time limit."""
+    """Exact expected undiscounted return of the random policy within the time limit."""
     best_return: float | None = None
-    """That of the best policy, which may look at the clock."""
+    """The same of the best policy, which may depend on the time."""
     shortest_way: int | None = None
-    """The fewest steps in which the best policy for γ may come to an end, within the time limit."""
+    """Fewest steps in which the optimal policy for γ may end, within the time limit."""
     first_update: Wait | None = None
-    """The wait for the first update that tells anything, with the settings in force."""
+    """Wait for the first update with the current settings."""
     flips: tuple[Flip, ...] | None = None
     """Every γ at which the optimal actions change."""
     never_reached: tuple[int, ...] | None = None
-    """The states that no episode comes to."""
+    """States that no episode reaches."""
     endless_states: tuple[int, ...] | None = None
-    """The states from which no policy can reach an end; none where there is a time limit."""
+    """States from which no policy reaches a terminal state, empty with a time limit."""
     endless: tuple[str, ...] | None = None
-    """The algorithms of which a greedy policy may never end, the time limit left aside, as far as tried."""
+    """Algorithms whose greedy policy may never end without a time limit, as far as tried."""
     tried: TrialsMade | None = None
-    """How ``endless`` was found; None where it was not."""
+    """Extent of the trials for `endless`, or None."""
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing at all is known, the world having no table."""
+        """True if nothing is known, because the world has no table."""
         return self.stage is CheckStage.DONE and self.never_reached is None and not self.unknown

@@ -1,4 +1,4 @@
-"""What is said of a world that was checked, on screen and off it."""
+"""Texts of a world check, for the screen and for reports."""
 
 from __future__ import annotations
 
@@ -26,16 +26,13 @@ LABELS: Final[Mapping[str, str]] = {
     "endless_states": "no way out",
     "endless": "may never end",
 }
-"""What each field of a report is called, in the order in which they are told."""
+"""Labels of the fields of a report, in order."""
 _STAGES: Final[Mapping[str, CheckStage]] = {"flips": CheckStage.FLIPS, "endless": CheckStage.TRIALS}
-"""When each is worked out, if not at first."""
+"""Stage in which a field is computed, if not the first."""
 
 
 class Row(NamedTuple):
-    """What is said of one ``field`` of a report: a figure or a text, and what a figure is of.
-
-    Where it is not worked out yet, both are empty.
-    """
+    """One line about a `field`: a number or text, and a remark. Both are empty while pending."""
 
     field: str
     figure: str = ""
@@ -45,9 +42,13 @@ class Row(NamedTuple):
 def rows(
     report: WorldReport, space: FiniteSpace, gamma: float, name_of: Callable[[int], str] | None = None
 ) -> list[Row]:
-    """Return a row for each of ``LABELS``; ``name_of`` says what states are called.
+    """Return a row for each of `LABELS`.
 
-    ``gamma`` is that for which the best way was worked out.
+    Args:
+        report: The report.
+        space: States of the world.
+        gamma: γ of the shortest path.
+        name_of: Returns the name of a state.
     """
     name = name_of or space.state_names.__getitem__
     limit = f", within {counted(space.time_limit, 'step')}" if space.time_limit else ""
@@ -75,7 +76,7 @@ def _row(report: WorldReport, field: str, known: Callable[[], Row]) -> Row:
 
 
 def warnings(report: WorldReport) -> tuple[str, ...]:
-    """Return what ``report`` warns of, and what is not known, a line each."""
+    """Return all warnings and reasons for unknown results, one line each."""
     return (*report.warnings, *(f"{LABELS[field]}: {reason}" for field, reason in report.unknown.items()))
 
 
@@ -132,7 +133,7 @@ def _ended_by(space: FiniteSpace, what: str) -> str:
 
 
 def names(algorithms: Sequence[str]) -> str:
-    """Return what ``algorithms`` are called."""
+    """Return the names of `algorithms`."""
     if len(algorithms) == len(BY_ID):
         return "every algorithm"
     return ", ".join(BY_ID[algorithm].name for algorithm in algorithms)

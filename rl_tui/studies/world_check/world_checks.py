@@ -1,4 +1,4 @@
-"""The check of the world on screen: while a person wants it, for the world and the settings in force."""
+"""The check of the visible world with its current settings, on request."""
 
 from __future__ import annotations
 
@@ -21,35 +21,35 @@ if TYPE_CHECKING:
     _Process = AnsweringProcess[Question, WorldReport | None]
 
 WORK: Final = "rl_tui.studies.world_check.deep_check:work"
-"""What runs in its process: it trains every algorithm there is."""
+"""Runs in a process of its own, which trains every algorithm."""
 KEPT: Final = 4
-"""Whole reports that are kept: of worlds and settings that a person goes back to."""
+"""Complete reports that are cached, for worlds and settings visited again."""
 IN_KIOSK: Final = "worlds are not checked in a kiosk"
-TOO_LARGE: Final = f"more than {LIVE_STATES:,} states: rl-tui check --deep tells what can be told"
+TOO_LARGE: Final = f"more than {LIVE_STATES:,} states: run rl-tui check --deep"
 NO_PROCESS: Final = "no process can be started"
 BROKEN_OFF: Final = "the rest took too long, or its process was ended"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldCheckView:
-    """What is known of the world by now: nothing yet, a part of the report, or all of it."""
+    """The state of a world check."""
 
     report: WorldReport | None = None
-    """The report; None: nothing is known yet, or ever, where it is ``refused``."""
+    """The report, or None while it is pending or if it is refused."""
     world: World | None = None
-    """The world that was checked; None where there is no report."""
+    """The checked world, or None without a report."""
     gamma: float = 0.0
-    """The γ with which it was."""
+    """γ of the check."""
     refused: str = ""
-    """Why there will be none, or no more than there is; empty where all is well."""
+    """Reason for a missing or incomplete report, else empty."""
     how_long: str = ""
-    """How long the rest takes, or that the machine is busy; empty where neither is known."""
+    """Time left, or a note that the machine is busy, empty if unknown."""
     is_outdated: bool = False
-    """Whether it is of the world, or of the settings, before a change."""
+    """True if world or settings have changed since."""
 
 
 def why_unchecked(world: World) -> str:
-    """Return why ``world`` is not checked; empty where it is."""
+    """Return the reason why `world` is not checked, or ""."""
     if in_kiosk():
         return IN_KIOSK
     if world.mdp is None:
@@ -58,12 +58,10 @@ def why_unchecked(world: World) -> str:
 
 
 class WorldChecks:
-    """Has one world at a time checked, in a process of its own.
-
-    A check of what is no longer in force is ended for the newest once its figures are known: they come in
-    moments, so that not each of many strokes begins one. ``on_news`` is called, from any thread, when there
-    is more to tell. With ``automatic`` off each is waited for, so that what is known does not depend on the
-    time.
+    """Checks one world at a time in a background process. An outdated check continues until its exact
+    results are known, so that not every stroke of many starts a new one. `on_news` is called from any
+    thread when there is news. With `automatic` off, each check is awaited, so that results do not depend
+    on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -74,7 +72,7 @@ class WorldChecks:
         self._last = WorldCheckView()
 
     def of(self, run: Run) -> WorldCheckView:
-        """Return what is known by now of the world of ``run``, and see to it that more will be."""
+        """Return the check of the world of `run` so far, and continue it."""
         mdp, refused = run.world.mdp, why_unchecked(run.world)
         if mdp is None or refused:
             self.end()
@@ -100,7 +98,7 @@ class WorldChecks:
         return replace(last, refused="", is_outdated=True)
 
     def _begin(self, asked: Question, world: World) -> _Process | None:
-        """Begin to work ``asked`` out; None where no process can be started."""
+        """Start to answer `asked`. Return None if no process can be started."""
         self._world = world
         try:
             process = self._background.begin(asked, None)
@@ -111,14 +109,14 @@ class WorldChecks:
         return process
 
     def end(self) -> None:
-        """Keep what the process has found, if it has come to its end, and end it if not."""
+        """End the process, and cache its report if complete."""
         process = self._background.process
         if process is not None and (process.failed or _is_whole(process.known)):
             self._known = [*self._known, (process.request, self._view(process))][-KEPT:]
         self._background.end()
 
     def close(self) -> None:
-        """End what is under way, from any thread, and begin nothing any more."""
+        """Stop the current check and refuse new ones. Safe from any thread."""
         self._background.close()
 
     def _view(self, process: _Process) -> WorldCheckView:
@@ -132,7 +130,7 @@ class WorldChecks:
 
 
 def _has_figures(process: _Process) -> bool:
-    """Return whether there is something to show, be it that there will be nothing."""
+    """Return True if there is something to show, even a failure."""
     return process.known is not None or bool(process.failed)
 
 
@@ -141,11 +139,11 @@ def _is_whole(report: WorldReport | None) -> bool:
 
 
 def _question(run: Run, mdp: TabularMDP) -> Question:
-    """Return what is asked of the world of ``run``: with the settings in force, as if it began with them."""
+    """Return the question about the world of `run`: with the current settings from the start."""
     from rl_tui.studies.world_check.deep_check import Question
 
     learner, recipe = run.learner, run.recipe
-    # estimates start from what the recipe says, whatever is set later
+    # Q₀ applies at the start only, so its current value does not matter
     values = replace(learner.hyperparameters, initial_q=recipe.hyperparameters.initial_q)
     return Question(mdp, learner.algorithm, values, episodes_of(recipe.scenario))
 

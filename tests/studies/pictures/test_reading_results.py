@@ -84,8 +84,8 @@ def test_values_at_equal_ratios_stand_on_a_logarithmic_axis(
 
 
 FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
-    "no JSON": ("hello", "is no JSON"),
-    "NaN": ('{"curve": {"episode": [NaN]}}', "NaN is no number"),
+    "no JSON": ("hello", "not JSON"),
+    "NaN": ('{"curve": {"episode": [NaN]}}', "NaN is not a number"),
     "a list": (list, "no JSON object"),
     "something else": (lambda: {"a": 1}, "neither a curve nor cells"),
     "one run": (lambda: {"q": [], "policy": []}, "one run, which has no curve"),
@@ -97,7 +97,7 @@ FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
     "no episodes": (lambda: runs({"episode": [], "return_mean": []}), "without episodes"),
     "no names of episodes": (lambda: runs({"return_mean": [1.0]}), "no curve over episodes"),
     "no cells": (lambda: sweep({"alpha": 0.1}, cells=[]), "without a cell"),
-    "cells that are numbers": (lambda: sweep({"alpha": 0.1}, cells=[1, 2]), "no JSON objects"),
+    "cells that are numbers": (lambda: sweep({"alpha": 0.1}, cells=[1, 2]), "not JSON objects"),
     "a mean that is too large": (
         lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 0.1, "area": {"mean": -1e308}}]),
         "numbers within",

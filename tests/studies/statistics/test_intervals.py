@@ -129,7 +129,7 @@ def test_a_share_has_the_interval_that_scipy_gives_it(successes: int, more: int)
 
 @pytest.mark.parametrize(("successes", "count"), [(0, 0), (3, 2), (-1, 4)])
 def test_what_is_no_share_has_no_interval(successes: int, count: int) -> None:
-    with pytest.raises(ValueError, match="is no share"):
+    with pytest.raises(ValueError, match="is not a share"):
         share_interval(successes, count)
 
 

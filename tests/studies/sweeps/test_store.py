@@ -153,7 +153,7 @@ def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
 def test_a_file_that_is_no_database(path: Path) -> None:
     path.write_text("alpha,seed\n" * 100, encoding="utf-8")
     for opened in (Store.to_write, Store.to_read):
-        with pytest.raises(UserError, match="is no store of a sweep"):
+        with pytest.raises(UserError, match="not a sweep store"):
             opened(path)
     assert path.read_text(encoding="utf-8") == "alpha,seed\n" * 100
     assert os.listdir(path.parent) == [path.name]
@@ -165,7 +165,7 @@ def test_a_database_of_somebody_else(path: Path) -> None:
     database.close()
     before = path.read_bytes()
     for opened in (Store.to_write, Store.to_read):
-        with pytest.raises(UserError, match="no store of a sweep"):
+        with pytest.raises(UserError, match="not a sweep store"):
             opened(path)
     assert path.read_bytes() == before
 

@@ -1,1 +1,1 @@
-"""What may be wrong with a program, a subject each: what steps prove of it."""
+"""Possible bugs of a program, one subject per module, with their proofs."""

@@ -1,6 +1,5 @@
-"""Bugs in which cell of the table moves: the wrong one, or several at once.
-
-They are proved without knowing the update rule. ``Proof`` is the form of every proved bug.
+"""Bugs in which cell of the table moves: the wrong one, or several at once. They are proved without
+knowing the update rule. `Proof` is the form of every proved bug.
 """
 
 from __future__ import annotations
@@ -20,31 +19,29 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 FEWEST_STEPS: Final = 3
-"""So many steps must speak for a fault, and none against it."""
+"""Steps that must support a fault, with none against it."""
 MOST_STEPS: Final = 50_000
-"""Steps that one question looks at: half of them the first, half the latest."""
+"""Most steps for one question: half of them the first, half the latest."""
 _SHARE_OF_OTHERS: Final = 0.05
 
 
 class CodePlace(Enum):
-    """Which line of the code a fault belongs to."""
+    """The line of code to which a fault belongs."""
 
     UPDATE = auto()
     """The line that changes the table."""
     TABLE = auto()
-    """Where the table is made."""
+    """The line that makes the table."""
     CHOICE = auto()
-    """Where the action is chosen."""
+    """The line that chooses the action."""
     CALL = auto()
-    """The call of ``env.step``."""
+    """The call of `env.step`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proof:
-    """``steps`` are the numbers of the steps that speak for ``fault``, oldest first.
-
-    ``against`` counts those that speak against it, 0 for a fault, and ``neither`` those on which
-    something else happened.
+    """Evidence for `fault`. `steps` are the numbers of supporting steps, oldest first. `against` counts
+    opposing ones (0 for a fault), and `neither` those with another result.
     """
 
     fault: CodeFault
@@ -58,26 +55,26 @@ class Proof:
 
     @property
     def is_enough(self) -> bool:
-        """Whether it may be told."""
+        """True if it may be reported."""
         few = self.neither <= len(self.steps) * _SHARE_OF_OTHERS
         is_clear = self.against == 0 or self.fault in RISKS
         return len(self.steps) >= FEWEST_STEPS and is_clear and few
 
 
 def some_of(places: IntArray, most: int = MOST_STEPS) -> IntArray:
-    """Return ``places``, or of very many the first and the last ones."""
+    """Return `places`, or the first and last ones if there are too many."""
     if len(places) <= most:
         return places
     return np.concatenate((places[: most // 2], places[-(most - most // 2) :]))
 
 
 def step_text(step: int) -> str:
-    """Return ``step`` for a sentence, as people count."""
+    """Return `step` for a sentence, counted from 1."""
     return f"step {step_number(step):,}"
 
 
 def written(number: float) -> str:
-    """Return ``number`` for a sentence, with four digits that count."""
+    """Format `number` with four significant digits for a sentence."""
     return f"{number:.4g}".replace("-", "−")
 
 
@@ -85,19 +82,19 @@ def written(number: float) -> str:
 
 
 _ONE_CELL: Final = 0.95
-"""Of the steps that changed something, so many must have changed one cell."""
+"""Share of changing steps that must change exactly one cell."""
 _MOST_FIXED: Final = 32
-"""Actions that are tried as one that a slip fixes."""
+"""Most actions tried as a fixed one."""
 _MOVED: Final = "(s′, a)"
 _MOST_SOLVED: Final = 2_000
-"""Steps that are asked where the maximum is taken."""
+"""Most steps used to find where the maximum is taken."""
 _UNKNOWNS: Final = 3
 _PATIENCE: Final = 1_000.0
-"""So many times the precision of the table a solution may be off."""
+"""Tolerance of a solution, as a multiple of the table's precision."""
 
 
 def proof_of_cell(evidence: Evidence, names: CodeNames) -> Proof | None:
-    """Return the proof that always a wrong cell moves, if there is one."""
+    """Prove that always a wrong cell moves, or return None."""
     cell = evidence.only_change[0]
     rebound = np.isin(evidence.number, np.asarray(evidence.recording.rebound, np.int64))
     single = (cell >= 0) & ~rebound
@@ -112,7 +109,7 @@ def proof_of_cell(evidence: Evidence, names: CodeNames) -> Proof | None:
 
 
 def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
-    """Return the cells, [n], that a slip may move in place of (s, a); −1 where there is none."""
+    """Return the cells, `[n]`, that may move instead of (s, a), −1 if there is none."""
     actions, state, action = evidence.actions, evidence.state[at], evidence.action[at]
     following, next_state = evidence.next_action[at], evidence.next_state[at]
     initial = evidence.recording.initial
@@ -131,7 +128,7 @@ def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
 
 
 def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names: CodeNames) -> Proof:
-    """Prove ``wrong`` from the steps on which it is another cell than the step's own."""
+    """Count the steps for and against `wrong`, where it differs from the step's own cell."""
     moved, own = evidence.only_change[0][at], evidence.cell[at]
     known = wrong >= 0
     differ = known & (wrong != own)
@@ -173,10 +170,9 @@ def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
 
 
 def _takes_own_maximum(evidence: Evidence, at: IntArray) -> bool:
-    """Return whether the steps ``at``, which move (s′, a), take max Q(s) and not max Q(s′) for their target.
-
-    By how much a cell moves is a sum of the reward, the maximum and what stood there, each times a number
-    that is the same at all steps: only the right maximum solves all of them.
+    """Return True if steps that move (s′, a) have max Q(s) in their target instead of max Q(s′). The
+    change of a cell is a sum of reward, maximum and old value with constant factors, and only the right
+    maximum solves all steps.
     """
     at = at[~(evidence.terminated | evidence.truncated)[at]][:_MOST_SOLVED]
     if len(at) < FEWEST_STEPS:
@@ -199,7 +195,7 @@ def _is_solved_by(evidence: Evidence, at: IntArray, maximum: FloatArray) -> bool
 
 
 def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames) -> Proof | None:
-    """Return the proof that rows of the table are one and the same, if they were seen to be."""
+    """Prove that rows of the table are the same object, if that was observed."""
     if shared_at is None:
         return None
     changes = evidence.recording.changes
@@ -217,8 +213,8 @@ def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames
         CodeFault.SHARED_TABLE,
         steps,
         0,
-        f"rows of the table are one and the same: at {step_text(step[first])} the rows of states {one} "
-        f"and {other} moved alike; so at {len(steps):,} steps",
+        f"rows of the table are the same object: at {step_text(step[first])} the rows of states {one} "
+        f"and {other} changed by the same amount; so at {len(steps):,} steps",
         f"make a row for each state: {names.table} = {names.rows(actions)}",
         CodePlace.TABLE,
     )

@@ -1,4 +1,4 @@
-"""How actions are chosen, where that may keep a program from ever seeing a reward."""
+"""Choices of actions that may keep a program from any reward."""
 
 from __future__ import annotations
 
@@ -20,19 +20,17 @@ from rl_tui.programs.watched.program_world import world_of_program
 
 _SURE: Final = 0.9999
 _FEWEST: Final = 200
-"""Choices from which their shares are told."""
+"""Choices needed to judge their shares."""
 _DEVIATIONS: Final = 10.0
-"""Standard deviations that a share must be off, so that chance is no explanation."""
+"""Deviation of a share, in standard deviations, that rules out chance."""
 
 
 def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
-    """Return what may keep the program from learning: told only while nothing was learned.
-
-    And only where a policy that breaks ties at random would have seen a reward in as many episodes with a
-    chance above 0.9999.
+    """Return the risk in the choices of a program that has learned nothing. It is reported only if random
+    ties would have found a reward in as many episodes with probability above 0.9999.
     """
     if evidence.changes.step.size or evidence.initial.any():
-        return None  # a dict that gets rows of zeros has learned nothing
+        return None  # a dict filled with zeros has learned nothing
     if not len(evidence) or evidence.reward.any():
         return None
     taken = np.bincount(evidence.action, minlength=evidence.actions)
@@ -48,7 +46,7 @@ def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Pr
 
 
 def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
-    """Return the chance that uniformly random actions see a reward in so many episodes; None if not known."""
+    """Return the probability that random actions find a reward in `episodes` episodes, or None if unknown."""
     if len(log.environments) != 1:
         return None
     try:

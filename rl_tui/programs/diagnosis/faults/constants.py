@@ -1,4 +1,4 @@
-"""What the numbers of an update say: a discount that is applied twice, a step size out of its range."""
+"""Faults in the numbers of an update: a discount applied twice, or a step size out of range."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _DISCOUNT: Final = re.compile(r"gamma|discount|γ|^(g|df)$", re.IGNORECASE)
 def proof_of_gamma_twice(
     predictions: Predictions, reward: FloatArray, numbers: Mapping[str, float], names: CodeNames
 ) -> Proof | None:
-    """Return the proof that γ² moves the table where the code says γ; it rests on the name of a number."""
+    """Prove that γ² moves the table where the code has γ. This relies on the name of a number."""
     gamma = predictions.update.gamma
     if not predictions.is_known or gamma is None or not 0.0 < gamma < 1.0:
         return None
@@ -50,7 +50,7 @@ def proof_of_gamma_twice(
 
 
 def discount_twice(gamma: float, numbers: Mapping[str, float]) -> str | None:
-    """Return the name of the discount whose square is ``gamma``; None if the code holds ``gamma`` itself."""
+    """Return the name of the discount whose square is `gamma`, or None if the code has `gamma` itself."""
     if any(math.isclose(each, gamma, rel_tol=_NEAR) for each in numbers.values()):
         return None
     roots = [
@@ -62,7 +62,7 @@ def discount_twice(gamma: float, numbers: Mapping[str, float]) -> str | None:
 
 
 def proof_of_step_size(predictions: Predictions, reward: FloatArray, names: CodeNames) -> Proof | None:
-    """Return the proof of a constant step size that no average has: above 1, or not above 0."""
+    """Prove a constant step size above 1, or not above 0."""
     update = predictions.update
     alpha = update.alpha
     if not predictions.is_known or update.alpha_schedule != "constant" or alpha is None:

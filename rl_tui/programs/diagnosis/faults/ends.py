@@ -1,4 +1,4 @@
-"""What an update does at the last step of an episode."""
+"""Faults at the last step of an episode."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 _LEAST_DISCOUNT: Final = 1e-3
-"""A smaller one may be nothing but rounding."""
+"""A smaller discount may be a rounding error."""
 _EITHER_END: Final = "done"
-"""What a flag is called that is true at a truncation too, where that is what it is found to do."""
+"""Name of a flag that is also true at a truncation, if that is what it is found to do."""
 
 
 class _Ends(NamedTuple):
-    """Last steps of one kind, with what stands there if they bootstrap, and if they do not."""
+    """Last steps of one kind, with the new values expected with and without bootstrapping."""
 
     readings: Readings
     values: FloatArray
@@ -31,11 +31,16 @@ class _Ends(NamedTuple):
 def proofs_at_ends(
     predictions: Predictions, reward: FloatArray, names: CodeNames, *, done_is_either: bool, may_be_own: bool
 ) -> tuple[Proof, ...]:
-    """Return what last steps prove, where the update is known and takes ``reward``, [N].
+    """Return the proofs from last steps.
 
-    ``done_is_either`` says that the program is handed one flag for the end of an episode and for its being
-    cut off: that it does not bootstrap then is no fault of its own. ``may_be_own`` says that its rewards may
-    be others, or that it sets estimates to a number: then one may stay where it is though it is updated.
+    Args:
+        predictions: Predictions of a known update.
+        reward: Reward that it uses, `[N]`.
+        names: Names in the code.
+        done_is_either: True if the program receives one flag for terminal and truncated ends, so that a
+            missing bootstrap is not its fault.
+        may_be_own: True if its rewards may differ, or it sets estimates to a constant. An updated estimate
+            may then stay the same.
     """
     update = predictions.update
     if not predictions.is_known or update.reward == "own" or update.place is MovedCell.ONE_LATE:
@@ -92,7 +97,7 @@ def _left_out(predictions: Predictions, cut_off: BoolArray, reward: FloatArray, 
             seen.one,
             "the time limit cut the episode off, and the next state's value was left out:",
         ),
-        f"cut off is not ended; ask for {names.terminated} alone: {names.target()}",
+        f"truncated is not terminated; test only {names.terminated}: {names.target()}",
         neither=int(seen.neither.sum()),
     )
 
@@ -104,12 +109,12 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
     expected = np.concatenate((ends.with_next, ends.without), axis=1)
     seen = predictions.witnesses(readings, readings.before[:, None], expected)
     steps = predictions.evidence.number[readings.at[seen.one]]
-    changed = int((seen.other | seen.neither).sum())  # by whatever: such a step is not without an update
+    changed = int((seen.other | seen.neither).sum())  # whatever changed it, such a step has an update
     text = ""
     if len(steps):
         first = int(np.argmax(seen.one))
         text = (
-            f"{len(steps):,} last steps of episodes left the table as it was, and none changed it; at "
+            f"{len(steps):,} last steps of episodes did not change the table, and no last step did; at "
             f"{step_text(steps[0])} the reward {written(reward[readings.at[first]])} should have moved "
             f"{written(readings.before[first])} to {written(ends.without[first, 0])}"
         )
@@ -124,7 +129,7 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
 
 
 def _follows_a_change(predictions: Predictions) -> BoolArray:
-    """Return whether an earlier step of the same episode changed something, [N]."""
+    """Return True for steps after a change in the same episode, `[N]`."""
     evidence = predictions.evidence
     changing = np.flatnonzero(evidence.changes_of > 0)
     first = np.full(int(evidence.episode.max(initial=0)) + 1, len(evidence))
@@ -134,7 +139,7 @@ def _follows_a_change(predictions: Predictions) -> BoolArray:
 
 
 def _seen(predictions: Predictions, ends: _Ends, which: BoolArray, what: str) -> str:
-    """Return a sentence about the first of ``which``, and how many there are."""
+    """Return a sentence about the first step of `which`, and their number."""
     if not which.any():
         return ""
     first = int(np.argmax(which))

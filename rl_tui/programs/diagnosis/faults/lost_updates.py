@@ -1,4 +1,4 @@
-"""Updates that leave nothing behind: a table of integers, or one that never moves."""
+"""Updates without effect: a table of integers, or one that never moves."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from rl_tui.programs.watched.program_log import ProgramLog
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 _MOST: Final = 2_000
-"""Steps of which is asked whether a step size and a discount explain what was cut off."""
+"""Most steps checked for a step size and a discount that explain truncated values."""
 _MOST_NUMBERS: Final = 12
 _FEWEST_REWARDS: Final = 5
 _PATIENCE: Final = 1_000
 _PATIENT_EPISODES: Final = 100
-"""Rewards and episodes that a program may see before its first update while it runs: it may fill a memory."""
+"""Rewards and episodes before the first update that a running program may need, for instance to fill a
+memory.
+"""
 
 
 def proof_of_rounding(
     evidence: Evidence, dtype: str, numbers: Mapping[str, float], names: CodeNames, *, writes: bool
 ) -> Proof | None:
-    """Return the proof that a table of integers cuts its updates off.
-
-    Either numbers of the code explain what is kept as the whole part of an update, or nothing is kept at all
-    of rewards though the code writes.
+    """Prove that a table of integers truncates its updates. Either numbers in the code explain the integer
+    parts, or rewards leave no trace although the code writes.
     """
     never_moves = not evidence.changes.step.size
     if not dtype.startswith(("int", "uint")) or (never_moves and not writes):
@@ -52,7 +52,7 @@ def proof_of_rounding(
 
 
 def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray, str] | None:
-    """Return the steps whose update was cut off, if numbers of the code explain all of them."""
+    """Return the steps with truncated updates, if numbers in the code explain all of them."""
     plain = (evidence.changes_of == 0) | (evidence.only_change[0] == evidence.cell)
     at = some_of(np.flatnonzero(plain & ((evidence.changes_of == 1) | (evidence.reward != 0.0))), _MOST)
     before = evidence.history.before(evidence.cell[at], evidence.number[at])
@@ -73,7 +73,7 @@ def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray
 
 
 def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
-    """Return the steps whose reward should have moved a 0 and did not, if no such step moved it."""
+    """Return the steps whose reward should have moved a 0, if none of them did."""
     at = some_of(np.flatnonzero(evidence.reward != 0.0))
     before = evidence.history.before(evidence.cell[at], evidence.number[at])
     best = evidence.rows(evidence.next_state[at], at).max(1, initial=-np.inf)
@@ -88,13 +88,12 @@ def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
 def proof_of_no_update(
     evidence: Evidence, names: CodeNames, code: ProgramCode, *, is_over: bool
 ) -> Proof | None:
-    """Return the proof that nothing ever moves, though rewards came and the code writes to the table.
-
-    Or though they came to an agent whose update is not written yet.
+    """Prove that nothing ever moves, although rewards came and the code writes to the table, or the update
+    of an agent is missing.
     """
     lacks_update = code.lacks_update
     if evidence.recording.first or evidence.changes.step.size or len(np.unique(evidence.initial)) > 1:
-        return None  # what was learned earlier, or read from a file, is only used
+        return None  # an earlier or loaded table is only used
     if not (lacks_update or code.always_writes):
         return None
     rewarded = _tells(evidence, float(evidence.initial.max(initial=0.0)))
@@ -116,7 +115,7 @@ def proof_of_no_update(
 
 
 def _mend(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: ProgramCode) -> str:
-    """Return what to do where no reward of the steps at the places ``rewarded`` came into the table."""
+    """Return the correction if the `rewarded` steps never changed the table."""
     update = f"{names.cell()} += {names.alpha} * (target - {names.cell()})"
     if code.lacks_update:
         return f"the update is missing, the code only reads: {names.target()}; {update}"
@@ -130,7 +129,7 @@ def _mend(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: Progra
 
 
 def proof_of_missing_update(log: ProgramLog, code: ProgramCode) -> Proof | None:
-    """Return the proof that an agent without any table, in which none was found, lacks its update."""
+    """Prove that an agent without a table lacks its update."""
     steps, first = log.recording.steps, log.recording.first
     at = np.flatnonzero(steps.reward != 0.0)
     if not len(at) or not code.lacks_update:
@@ -147,7 +146,7 @@ def proof_of_missing_update(log: ProgramLog, code: ProgramCode) -> Proof | None:
 
 
 def _tells(evidence: Evidence, initial: float) -> BoolArray:
-    """Return which steps move an estimate of ``initial``, whatever the discount."""
+    """Return True for steps that move an estimate of `initial`, whatever the discount."""
     reward = evidence.reward
     if initial == 0.0:
         tells: BoolArray = reward != 0.0

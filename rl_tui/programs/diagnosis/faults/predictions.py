@@ -20,37 +20,37 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 _PRECISION: Final = {"float32": 3e-6, "float16": 4e-3}
 _EXACT: Final = 1e-9
 _CLEARLY: Final = 100.0
-"""Two predictions tell hypotheses apart where they differ by so many times the precision."""
+"""Two predictions are distinct if they differ by this multiple of the precision."""
 _MOST_SOLVED: Final = 100_000
-"""Steps of which the step size of their episode is solved."""
+"""Most steps from which step sizes are solved."""
 _FEW: Final = 10_000
 _FEWEST: Final = 10
 _EXCEPTIONS: Final = 0.03
-"""Of the steps explained, so many may be explained otherwise."""
+"""Largest share of exceptions."""
 _MOST_COLUMNS: Final = 2_000_000
-"""Cells that are read for the largest values of whole columns."""
+"""Most cells read for the maxima of columns."""
 
 
 class Readings(NamedTuple):
-    """What stood in the cell that each of n steps moves, and what stands there after it, [n] each."""
+    """The values in the moved cell before and after n steps, `[n]` each."""
 
     at: IntArray
-    """Places of the steps in the evidence."""
+    """Indexes of the steps in the evidence."""
     before: FloatArray
     after: FloatArray
 
 
 class Witnesses(NamedTuple):
-    """Of n steps that tell two hypotheses apart: which speak for the one, which for the other; [n] each."""
+    """Of n steps that distinguish two hypotheses, those that support each, `[n]`."""
 
     one: BoolArray
     other: BoolArray
     neither: BoolArray
-    """The cell moved as none of the two predicts."""
+    """Steps that neither hypothesis predicts."""
 
 
 class Predictions:
-    """The steps of ``evidence`` by the lights of ``update``; ``dtype`` is that of the table."""
+    """Predict every step of `evidence` under the rule `update`. `dtype` is that of the table."""
 
     def __init__(self, evidence: Evidence, update: UpdateFound, dtype: str) -> None:
         self.evidence, self.update = evidence, update
@@ -58,14 +58,14 @@ class Predictions:
 
     @property
     def is_known(self) -> bool:
-        """Whether the update says what a step does, at least where the next state is worth 0."""
+        """True if the update predicts steps, at least for a next value of 0."""
         update = self.update
         has_step_size = update.alpha is not None or update.alpha_schedule is not None
         return has_step_size and update.rule is not Rule.MONTE_CARLO
 
     @cached_property
     def moved_cell(self) -> IntArray:
-        """The cell that each step moves, [N]."""
+        """The cell that each step moves, `[N]`."""
         evidence = self.evidence
         if self.update.place is MovedCell.MOVED:
             return evidence.next_state * evidence.actions + evidence.action
@@ -73,14 +73,14 @@ class Predictions:
 
     @cached_property
     def is_plain(self) -> BoolArray:
-        """Whether a step moved its own cell alone, or nothing, [N], before any number runs away."""
+        """True for steps that moved only their own cell or nothing, `[N]`, before any number diverges."""
         evidence = self.evidence
         own: BoolArray = (evidence.changes_of == 0) | (evidence.only_change[0] == self.moved_cell)
         return own & (evidence.number < evidence.runs_away_at)
 
     @cached_property
     def alpha(self) -> FloatArray:
-        """The step size of each step, [N]; NaN where it is not known."""
+        """Step size of each step, `[N]`, NaN if unknown."""
         if self.update.alpha is not None:
             return np.full(len(self.evidence), self.update.alpha)
         if self.update.alpha_schedule == "1/N":
@@ -91,11 +91,11 @@ class Predictions:
 
     @cached_property
     def gamma(self) -> float:
-        """The discount; NaN where it is not known."""
+        """The discount, NaN if unknown."""
         return np.nan if self.update.gamma is None else self.update.gamma
 
     def readings(self, at: IntArray) -> Readings:
-        """Return what the plain steps at the places ``at`` did to the cell that they move."""
+        """Return the effect of the plain steps at the indexes `at` on their cells."""
         at = at[self.is_plain[at]]
         evidence = self.evidence
         before = evidence.history.before(self.moved_cell[at], evidence.number[at])
@@ -104,9 +104,8 @@ class Predictions:
         )
 
     def values(self, at: IntArray, target: UpdateTarget | None = None) -> FloatArray:
-        """Return what each step may have taken for the value of its next state, [n, K].
-
-        There is more than one where the program chose an action that it never took.
+        """Return the possible values of each step's next state, `[n, K]`. K > 1 if the program chose an
+        action that it never took.
         """
         evidence, update = self.evidence, self.update
         target = target or update.target
@@ -131,16 +130,29 @@ class Predictions:
         return column
 
     def after(self, readings: Readings, reward: FloatArray, values: FloatArray) -> FloatArray:
-        """Return what would stand in the cells, [n, K], with ``reward`` [n] and next values [n, K]."""
+        """Return the predicted new values of the cells.
+
+        Args:
+            readings: Old values of n steps.
+            reward: Reward of each step, `[n]`.
+            values: Possible next values, `[n, K]`.
+
+        Returns:
+            Predictions, `[n, K]`.
+        """
         before, alpha = readings.before[:, None], self.alpha[readings.at][:, None]
         discounted = np.where(values == 0.0, 0.0, self.gamma * values)  # 0 whatever γ is
         predicted: FloatArray = before + alpha * (reward[:, None] + discounted - before)
         return predicted
 
     def witnesses(self, readings: Readings, one: FloatArray, other: FloatArray) -> Witnesses:
-        """Return which steps came out as ``one`` [n, K] predicts and which as ``other`` [n, L] does.
+        """Return which steps support `one` and which `other`, counting only steps on which they differ
+        clearly.
 
-        Only steps are counted on which any of the one differs clearly from any of the other.
+        Args:
+            readings: Old and new values of n steps.
+            one: Predictions of one hypothesis, `[n, K]`.
+            other: Predictions of the other, `[n, L]`.
         """
         scale = np.maximum(np.abs(readings.before), np.abs(readings.after))
         scale = np.maximum(scale, np.maximum(np.abs(one).max(1), np.abs(other).max(1)))
@@ -155,7 +167,7 @@ class Predictions:
         return Witnesses(clear & fits_one, clear & fits_other, clear & moved & ~fits_one & ~fits_other)
 
     def _column_values(self, at: IntArray) -> FloatArray:
-        """Return the largest value of any state for the action taken, [n, 1]; NaN where it costs too much."""
+        """Return the maximum over all states for the action taken, `[n, 1]`, NaN if that is too expensive."""
         evidence = self.evidence
         initial = evidence.recording.initial
         states = 0 if initial is None else len(initial) // evidence.actions
@@ -167,7 +179,7 @@ class Predictions:
         return values
 
     def _alpha_by_visits(self) -> FloatArray:
-        """Return 1/N, where N may begin with more than 1; NaN if most steps are not so."""
+        """Return 1/N, where N may have an offset, or NaN if most steps disagree."""
         at, solved = self._solved_alpha()
         for visits in self.evidence.visits:
             more = np.rint(1.0 / solved - visits[at])
@@ -178,7 +190,7 @@ class Predictions:
         return np.full(len(self.evidence), np.nan)
 
     def _alpha_by_episode(self) -> FloatArray:
-        """Return the median step size that the steps of an episode solve to, for each step."""
+        """Return the median step size of the episode for each step."""
         evidence = self.evidence
         at, solved = self._solved_alpha()
         if not len(solved):
@@ -191,7 +203,7 @@ class Predictions:
         return np.where(names[place] == evidence.episode, middle[place], np.nan)
 
     def _solved_alpha(self) -> tuple[IntArray, FloatArray]:
-        """Return steps that are no last ones, and the step size that each solves to."""
+        """Return inner steps and the step size that each implies."""
         evidence = self.evidence
         inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
         readings = self.readings(_thinned(np.flatnonzero(inner)))
@@ -204,7 +216,7 @@ class Predictions:
 
 
 def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> Predictions:
-    """Return the predictions with the environment's reward, if an own one is needed at last steps at most."""
+    """Predict with the environment's reward, if another one is needed at last steps at most."""
     predictions = Predictions(evidence, update, dtype)
     if update.reward != "own" or update.place is MovedCell.ONE_LATE:
         return predictions
@@ -218,12 +230,12 @@ def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> P
 
 
 def _thinned(at: IntArray) -> IntArray:
-    """Return ``at``, or every so-manieth where there are very many."""
+    """Return `at`, thinned evenly if too long."""
     return at[:: max(1, -(-len(at) // _MOST_SOLVED))]
 
 
 def _of_next_action(rows: FloatArray, action: IntArray) -> FloatArray:
-    """Return the values of ``action`` [n]; of a step without a next one all of its row, [n, A]."""
+    """Return the values of `action`, `[n, A]`, or the whole row for a step without a next action."""
     taken = np.take_along_axis(rows, np.maximum(action, 0)[:, None], 1)
     return np.where((action == NO_ACTION)[:, None], rows, taken)
 
@@ -232,11 +244,11 @@ def _of_next_action(rows: FloatArray, action: IntArray) -> FloatArray:
 
 
 _FEW_STEPS: Final = 2_000
-"""Steps that are looked at: a column is as long as there are states."""
+"""Most steps checked, because a column is as long as the number of states."""
 
 
 def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames) -> Proof | None:
-    """Return the proof that the largest value of a column stands in the target."""
+    """Prove that the target has the largest value of a column."""
     update = predictions.update
     if (
         update.target is not UpdateTarget.COLUMN
@@ -275,18 +287,18 @@ def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames
 
 
 _MOST: Final = 20_000
-"""Steps that are looked at."""
+"""Most steps checked."""
 
 
 class RewardUsed(NamedTuple):
-    """The reward in the target of each step, [N], with the proof if that is not the step's own."""
+    """The reward in each target, `[N]`, with a proof if it is not the step's own."""
 
     reward: FloatArray
     proof: Proof | None
 
 
 def reward_used(predictions: Predictions, names: CodeNames) -> RewardUsed:
-    """Return which reward is used, by the steps on which the one before would move the cell otherwise."""
+    """Return the reward in use, judged by steps on which the previous one would predict another value."""
     evidence = predictions.evidence
     if not predictions.is_known or predictions.update.reward == "own":
         return RewardUsed(evidence.reward, None)
@@ -307,7 +319,7 @@ def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Pr
     at = readings.at
     values = predictions.values(at)
     ended = evidence.terminated[at] | evidence.truncated[at]
-    without = np.where(ended[:, None], 0.0, values)  # whether it bootstraps there is another question
+    without = np.where(ended[:, None], 0.0, values)  # whether it bootstraps there is a separate question
     values = np.concatenate((values, without), axis=1)
     late = predictions.after(readings, before[at], values)
     now = predictions.after(readings, evidence.reward[at], values)

@@ -1,4 +1,4 @@
-"""What an agent of a course imports that came with the course: stand-ins, for where it is not there."""
+"""Stand-ins for course modules that an agent imports, for use without the course."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MODULES: Final[Mapping[Style, Mapping[str, str]]] = {
 
 
 class _StandIn(MetaPathFinder, Loader):
-    """Finds what no other finder has found."""
+    """Finds modules that no other finder has found."""
 
     def __init__(self, modules: Mapping[str, str]) -> None:
         self._modules = modules
@@ -27,26 +27,25 @@ class _StandIn(MetaPathFinder, Loader):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return how the module of that name is made, None where it is none of ours."""
+        """Return the specification of a stand-in module, or None for other names."""
         if fullname not in self._modules:
             return None
         return ModuleSpec(fullname, self, is_package=any(f"{fullname}." in each for each in self._modules))
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        """Let Python make the module."""
+        """Let Python create the module."""
         return None
 
     def exec_module(self, module: ModuleType) -> None:
-        """Fill ``module`` with what stands in for it."""
+        """Fill `module` with the names of its stand-in."""
         source = import_module(f"{__name__}.{self._modules[module.__name__]}")
         public = {name: value for name, value in vars(source).items() if not name.startswith("_")}
         module.__dict__.update(public)
 
 
 def offer_stand_ins(style: Style, own_name: str) -> None:
-    """Let modules of the course of ``style`` be imported where there are none of their names.
-
-    One that is called ``own_name``, as the agent's own file, is not that file: no agent imports itself.
+    """Make the stand-ins of `style` importable, unless such modules exist. A stand-in with the name of the
+    agent's own file has precedence over that file, because no agent imports itself.
     """
     modules = _MODULES.get(style, {})
     if own_name in modules:

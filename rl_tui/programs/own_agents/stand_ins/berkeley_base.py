@@ -1,7 +1,4 @@
-"""What agents of Berkeley's course build on: their base class, a dict of zeros, and a coin.
-
-The names are those of the course.
-"""
+"""The base of agents from Berkeley's course, with the names of the course."""
 
 # ruff: noqa: N802, N803
 
@@ -13,28 +10,28 @@ from typing import Any
 
 
 class Counter(dict[Any, float]):
-    """A dict in which what is not there is 0."""
+    """A dict with 0 for missing keys."""
 
     def __missing__(self, key: Any) -> float:
         return 0.0
 
     def argMax(self) -> Any:
-        """Return the first key with the largest value, None where there is none."""
+        """Return the first key with the largest value, or None if empty."""
         return max(self, key=self.__getitem__, default=None)
 
 
 def flipCoin(p: float) -> bool:
-    """Return true with probability ``p``."""
+    """Return True with probability `p`."""
     return random.random() < p
 
 
 def raiseNotDefined() -> None:
-    """Say that a method is still to be written."""
+    """Raise the error of an unfinished method."""
     raise NotImplementedError("a method of this agent is still to be written")
 
 
 class ReinforcementAgent:
-    """An agent that learns from what it experiences."""
+    """An agent that learns from experience."""
 
     def __init__(
         self,
@@ -49,8 +46,8 @@ class ReinforcementAgent:
         self.epsilon, self.alpha, self.discount = float(epsilon), float(alpha), float(gamma)
 
     def getLegalActions(self, state: Any) -> Sequence[int]:
-        """Return the actions that can be taken in ``state``; () after the end."""
+        """Return the available actions in `state`, () after the end."""
         return self.actionFn(state)
 
     def doAction(self, state: Any, action: int) -> None:
-        """Hear which action is taken; nothing to do here."""
+        """Ignore the action that is taken."""

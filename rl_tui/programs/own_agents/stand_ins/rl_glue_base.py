@@ -1,4 +1,4 @@
-"""The base class of agents in RL-Glue's shape. It asks for nothing."""
+"""The base class of agents in RL-Glue's shape, without requirements."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from typing import Any
 
 
 class BaseAgent:
-    """An agent that RL-Glue knows."""
+    """A base class for RL-Glue agents."""
 
     def agent_init(self, agent_info: dict[str, Any] | None = None) -> None:
-        """Prepare for learning; nothing to do here."""
+        """Prepare for learning. Nothing to do here."""
 
     def agent_cleanup(self) -> None:
-        """Clean up after learning; nothing to do here."""
+        """Clean up after learning. Nothing to do here."""
 
     def agent_message(self, message: str) -> str:
-        """Answer a ``message``; there is nothing to say here."""
+        """Return the answer to `message`, which is empty here."""
         return ""

@@ -1,1 +1,1 @@
-"""What runs beside somebody's program, in its process: it sees every step, and finds the table."""
+"""The code inside a watched program's process, which records steps and finds the table."""

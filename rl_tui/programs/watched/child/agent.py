@@ -17,10 +17,12 @@ from rl_tui.programs.watched.messages import MessageKind
 
 
 def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
-    """Let the agent that is ``said`` learn to its end; ``tell`` sends a message of a kind.
+    """Train the agent described by `said` to its end. `gymnasium.make` is already replaced. `tell` sends a
+    message of a kind.
 
-    ``gymnasium.make`` is the watched one by now. Raises UserError where the file has no such agent, or it
-    cannot be bound, and whatever the agent raises.
+    Raises:
+        UserError: The file has no such agent, or a parameter cannot be bound.
+        Exception: Any exception of the agent.
     """
     path = Path(said["path"])
     script = read_script(path)

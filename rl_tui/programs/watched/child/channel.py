@@ -29,20 +29,18 @@ from rl_tui.programs.watched.messages import (
 
 
 _BETWEEN_BATCHES: Final = 1 / 30  # seconds
-_MOST_NUMBERS: Final = 1_000_000  # of changes that wait to be written
+_MOST_NUMBERS: Final = 1_000_000  # of waiting changes
 
 
 class Channel:
-    """Writes into the pipe ``reports``. ``steps`` and ``changes`` are what :meth:`flush` writes next.
-
-    A program adds to both lists and never takes from them, so that another thread may write what stands in
-    them. Where nobody reads any more the process ends at once. In a forked process nothing is written.
+    """Writes to the pipe `reports`. The program only appends to `steps` and `changes`, so another thread
+    may flush them. The process ends at once if nobody reads. A forked process writes nothing.
     """
 
     def __init__(self, reports: int) -> None:
         self._reports, self._process = reports, os.getpid()
         self.leave: Callable[[int], NoReturn] = os._exit
-        """Ends the process at once; a script finds another one in its place."""
+        """Ends the process at once. A script replaces it by its own function."""
         self._due, self._written = 0.0, 0
         self._writing = RLock()
         os.register_at_fork(after_in_child=self._unlock)
@@ -50,30 +48,32 @@ class Channel:
         self.changes: list[float] = []
 
     def message(self, kind: str, **more: Any) -> None:
-        """Write a message, after all steps so far."""
+        """Write a message after all earlier steps."""
         with self._writing:
             self.flush()
             self._write(MESSAGE, json.dumps({"kind": kind, **more}).encode())
 
     def table(self, values: npt.NDArray[np.float64]) -> None:
-        """Write the content of a table, [S·A], whose message went before it."""
+        """Write the content of a table, `[S·A]`, after its message."""
         with self._writing:
             self._write(TABLE, np.ascontiguousarray(values, np.float64).tobytes())
 
     @property
     def is_due(self) -> bool:
-        """Whether a batch is to be written: some thirty times a second, or when there is much."""
+        """True if a batch is due: about thirty times a second, or when there is much to write."""
         return monotonic() >= self._due or len(self.changes) > _MOST_NUMBERS
 
     @property
     def is_late(self) -> bool:
-        """Whether something waits to be written for longer than a program that goes on lets it."""
+        """True if something has waited longer than a running program allows."""
         return bool(self.steps or self.changes) and monotonic() >= self._due + _BETWEEN_BATCHES
 
     def flush(self, *, but_last: bool = False) -> None:
-        """Write the steps and changes so far, but those of the last step where that may still change more."""
+        """Write pending steps and changes. With `but_last`, keep those of the last step, which may still
+        get more changes.
+        """
         with self._writing:
-            changes = len(self.changes)  # counted first: a change may not go before its step
+            changes = len(self.changes)  # counted first, because a change must not precede its step
             steps = len(self.steps)
             if but_last:
                 steps = max(steps - STEP_WIDTH, 0)
@@ -90,12 +90,12 @@ class Channel:
             self._due = monotonic() + _BETWEEN_BATCHES
 
     def from_a_fork(self, kind: str, **more: Any) -> None:
-        """Write a message from a forked process; it is short enough to come in one piece."""
+        """Write a message from a forked process, short enough to arrive in one piece."""
         payload = json.dumps({"kind": kind, **more}).encode()
         os.write(self._reports, HEADER.pack(MESSAGE, len(payload)) + payload)
 
     def _unlock(self) -> None:
-        """Let a forked process have a lock of its own: whoever held it is not there."""
+        """Give a forked process its own lock, because the holder does not exist there."""
         self._writing = RLock()
 
     def _write(self, letter: bytes, payload: bytes) -> None:
@@ -116,26 +116,24 @@ _AT_ONCE: Final = 65_536  # bytes
 
 
 class Gate:
-    """Lets the program go as far as the memory behind ``shared`` says, and hears lines of ``asked``.
-
-    ``on_asked`` is called with the value of each key that is heard and stands in it.
+    """Lets the program run as far as the shared memory allows, and handles requests. `on_asked` has a
+    function for each key of a request.
     """
 
     def __init__(self, channel: Channel, asked: int, shared: int) -> None:
         self._channel, self._asked = channel, asked
         self.allowed = memoryview(mmap.mmap(shared, mmap.PAGESIZE)).cast("q")
-        """One number: how many steps it may take in all."""
+        """The number of allowed steps, in one element."""
         self.on_asked: dict[str, Callable[[Any], None]] = {}
         self._unread = b""
         self._heard = 0
         self._is_held = False
         self.is_waiting = False
-        """Whether the program waits for leave to go on."""
+        """True while the program waits for permission."""
 
     def wait(self, count: int, met: str | None) -> None:
-        """Wait until more than ``count`` steps are allowed, and for a new "stop" where it ``met`` something.
-
-        The process ends where nobody asks any more.
+        """Wait until more than `count` steps are allowed, and for a new "stop" after an event `met`. The
+        process ends if nobody watches any more.
         """
         self._is_held = met is not None
         self.is_waiting = True
@@ -144,10 +142,10 @@ class Gate:
             self._channel.message(MessageKind.WAITING, step=count, stopped=stopped, heard=self._heard)
             self._hear()
         self.is_waiting = False
-        self.listen()  # what was asked before it was allowed counts from the next step on
+        self.listen()  # earlier requests apply from the next step on
 
     def listen(self) -> None:
-        """Hear what was asked, if anything was."""
+        """Handle pending requests."""
         if select.select([self._asked], [], [], 0)[0]:
             self._hear()
 

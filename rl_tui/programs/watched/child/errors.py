@@ -1,4 +1,4 @@
-"""Errors of the user's code: the line that raised one, what it says, and advice on those that many meet."""
+"""Errors of the user's code: line, text, and advice on common ones."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ _MOST_FRAMES: Final = 40
 
 
 def is_users_file(file: str) -> bool:
-    """Return whether code of ``file`` is the user's own: none of ours, no library and no part of Python."""
+    """Return True if `file` has the user's own code: not ours, not a library, not part of Python."""
     return not (file.startswith((_OURS, *_LIBRARIES)) or "site-packages" in file or "dist-packages" in file)
 
 
 def users_place(frame: FrameType | None) -> tuple[str, int] | None:
-    """Return file and line of the user's code that runs in ``frame`` or led to it, None without any."""
+    """Return file and line of the user's code that runs in `frame` or called it, or None."""
     while frame is not None:
         if is_users_file(frame.f_code.co_filename):
             return frame.f_code.co_filename, line_of(frame)
@@ -42,9 +42,8 @@ def users_place(frame: FrameType | None) -> tuple[str, int] | None:
 
 
 def line_of(frame: FrameType) -> int:
-    """Return the line that ``frame`` is at.
-
-    Some instructions have none, such as the jump back to the head of a loop: then it is the line before them.
+    """Return the current line of `frame`. Instructions without a line, such as the jump to the head of a
+    loop, use the line before them.
     """
     if frame.f_lineno is not None:
         return frame.f_lineno
@@ -53,9 +52,8 @@ def line_of(frame: FrameType) -> int:
 
 
 def described(error: BaseException) -> dict[str, Any]:
-    """Return what is told of ``error``: type, text, file, line and traceback, without frames of ours.
-
-    The place is the innermost one in the user's code; of a syntax error it is the line that has it.
+    """Describe `error`: type, text, file, line and traceback without our frames. The place is the
+    innermost one in the user's code, or the line of a syntax error.
     """
     if isinstance(error, UserError) and isinstance(error.__cause__, SyntaxError):
         error = error.__cause__
@@ -90,7 +88,7 @@ def _text_of(error: BaseException) -> str:
         return error.msg or ""
     try:
         return str(error)
-    except Exception:  # a class of the user's may say what it likes
+    except Exception:  # a user's class may raise anything
         return ""
 
 
@@ -106,7 +104,7 @@ def _formatted(error: BaseException) -> str:
 
 
 def _bounded(text: str, longest: int) -> str:
-    """Return a text of at most ``longest`` characters: its beginning and its end, where it is longer."""
+    """Return a text of at most `longest` characters, cut in the middle."""
     half = longest // 2
     return text if len(text) <= longest else f"{text[:half]}\n…\n{text[len(text) - half :]}"
 
@@ -136,9 +134,8 @@ _PACKAGES: Final = {
     "tensorboardX": "tensorboardX",
     "yaml": "PyYAML",
 }
-"""Modules that are well known, and the package that one installs for each.
-
-Any other name may be a misspelt one or somebody's own, and a package of that name may be anything.
+"""Well-known modules with the package to install. Other names may be misspelt or the user's own, and a
+package of that name may be anything.
 """
 _GYM: Final = (
     "Gym is Gymnasium now: write `import gymnasium as gym`, which is installed; "
@@ -162,10 +159,13 @@ _TOO_MANY: Final = re.compile(r"too many values to unpack \(expected [34]\)")
 
 
 def _advice_on(error: BaseException, text: str, frames: Sequence[FrameType], line: int | None) -> str:
-    """Return a sentence that says how to mend ``error``, or nothing.
+    """Return a sentence on how to fix `error`, or "".
 
-    ``text`` is what it says, ``frames`` are those of the user's code, the innermost first, and ``line`` is
-    the one in the innermost of them that raised it.
+    Args:
+        error: The exception.
+        text: Its message.
+        frames: Frames of the user's code, the innermost first.
+        line: Line in the innermost frame.
     """
     if isinstance(error, ModuleNotFoundError):
         return _on_missing(error.name or "")
@@ -177,7 +177,7 @@ def _advice_on(error: BaseException, text: str, frames: Sequence[FrameType], lin
         is_environment = _is_environment(error.obj)
         return _ATTRIBUTES.get(error.name or "", "").format(name=error.name) if is_environment else ""
     if isinstance(error, TypeError) and "render()" in text and "mode" in text:
-        return "how to draw is said to gymnasium.make since Gym 0.26, by its argument `render_mode`"
+        return "since Gym 0.26, `render_mode` is an argument of gymnasium.make"
     if isinstance(error, TypeError | LookupError | ValueError) and _has_whole_reset(frames):
         return _RESET
     return ""
@@ -201,7 +201,7 @@ def _calls_step(frames: Sequence[FrameType], line: int | None) -> bool:
 
 
 def _has_whole_reset(frames: Sequence[FrameType]) -> bool:
-    """Return whether a variable there is all that ``reset`` returned, the observation and the info."""
+    """Return True if a variable has the whole result of `reset`, observation and info."""
     return any(
         type(value) is tuple and len(value) == 2 and type(value[1]) is dict
         for frame in frames

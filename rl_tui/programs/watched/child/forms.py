@@ -1,8 +1,6 @@
-"""The forms of a program's table: how each is recognised, read and compared.
-
-Reading calls nothing of the user's: no property, no method of a user's class, no ``__getitem__`` that
-would add an entry. ``isinstance`` may ask an object for its ``__class__``, so types are compared
-instead.
+"""The forms of a program's table: how each is recognised, read and compared. Reading calls nothing of the
+user's: no property, no method of a user's class, no `__getitem__` that would add an entry. `isinstance`
+may ask an object for its `__class__`, so types are compared instead.
 """
 
 from __future__ import annotations
@@ -26,7 +24,7 @@ NAN: Final = float("nan")
 
 
 def number_of(value: object) -> float:
-    """Return what stands in a table as a number, NaN where it is none."""
+    """Return an entry of a table as a number, NaN if it is not one."""
     if type(value) is float:
         return value
     if type(value) is np.ndarray and value.size == 1 and value.dtype.kind in "fiu":
@@ -38,12 +36,12 @@ def number_of(value: object) -> float:
 
 
 def is_number(value: Any) -> bool:
-    """Return whether ``value`` is a number as tables hold them: no bool, no complex number."""
+    """Return True if `value` is a number for tables: not bool, not complex."""
     return type(value) in (float, int) or (issubclass(type(value), np.number) and value.dtype.kind in "fiu")
 
 
 def is_row(row: Any, actions: int) -> bool:
-    """Return whether ``row`` is a row of a table, with a number for each of ``actions``."""
+    """Return True if `row` is a row with a number for each of `actions`."""
     if type(row) is np.ndarray:
         return row.shape == (actions,) and row.dtype.kind in "fiu"
     return type(row) in (list, tuple) and len(row) == actions and all(map(_is_entry, row))
@@ -54,14 +52,14 @@ def _is_entry(value: object) -> bool:
 
 
 def raw_rows(rows: list[Any]) -> list[Any]:
-    """Return ``rows`` in a form in which they are quickly compared."""
+    """Return `rows` in a form that is quick to compare."""
     if rows and type(rows[0]) is np.ndarray:
         return list(map(np.ndarray.tobytes, rows))
     return rows
 
 
 def raw_row(row: Any) -> object:
-    """Return a row in a form in which it is quickly compared."""
+    """Return a row in a form that is quick to compare."""
     return row.tobytes() if type(row) is np.ndarray else row
 
 
@@ -78,7 +76,7 @@ def _is_plain(key: object) -> bool:
 
 
 def state_of(numbering: Numbering, key: Any) -> int | None:
-    """Return the state of a key of a dict, None where it is no observation."""
+    """Return the state of a key of a dict, or None if it is not an observation."""
     is_fit = (type(key) is tuple and all(map(_is_plain, key))) if numbering.is_tuple else _is_plain(key)
     try:
         return numbering.state(tuple(map(int, key)) if numbering.is_tuple else int(key)) if is_fit else None
@@ -87,7 +85,7 @@ def state_of(numbering: Numbering, key: Any) -> int | None:
 
 
 def cell_of(numbering: Numbering, key: Any) -> int:
-    """Return the cell of a key (observation, action), −1 where it is none."""
+    """Return the cell of a key (observation, action), or −1."""
     if type(key) is tuple and len(key) == 2 and _is_plain(key[1]):
         state, action = state_of(numbering, key[0]), int(key[1]) - numbering.first_action
         if state is not None and 0 <= action < numbering.actions:
@@ -96,33 +94,33 @@ def cell_of(numbering: Numbering, key: Any) -> int:
 
 
 def add_difference(cell: int, before: float, after: float, found: list[float]) -> None:
-    """Add to ``found`` what differs in one cell."""
-    if before != after and (before == before or after == after):  # two NaN do not differ
+    """Append a difference of one cell to `found`."""
+    if before != after and (before == before or after == after):  # two NaN count as equal
         found += (cell, before, after)
 
 
 def add_differences(first_cell: int, pairs: Iterable[tuple[float, float]], found: list[float]) -> None:
-    """Add to ``found`` what differs in ``pairs``, (before, after) of the cells from ``first_cell`` on."""
+    """Append the differences in `pairs`, (before, after) of the cells from `first_cell` on, to `found`."""
     for cell, (before, after) in enumerate(pairs, first_cell):
-        if before != after and (before == before or after == after):  # two NaN do not differ
+        if before != after and (before == before or after == after):  # two NaN count as equal
             found += (cell, before, after)
 
 
 # Arrays
 
 
-_SMALL: Final = 16_384  # bytes of an array that is compared as a whole at each step
+_SMALL: Final = 16_384  # bytes; a smaller array is compared as a whole at each step
 _CODES: Final = {"<f8": "d", "<f4": "f", "<i8": "q", "<i4": "i"}
-"""How numbers of an array are written one by one."""
+"""Codes to unpack numbers of an array."""
 
 
 class ArrayTable(HeldTable):
-    """An array S×A, of a tuple of observations with a dimension for each part."""
+    """An array S×A, or with a dimension for each part of an observation."""
 
     name = "array"
 
     def take(self, table: Any) -> None:
-        """Take the content of ``table`` for what was last seen."""
+        """Store the content of `table`."""
         self._dtype = table.dtype
         self._kept = bytearray(table.tobytes())
         self._width = self.actions * table.dtype.itemsize
@@ -131,23 +129,23 @@ class ArrayTable(HeldTable):
         self.is_compared_whole = len(self._kept) <= _SMALL
 
     def values(self) -> Doubles:
-        """Return what was last seen, [S·A]."""
+        """Return the stored content, `[S·A]`."""
         return np.frombuffer(self._kept, self._dtype).astype(np.float64)
 
     def row(self, state: int) -> Sequence[float]:
-        """Return what was last seen in a row, [A]."""
+        """Return a stored row, `[A]`."""
         begin = state * self._width
         return list(self._numbers(self._kept[begin : begin + self._width]))
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return what differs now in the rows of ``states``, and what is new."""
+        """Return and store what has changed in the rows of `states`, or anywhere in a small table."""
         found: list[float] = []
         kept, width = self._kept, self._width
         if self.is_compared_whole:
             now = table.tobytes()
             if now == kept:
                 return found
-            for state in states:  # mostly these are all that changed
+            for state in states:  # usually these are all changes
                 begin = state * width
                 before, row = kept[begin : begin + width], now[begin : begin + width]
                 if row != before:
@@ -162,12 +160,12 @@ class ArrayTable(HeldTable):
         return found
 
     def all_differences(self, table: Any) -> list[float]:
-        """Return what differs now anywhere."""
+        """Return and store what has changed anywhere."""
         now = table.tobytes()
         return [] if now == self._kept else self._compare_all(now)
 
     def peek(self, table: Any, state: int) -> object:
-        """Return the row of ``state`` as it is now."""
+        """Return the current row of `state`."""
         return table[self.numbering.place(state)].tobytes()
 
     def _take_row(self, state: int, before: bytearray, now: bytes, found: list[float]) -> None:
@@ -198,7 +196,7 @@ class PairTable(HeldTable):
     name = "dict-of-pairs"
 
     def take(self, table: Any) -> None:
-        """Take the content of ``table`` for what was last seen."""
+        """Store the content of `table`."""
         self._numbers = [NAN] * self.cells
         self._known: dict[object, int] = {}
         self._row_keys: dict[int, list[object]] = {}
@@ -207,22 +205,22 @@ class PairTable(HeldTable):
         self.all_differences(table)
 
     def values(self) -> Doubles:
-        """Return what was last seen, [S·A]."""
+        """Return the stored content, `[S·A]`."""
         return np.array(self._numbers, np.float64)
 
     def row(self, state: int) -> Sequence[float]:
-        """Return what was last seen in a row, [A]."""
+        """Return a stored row, `[A]`."""
         return self._numbers[state * self.actions : (state + 1) * self.actions]
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return what differs now in the rows of ``states``, and what is new."""
+        """Return and store what has changed in the rows of `states`."""
         if self.is_compared_whole or dict.__len__(table) != len(self._cells):
             return self.all_differences(table)
         found: list[float] = []
         numbers, actions = self._numbers, self.actions
         for state in states:
             begin, row = state * actions, self.peek(table, state)
-            if row == numbers[begin : begin + actions]:  # quick where entries are the same objects
+            if row == numbers[begin : begin + actions]:  # fast if entries are the same objects
                 continue
             for cell, each in enumerate(row, begin):
                 if each is not None and each != numbers[cell]:
@@ -231,7 +229,7 @@ class PairTable(HeldTable):
         return found
 
     def all_differences(self, table: Any) -> list[float]:
-        """Return what differs now anywhere."""
+        """Return and store what has changed anywhere."""
         if dict.__len__(table) != len(self._cells):
             self._read_keys(table)
             self._kept = []
@@ -253,19 +251,19 @@ class PairTable(HeldTable):
         return found
 
     def peek(self, table: Any, state: int) -> list[Any]:
-        """Return the row of ``state`` as it is now, None where it has no such entry."""
+        """Return the current row of `state`, None for missing entries."""
         keys = self._row_keys.get(state) or self._keys_of_row(state)
         return list(map(dict.get, repeat(table), keys))
 
     def _read_keys(self, table: Any) -> None:
-        """Find the cell of each entry in their order, −1 for one that is none."""
+        """Find the cell of each entry in order, −1 for others."""
         self._cells = [self._cell(key) for key in dict.keys(table)]
         self._place = {cell: place for place, cell in enumerate(self._cells)}
         self._key_of = dict(zip(self._cells, dict.keys(table), strict=True))
         self._row_keys.clear()
 
     def _keys_of_row(self, state: int) -> list[object]:
-        """Return the keys of a row: the dict's own objects, by which an entry is found most quickly."""
+        """Return the keys of a row, the dict's own objects for a fast lookup."""
         observation, first = self.numbering.key(state), self.numbering.first_action
         keys = [
             self._key_of.get(state * self.actions + action, (observation, first + action))
@@ -289,35 +287,34 @@ class PairTable(HeldTable):
 
 
 class RowTable(HeldTable):
-    """A row for each state: a list of rows, an array of objects, or a dict of rows by observation.
-
-    Rows are kept by their key: the observation in a dict, else their place.
+    """A row for each state: a list of rows, an array of objects, or a dict of rows by observation. Rows
+    are stored by key: the observation in a dict, else the index.
     """
 
     def __init__(self, numbering: Numbering, name: str) -> None:
         super().__init__(numbering)
         self.name = name
         is_dict = name == "dict-of-arrays"
-        self._length = dict.__len__ if is_dict else len  # not one of the user's
+        self._length = dict.__len__ if is_dict else len  # not a user's method
         self._are_keys_states = not is_dict or numbering.counts_from_0
 
     def take(self, table: Any) -> None:
-        """Take the content of ``table`` for what was last seen."""
+        """Store the content of `table`."""
         self._numbers = [NAN] * self.cells
         self._kept: list[Any] = []
         self._place: dict[Any, int] = {}
         self.all_differences(table)
 
     def values(self) -> Doubles:
-        """Return what was last seen, [S·A]."""
+        """Return the stored content, `[S·A]`."""
         return np.array(self._numbers, np.float64)
 
     def row(self, state: int) -> Sequence[float]:
-        """Return what was last seen in a row, [A]."""
+        """Return a stored row, `[A]`."""
         return self._numbers[state * self.actions : (state + 1) * self.actions]
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return what differs now in the rows of ``states``, and what is new."""
+        """Return and store what has changed in the rows of `states`."""
         is_array = type(table) is ndarray
         if self.is_compared_whole or is_array or self._length(table) != len(self._kept):
             return self.all_differences(table)
@@ -335,7 +332,7 @@ class RowTable(HeldTable):
         return found
 
     def all_differences(self, table: Any) -> list[float]:
-        """Return what differs now anywhere."""
+        """Return and store what has changed anywhere."""
         rows, kept = self._rows(table), self._kept
         now = raw_rows(rows)
         found: list[float] = []
@@ -349,14 +346,14 @@ class RowTable(HeldTable):
         return found
 
     def peek(self, table: Any, state: int) -> object:
-        """Return the row of ``state`` as it is now, None where there is none."""
+        """Return the current row of `state`, or None."""
         if type(table) is ndarray:
             return table[self.numbering.place(state)].tolist()
         row = dict.get(table, self._key(state)) if issubclass(type(table), dict) else table[state]
         return list(row) if type(row) is list else raw_row(row)
 
     def rows_are_shared(self, table: Any) -> bool:
-        """Return whether rows are one and the same object."""
+        """Return True if rows are the same object."""
         rows = list(map(id, self._rows(table)))
         return type(table) is not np.ndarray and len(set(rows)) < len(rows)
 
@@ -372,7 +369,7 @@ class RowTable(HeldTable):
         return key if self.name != "dict-of-arrays" else state_of(self.numbering, key)
 
     def _find_places(self, table: Any, found: list[float]) -> None:
-        """Find where in their order the rows stand, after some came or went."""
+        """Update the positions of the rows after some were added or removed."""
         keys = list(dict.keys(table)) if issubclass(type(table), dict) else range(len(table))
         if type(table) is ndarray:
             keys = range(self.numbering.states)
@@ -405,7 +402,7 @@ MOST_CELLS: Final = 1_000_000
 
 
 def form_of(value: Any, numbering: Numbering) -> HeldTable | None:
-    """Return the form of a table for the states and actions of ``numbering`` that ``value`` has, if any."""
+    """Return the form of `value` as a table for `numbering`, or None."""
     if not 0 < numbering.states * numbering.actions <= MOST_CELLS:
         return None
     if type(value) is np.ndarray:

@@ -1,4 +1,4 @@
-"""What each form of a table can do."""
+"""The interface of the forms of a table."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ import numpy.typing as npt
 from rl_tui.programs.watched.child.numbering import Numbering
 
 Doubles = npt.NDArray[np.float64]
-_FEW: Final = 64  # cells of a table that is so
+_FEW: Final = 64  # cells of a small table
 
 
 class HeldTable(ABC):
-    """One table as it was last seen: [S·A] numbers, NaN where it has no such entry.
-
-    Differences are lists of numbers, three for each cell: the cell, what stood there and what stands there.
+    """A table as last seen: `[S·A]` numbers, NaN for missing entries. Differences are flat lists of cell,
+    old value and new value.
     """
 
     name: str
@@ -28,32 +27,38 @@ class HeldTable(ABC):
         self.actions = numbering.actions
         self.cells = numbering.states * numbering.actions
         self.is_compared_whole = self.cells <= _FEW
-        """Whether :meth:`differences` compares the whole table each time."""
+        """True if `differences` compares the whole table each time."""
 
     @abstractmethod
     def take(self, table: Any) -> None:
-        """Take the content of ``table`` for what was last seen."""
+        """Store the content of `table`."""
+        ...
 
     @abstractmethod
     def values(self) -> Doubles:
-        """Return what was last seen."""
+        """Return the stored content."""
+        ...
 
     @abstractmethod
     def row(self, state: int) -> Sequence[float]:
-        """Return what was last seen in the row of ``state``, [A]."""
+        """Return the stored row of `state`, `[A]`."""
+        ...
 
     @abstractmethod
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return what differs now in the rows of ``states``, and what is new, and take it."""
+        """Return and store what has changed in the rows of `states`."""
+        ...
 
     @abstractmethod
     def all_differences(self, table: Any) -> list[float]:
-        """Return what differs now anywhere, and take it."""
+        """Return and store what has changed anywhere."""
+        ...
 
     @abstractmethod
     def peek(self, table: Any, state: int) -> object:
-        """Return the row of ``state`` as it is now, in a form of its own, None where there is none."""
+        """Return the current row of `state` in a comparable form, or None."""
+        ...
 
     def rows_are_shared(self, table: Any) -> bool:
-        """Return whether rows of the table are one and the same object."""
+        """Return True if rows of the table are the same object."""
         return False

@@ -16,17 +16,18 @@ from rl_tui.programs.watched.child.script import parsed
 Place = tuple[str, int]
 """A file and a line."""
 TRACED_AT_FIRST: Final = 40
-"""Changes whose lines are looked for from the first one on."""
+"""Number of first changes whose lines are traced."""
 MOST_LINES: Final = 20_000
-"""Lines that are run meanwhile at the most: where changes are rare, looking for them would take long."""
+"""Most lines executed while tracing. With rare changes, it would slow the program for long."""
 
 
 class LineTrace:
-    """Finds the lines that change the table.
+    """Finds the lines that change the table. It ends after enough changes or `stop`, and leaves the code
+    at full speed.
 
-    ``look`` returns what can be compared to find out whether the table changed; it is called at each line.
-    ``tell`` gets the lines and how often each changed the table, when as many changes as were asked for have
-    been seen, or :meth:`stop` is called. Nothing is left of it afterwards, and code runs as fast as before.
+    Args:
+        look: Returns a value that changes with the table, called at each line.
+        tell: Called at the end with the number of changes by line.
     """
 
     def __init__(
@@ -45,17 +46,17 @@ class LineTrace:
 
     @property
     def is_on(self) -> bool:
-        """Whether lines are looked at."""
+        """True while tracing."""
         return self._wanted > 0
 
     def begin(self, changes: int) -> None:
-        """Look for the lines of so many changes from now on, in the code that led here."""
+        """Trace the lines of the next `changes` changes, in the calling code."""
         if changes > 0 and (self.is_on or self._hooks.begin(sys._getframe(1))):
             self._wanted, self._lines_left = changes, MOST_LINES
             self._seen, self._place = self._look(), self._place_of(sys._getframe(1))
 
     def stop(self) -> None:
-        """Look no longer, and tell what was found."""
+        """Stop tracing, and report the results."""
         if self.is_on:
             self._wanted = 0
             self._hooks.stop(sys._getframe(1))
@@ -66,7 +67,7 @@ class LineTrace:
             self._tell(found)
 
     def is_users(self, code: CodeType) -> bool:
-        """Return whether code is the user's own."""
+        """Return True if `code` is the user's own."""
         file = code.co_filename
         known = self._is_users.get(file)
         if known is None:
@@ -74,7 +75,7 @@ class LineTrace:
         return known
 
     def at_line(self, file: str, line: int) -> None:
-        """Take note that a line is about to run: what has changed was changed by the one before it."""
+        """Record that a line is about to run. A change since then was made by the previous line."""
         self._find_change()
         self._place = (file, line)
         self._lines_left -= 1
@@ -82,7 +83,7 @@ class LineTrace:
             self.stop()
 
     def at_return(self, caller: FrameType | None) -> None:
-        """Take note that a function returns to ``caller``, whose line goes on."""
+        """Record that a function returns to `caller`, whose line continues."""
         self._find_change()
         self._place = self._place_of(caller)
 
@@ -100,15 +101,14 @@ class LineTrace:
 
 
 class _Tracing:
-    """Hears of lines by ``sys.settrace``."""
+    """Traces lines with `sys.settrace`."""
 
     def __init__(self, trace: LineTrace) -> None:
         self._trace = trace
 
     def begin(self, frame: FrameType | None) -> bool:
-        """Hear of the lines of the user's functions that led to ``frame``, and of those called from now on.
-
-        Returns False where a debugger does so already.
+        """Trace the user's functions that led to `frame`, and those called from now on. Return False if a
+        debugger is active.
         """
         if sys.gettrace() is not None:
             return False
@@ -120,7 +120,7 @@ class _Tracing:
         return True
 
     def stop(self, frame: FrameType | None) -> None:
-        """Hear of no more lines."""
+        """Stop tracing."""
         sys.settrace(None)
         while frame is not None:
             if frame.f_trace == self._in_function:
@@ -139,14 +139,14 @@ class _Tracing:
 
 
 class _Monitoring:
-    """Hears of lines by ``sys.monitoring``, which Python has from 3.12 on."""
+    """Traces lines with `sys.monitoring`, available from Python 3.12."""
 
     def __init__(self, trace: LineTrace) -> None:
         self._trace = trace
         self._tool = -1
 
     def begin(self, _: FrameType | None) -> bool:
-        """Hear of lines from now on. Returns False where all places for tools are taken."""
+        """Trace lines from now on. Return False if all tool ids are taken."""
         if sys.version_info >= (3, 12):
             monitoring = sys.monitoring
             free = [tool for tool in range(5, -1, -1) if monitoring.get_tool(tool) is None]
@@ -162,7 +162,7 @@ class _Monitoring:
         return True
 
     def stop(self, _: FrameType | None) -> None:
-        """Hear of no more lines."""
+        """Stop tracing."""
         if sys.version_info >= (3, 12):
             events = sys.monitoring.events
             sys.monitoring.set_events(self._tool, 0)
@@ -186,7 +186,7 @@ class _Monitoring:
 
 
 def _never_again() -> Any:
-    """Return what keeps Python from telling of the same place of code once more."""
+    """Return the value that disables events for this place."""
     if sys.version_info >= (3, 12):
         return sys.monitoring.DISABLE
     return None
@@ -199,7 +199,7 @@ class _Statements:
         self._first_lines: dict[str, dict[int, int]] = {}
 
     def first_line(self, file: str, line: int) -> int:
-        """Return the first line of the innermost statement that stands on ``line``, or ``line`` itself."""
+        """Return the first line of the innermost statement on `line`, or `line` itself."""
         if file not in self._first_lines:
             self._first_lines[file] = self._read(file)
         return self._first_lines[file].get(line, line)

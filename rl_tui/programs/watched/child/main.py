@@ -36,13 +36,13 @@ from rl_tui.programs.watched.messages import MessageKind
 
 
 def seed_all(seed: int) -> None:
-    """Seed ``random``, NumPy's legacy generator, and each ``default_rng()`` that is given nothing."""
+    """Seed `random`, NumPy's legacy generator, and every `default_rng()` without a seed."""
     random.seed(seed)
     np.random.seed(seed % 2**32)
     original, made = np.random.default_rng, count(1)
 
     def default_rng(seed_given: Any = None) -> np.random.Generator:
-        """Return a generator; one without a seed of its own has that of the run and its own number."""
+        """Return a generator. Without a seed it uses the run's seed and a count."""
         return original([seed, next(made)] if seed_given is None else seed_given)
 
     np.random.default_rng = default_rng  # type: ignore[assignment]
@@ -64,22 +64,21 @@ _OLD_GYM: Final = (
 
 
 def end_with(life: int) -> None:
-    """Let the system end this process and its group as soon as the other end of the pipe ``life`` is closed.
-
-    That needs neither a thread nor Python's attention: it works while C code computes. On Linux the signal is
-    one that a program cannot ignore. Nothing may ever be written to that pipe.
+    """Let the system kill this process and its group when the other end of the pipe `life` is closed. It
+    needs no thread, and works during C code. On Linux the signal cannot be ignored. Nothing may ever be
+    written to the pipe.
     """
-    signal.signal(signal.SIGIO, signal.SIG_DFL)  # which ends a process; whoever started us may ignore it
+    signal.signal(signal.SIGIO, signal.SIG_DFL)  # it ends the process, even if the parent ignored it
     fcntl.fcntl(life, fcntl.F_SETOWN, -os.getpgrp())
     if hasattr(fcntl, "F_SETSIG"):
         fcntl.fcntl(life, fcntl.F_SETSIG, signal.SIGKILL)
     fcntl.fcntl(life, fcntl.F_SETFL, fcntl.fcntl(life, fcntl.F_GETFL) | os.O_ASYNC)
-    if select.select([life], [], [], 0.0)[0]:  # it is closed already
+    if select.select([life], [], [], 0.0)[0]:  # already closed
         os.killpg(0, signal.SIGKILL)
 
 
 def bound_memory(most: int) -> None:
-    """Let the system refuse this process, and each that it starts, more than ``most`` bytes of memory."""
+    """Limit the memory of this process, and of each child, to `most` bytes."""
     import resource
 
     with suppress(OSError, ValueError):
@@ -89,12 +88,12 @@ def bound_memory(most: int) -> None:
 
 
 def surround(note: Callable[[str], None]) -> None:
-    """Prepare this process for a script; ``note`` tells what had to be done otherwise for it to run."""
+    """Prepare the process for a script. `note` receives messages about workarounds."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="backslashreplace", line_buffering=True)
     builtins.input = _refuse_input
-    sys.modules.setdefault("pickle5", pickle)  # it was the pickle of Python 3.8, for older ones
+    sys.modules.setdefault("pickle5", pickle)  # the pickle of Python 3.8 for older versions
     warnings.filterwarnings("ignore", message=_NO_WINDOW)
     _tell_of_workers(note)
     for name, change in {
@@ -107,7 +106,7 @@ def surround(note: Callable[[str], None]) -> None:
 
 
 def _tell_of_workers(note: Callable[[str], None]) -> None:
-    """Tell, once each, when the script starts a thread or forks: no seed makes repeatable when they run."""
+    """Report once if the script starts a thread or forks, because their order is not reproducible."""
     left = {"threads", "processes"}
 
     def tell(what: str) -> None:
@@ -116,7 +115,7 @@ def _tell_of_workers(note: Callable[[str], None]) -> None:
             note(_NOT_REPEATABLE.format(what))
 
     def start(thread: threading.Thread) -> None:
-        if not thread.daemon:  # those of libraries, which watch over something
+        if not thread.daemon:  # libraries use daemons to watch something
             tell("threads")
         start_thread(thread)
 
@@ -130,11 +129,11 @@ def _refuse_input(*_: object) -> NoReturn:
 
 
 def _nothing(*_: Any, **__: Any) -> None:
-    """Do nothing, in place of what would open a window or wait for one."""
+    """Ignore a call that would open a window or wait for one."""
 
 
 def _draw_into_memory(matplotlib: ModuleType) -> None:
-    """Keep scripts from choosing where to draw: without windows that raises."""
+    """Ignore the choice of a backend, which would fail without windows."""
     matplotlib.use = _nothing  # type: ignore[attr-defined]
 
 
@@ -145,7 +144,7 @@ def _show_nothing(pyplot: ModuleType) -> None:
 
 
 def _draw_bars_as_text(notebook: ModuleType) -> None:
-    """Let bars meant for a notebook, which raise where there is none, be those of a terminal."""
+    """Replace progress bars for notebooks, which fail elsewhere, by those for terminals."""
     plain = import_module("tqdm.std")
     for name in ("tqdm", "tqdm_notebook"):
         setattr(notebook, name, plain.tqdm)
@@ -157,15 +156,14 @@ def _draw_bars_as_text(notebook: ModuleType) -> None:
 
 
 _LOOK: Final = 0.1  # seconds
-_SILENT: Final = 10  # looks without a step, after which it is told where the program stands
+_SILENT: Final = 10  # checks without a step before the position is reported
 _FORK: Final = ".*use of fork.. may lead to deadlocks"
 
 
 class Watchman:
-    """A thread beside the program. It writes the steps that the program leaves unwritten.
-
-    Once no step was taken for a second it tells the line where the program stands, each time that is another
-    one. It reads nothing of the table: that is the program's own thread's to do.
+    """A thread next to the program, which writes pending steps. After a second without a step it reports
+    the program's current line, once for each line. It does not read the table, which only the program's
+    own thread may do.
     """
 
     def __init__(self, channel: Channel, gate: Gate, recorder: Recorder) -> None:
@@ -173,7 +171,7 @@ class Watchman:
         self._program = threading.get_ident()
 
     def begin(self) -> None:
-        """Begin to watch the program of the thread that calls this."""
+        """Start to watch the program in the calling thread."""
         warnings.filterwarnings("ignore", message=_FORK, category=DeprecationWarning)  # the thread is ours
         threading.Thread(target=self._watch, name="rl-tui", daemon=True).start()
 
@@ -195,7 +193,7 @@ class Watchman:
 
 
 def flush_at_exit(recorder: Recorder) -> None:
-    """Let ``os._exit`` tell the last steps before it ends the process."""
+    """Let `os._exit` report the last steps before it ends the process."""
     leave, process = os._exit, os.getpid()
 
     def tell_and_leave(status: int) -> Any:
@@ -212,7 +210,7 @@ def flush_at_exit(recorder: Recorder) -> None:
 
 
 def main(said: dict[str, Any]) -> None:
-    """Run what was ``said`` (program_process.py), and tell of it until it is over."""
+    """Run the program described by `said` (see program_process.py), and report until its end."""
     channel = Channel(said["reports"])
     gate = Gate(channel, said["asked"], said["shared"])
     recorder = Recorder(channel, gate, most=said["steps"], wanted=said["table"])

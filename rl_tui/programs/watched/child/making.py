@@ -1,4 +1,4 @@
-"""``gymnasium.make`` for a watched program, whose environments report every step."""
+"""`gymnasium.make` for a watched program, whose environments report every step."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _STRANGE = "a step was left out: an observation or action outside of its space, 
 
 
 class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
-    """Environment ``number`` of the program. The first reset without a seed gets ``seed``."""
+    """Environment `number` of the program. The first reset without a seed uses `seed`."""
 
     def __init__(
         self, env: gymnasium.Env[Any, Any], number: int, numbering: Numbering, recorder: Recorder, seed: int
@@ -37,7 +37,7 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
         self._is_strange = False
 
     def step(self, action: Any) -> Any:
-        """Take a step, when it may, and tell of it."""
+        """Take a step, once permitted, and report it."""
         self._recorder.before(sys._getframe(1), self._numbering, "step")
         result = self.env.step(action)
         try:
@@ -57,7 +57,7 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
         return result
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
-        """Begin an episode, when it may."""
+        """Begin an episode, once permitted."""
         self._recorder.before(sys._getframe(1), self._numbering, "reset")
         if seed is None:
             seed = self._seed
@@ -77,7 +77,7 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
 
     @property
     def spec(self) -> Any:
-        """What the environment was made from, without this wrapper, which nobody can make."""
+        """Specification of the environment without this wrapper, so that others can make it."""
         return self.env.spec
 
     def __getattr__(self, name: str) -> Any:
@@ -86,7 +86,7 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
         return getattr(self.env, name)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> gymnasium.Env[Any, Any]:
-        """Return a copy that is not watched: what is tried out in it is none of the program's steps."""
+        """Return an unwatched copy, because trying it out is not a step of the program."""
         return copy.deepcopy(self.env, memo)
 
     def __reduce__(self) -> Any:
@@ -102,7 +102,7 @@ def _itself(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:
 
 Make = Callable[..., Any]
 MOST_STATES: Final = 20_000
-"""Of an environment whose table is told."""
+"""Most states of an environment whose table is reported."""
 _WITHDRAWN: Final = (gymnasium.error.DeprecatedEnv, gymnasium.error.VersionNotFound)
 _KNOWN: Final = ("gymnasium.", "rl_tui.")
 _VECTORS: Final = (
@@ -117,7 +117,7 @@ _NO_STEP: Final = (
 
 
 class Making:
-    """Makes the environments of a program, and numbers those that are watched; ``seed`` is the run's."""
+    """Makes and numbers the environments of a program. `seed` is that of the run."""
 
     def __init__(self, recorder: Recorder, seed: int) -> None:
         self._recorder, self._seed = recorder, seed
@@ -127,7 +127,7 @@ class Making:
         self._is_inside = False
 
     def install(self) -> None:
-        """Put :meth:`make` in the place of Gymnasium's."""
+        """Replace Gymnasium's `make` by `make`."""
         for module in (gymnasium, gymnasium.envs, registration):
             for name, other in (("make", self.make), ("make_vec", self._refuse_vectors)):
                 if hasattr(module, name):
@@ -136,17 +136,17 @@ class Making:
             vector.__init__ = self._refuse_vectors
 
     def tell_what_was_missed(self) -> None:
-        """Tell why nothing was seen of a program that is over, where that is so."""
+        """Report why nothing was seen of a finished program, if so."""
         if self._recorder.count == 0 and not (self._was_asked and self._made == 0):
             self._note(_NO_STEP if self._made else _NO_ENVIRONMENT)
 
     def make(self, *arguments: Any, **more: Any) -> Any:
-        """Make an environment as Gymnasium does; what it withdrew is made in its newest version."""
+        """Make an environment as Gymnasium does, and a withdrawn one in its newest version."""
         self._was_asked = True
         if more.get("render_mode") == "human":
             more["render_mode"] = None
-            self._note('render_mode="human" is None here: rl-tui shows the world itself')
-        if self._is_inside:  # an environment that makes another one inside
+            self._note('render_mode="human" is ignored: rl-tui shows the world')
+        if self._is_inside:  # an environment that makes another one
             return self._original(*arguments, **more)
         self._is_inside = True
         try:
@@ -215,15 +215,14 @@ class Making:
 
 
 def attributes_of_env(env: gymnasium.Env[Any, Any]) -> Mapping[str, Any]:
-    """Return what an environment keeps, without calling anything of its class."""
+    """Return the attributes of an environment without calling its class."""
     found = object.__getattribute__(env, "__dict__")
     return found if type(found) is dict else attributes(env)
 
 
 def transitions_of(table: Any, numbering: Numbering) -> list[list[list[list[float]]]] | None:
-    """Return the table of an environment, ``[s][a]`` a list of [probability, next state, reward, ended].
-
-    None where it is none of plain numbers, or there are more than 20,000 states.
+    """Return the table of an environment, `[s][a]` a list of [probability, next state, reward,
+    terminated]. None if it has other values, or more than 20,000 states.
     """
     if not isinstance(table, (dict, list)) or numbering.states > MOST_STATES or numbering.is_tuple:
         return None

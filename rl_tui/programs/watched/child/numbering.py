@@ -15,9 +15,8 @@ Key = int | tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Numbering:
-    """Of observations with parts of the sizes ``parts``, counting from ``first``; one for a plain number.
-
-    Actions are ``actions`` numbers from ``first_action`` on.
+    """Numbers of observations whose parts have the sizes `parts` from `first` on (one part for a plain
+    number), and of `actions` actions from `first_action` on.
     """
 
     parts: tuple[int, ...]
@@ -28,18 +27,17 @@ class Numbering:
 
     @property
     def states(self) -> int:
-        """How many observations there may be."""
+        """Number of possible observations."""
         return prod(self.parts)
 
     @property
     def counts_from_0(self) -> bool:
-        """Whether the number of a state is its observation."""
+        """True if the number of a state equals its observation."""
         return not self.is_tuple and self.first == (0,)
 
     def state(self, observation: Any) -> int:
-        """Return the number of an observation: of a tuple its place in row-major order.
-
-        Raises TypeError or ValueError where it is none of this environment.
+        """Return the number of an observation, in row-major order for a tuple. Raises TypeError or
+        ValueError for an invalid one.
         """
         if not self.is_tuple:
             state = index(observation) - self.first[0]
@@ -55,10 +53,10 @@ class Numbering:
         return state
 
     def action(self, action: Any) -> int:
-        """Return the number of an action from 0. Raises TypeError or ValueError where there is none such."""
+        """Return the number of an action from 0. Raises TypeError or ValueError for an invalid one."""
         try:
             number = index(action) - self.first_action
-        except TypeError:  # an array of one number, which indexes as well
+        except TypeError:  # an array of one number, which works as an index too
             if getattr(action, "shape", None) != (1,):
                 raise
             number = int(action[0]) - self.first_action
@@ -67,7 +65,7 @@ class Numbering:
         raise ValueError("an action outside of its space")
 
     def place(self, state: int) -> tuple[int, ...]:
-        """Return the place of a state in an array with a dimension for each part."""
+        """Return the index of a state in an array with a dimension for each part."""
         place = []
         for size in reversed(self.parts):
             state, part = divmod(state, size)
@@ -75,7 +73,7 @@ class Numbering:
         return tuple(reversed(place))
 
     def key(self, state: int) -> Key:
-        """Return the observation of a state, as a dict of the program would have it."""
+        """Return the observation of a state, as a dict of the program would use it."""
         if not self.is_tuple:
             return state + self.first[0]
         return tuple(part + first for part, first in zip(self.place(state), self.first, strict=True))
@@ -83,12 +81,12 @@ class Numbering:
 
 @cache
 def _numbering(*parts: Any) -> Numbering:
-    """Return one and the same object for the same spaces, so that they are quickly compared."""
+    """Return the same object for equal spaces, for quick comparison."""
     return Numbering(*parts)
 
 
 def numbering_of(env: gymnasium.Env[Any, Any]) -> Numbering | None:
-    """Return how observations and actions are numbered; None where they are no finite numbers."""
+    """Return the numbers of observations and actions, or None if they are not finite."""
     actions, observations = env.action_space, env.observation_space
     is_tuple = isinstance(observations, gymnasium.spaces.Tuple)
     parts = tuple(observations) if isinstance(observations, gymnasium.spaces.Tuple) else (observations,)

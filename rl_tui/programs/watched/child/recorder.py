@@ -23,17 +23,16 @@ from rl_tui.programs.watched.messages import MessageKind
 # Numbers in the code
 
 
-_OF_THE_STEP: Final = ("r", "reward", "info")  # what the environment said, not the code
+_OF_THE_STEP: Final = ("r", "reward", "info")  # results of the environment, not of the code
 _MOST: Final = 500
 _MOST_OF_A_DICT: Final = 100
 _DEEPEST_CODE: Final = 8
 
 
 def numbers_in(frame: FrameType | None, scope: Mapping[str, Any]) -> dict[str, float]:
-    """Return floats by name: variables of user code above ``frame``, and of ``scope``.
-
-    Attributes and entries are called ``agent.gamma`` and ``config.gamma``, defaults of functions
-    ``train.gamma``; constants in the code by what stands there, ``0.99``.
+    """Return floats by name from user code above `frame`, and from `scope`. Attributes and entries are
+    named `agent.gamma` or `config.gamma`, defaults of functions `train.gamma`, and constants by their
+    text, such as `0.99`.
     """
     found: dict[str, float] = {}
     for names, code in _scopes(frame, scope):
@@ -99,12 +98,12 @@ def _number(value: Any) -> float | None:
 
 
 Row = Callable[[int], Sequence[float]]
-"""The numbers of a state's row as they are now, NaN where it has none."""
+"""Returns the current row of a state, NaN for missing entries."""
 _CHANGE: Final = 3  # numbers: cell, before, after
 
 
 class StepSeen(NamedTuple):
-    """The last step, with the changes that happened since: cell, before and after of each."""
+    """The last step, with the changes since then: cell, old and new value of each."""
 
     state: int
     action: int
@@ -115,7 +114,7 @@ class StepSeen(NamedTuple):
 
 
 class StopConditions:
-    """What ``said`` asks for, as messages.py has it."""
+    """The requested events to stop at, as in messages.py."""
 
     def __init__(self, said: Mapping[str, Any], actions: int) -> None:
         self._actions = actions
@@ -128,7 +127,7 @@ class StopConditions:
         self._policy = bool(said.get("policy"))
 
     def met_by(self, step: StepSeen, row: Row, *, is_end: bool) -> str | None:
-        """Return the name of what ``step`` met, if anything; ``is_end``: its episode is over with it."""
+        """Return the name of the event that `step` met, or None. `is_end` is True if the episode is over."""
         if step.next_state in self._states:
             return "states"
         if step.state * self._actions + step.action in self._cells:
@@ -178,32 +177,37 @@ def _best(numbers: Sequence[float]) -> list[int]:
 # The recorder
 
 
-_LOOKED_CLOSELY: Final = 200  # steps, before each of which the table is looked for
-_THEN_EVERY: Final = 1.05  # times as many steps as before
+_LOOKED_CLOSELY: Final = 200  # first steps, each with a search for the table
+_THEN_EVERY: Final = 1.05  # growth of the interval between later searches
 Step = tuple[int, int, int, float, int, int, int, int]
-"""A step as it goes through the pipe."""
+"""A step in the form of the pipe."""
 _NUMBERS: Final = 3  # of each difference
-_MOST_TRACES: Final = 2  # times that lines are looked at, while too few of them were found
-_MOST_REBOUND: Final = 1_000  # messages that say so
+_MOST_TRACES: Final = 2  # times that lines are traced, while too few were found
+_MOST_REBOUND: Final = 1_000  # messages about another object
 _MANY_THREADS: Final = "more than one thread takes steps, and whose step a change belongs to cannot be known"
 _FORKED: Final = "a process that the program forked takes steps, and its table is not this process's"
 
 
 class Recorder:
-    """Sees every step of the program. ``most`` ends it after so many, ``wanted`` names its table."""
+    """Sees every step of the program.
+
+    Args:
+        channel: Connection to the watching process.
+        gate: Gives permission to continue.
+        most: Limit of steps, if any.
+        wanted: Name of the table, if given by the user.
+    """
 
     def __init__(self, channel: Channel, gate: Gate, *, most: int | None, wanted: str | None) -> None:
         self.channel, self.gate = channel, gate
         self.count = 0
-        """How many steps were taken in all."""
+        """Number of steps."""
         self._most, self._wanted = most, wanted
         self._tracker: TableTracker | None = None
         self._next_look = self._next_numbers = 0
         self._episodes = self._rebound = 0
         self._recent: tuple[int, ...] = (0,)
-        self._last: tuple[int, int, float, int, int] | None = (
-            None  # until the next call: what a stop looks at
-        )
+        self._last: tuple[int, int, float, int, int] | None = None  # until the next call, for events
         self._last_numbering: Numbering | None = None
         self._numbering: Numbering | None = None
         self._stop: StopConditions | None = None
@@ -219,15 +223,12 @@ class Recorder:
         os.register_at_fork(after_in_child=self._after_fork)
 
     def begin_episode(self) -> int:
-        """Return the number of an episode that takes its first step."""
+        """Return the number of an episode at its first step."""
         self._episodes += 1
         return self._episodes - 1
 
     def before(self, frame: FrameType | None, numbering: Numbering, method: str) -> None:
-        """Take in what happened since the last call, and wait if it goes no further.
-
-        ``frame`` is what called ``method``.
-        """
+        """Record changes since the last call, and wait for permission. `frame` has called `method`."""
         if get_ident() != self._thread:
             self._check_thread()
         if method not in self._called:
@@ -248,7 +249,7 @@ class Recorder:
             self.gate.wait(self.count, met)
 
     def after(self, step: Step, numbering: Numbering) -> None:
-        """Take in a step as it goes through the pipe."""
+        """Record a step in the form of the pipe."""
         self.channel.steps += step
         self.count += 1
         state, next_state = step[1], step[4]
@@ -258,7 +259,7 @@ class Recorder:
             self._last = (state, step[2], step[3], next_state, step[6])
 
     def end(self) -> None:
-        """Tell what changed since the last step, and that the program is over."""
+        """Report the last changes, and the end of the program."""
         self._trace.stop()
         self.tell_rest()
         if self._tracker is None and self._wanted is not None and self.count:
@@ -267,21 +268,21 @@ class Recorder:
         self.channel.message(MessageKind.END, step=self.count)
 
     def tell_rest(self) -> None:
-        """Tell the last steps, and what changed since."""
+        """Report the last steps and changes."""
         if self.count and self._last_numbering is not None:
             self._take_changes(None, self._last_numbering, at_reset=True)
         main = sys.modules.get("__main__")
         self.channel.message(MessageKind.NUMBERS, numbers=numbers_in(None, vars(main) if main else {}))
 
     def end_at_once(self) -> NoReturn:
-        """End the program where it stands, which it cannot prevent."""
+        """End the program at once, which it cannot prevent."""
         self.end()
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
         self.channel.leave(0)
 
     def refuse(self, why: str) -> NoReturn:
-        """End the program, which cannot be watched."""
+        """End a program that cannot be watched."""
         if os.getpid() == self._process:
             self.channel.message(MessageKind.REFUSED, text=why)
         else:
@@ -304,7 +305,7 @@ class Recorder:
     def _take_changes(self, frame: FrameType | None, numbering: Numbering, *, at_reset: bool) -> list[float]:
         tracker = self._tracker
         if tracker is None:
-            # before the first step its content is not yet what it starts from
+            # before the first step, its content is not the initial one
             if self.count >= self._next_look and not (at_reset and self.count == 0):
                 self._look_for_table(frame, numbering)
             return []
@@ -313,7 +314,7 @@ class Recorder:
             found = tracker.differences(frame, states, at_reset=at_reset)
         except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
             return self._lose_table(tracker)
-        if len(found) == _NUMBERS and self._traces_left <= 0:  # one cell, as most steps change
+        if len(found) == _NUMBERS and self._traces_left <= 0:  # one cell, the usual case
             self.channel.changes += (self.count - 1 if self.count else 0, *found)
         elif found:
             self._tell_changes(found, tracker)
@@ -322,9 +323,9 @@ class Recorder:
         return found
 
     def _lose_table(self, tracker: TableTracker) -> list[float]:
-        """Give up a table with something in it that is no number; another one may be found."""
+        """Give up a table with an entry that is not a number. Another one may be found."""
         self._tracker, self._next_look = None, self.count + 1
-        text = f"{tracker.way.name()} holds something that is no number any more"
+        text = f"{tracker.way.name()} now holds something that is not a number"
         self.channel.message(MessageKind.NOTE, text=text)
         return []
 
@@ -340,7 +341,7 @@ class Recorder:
             self._tell_turned(frame, numbering)
 
     def _tell_turned(self, frame: FrameType | None, numbering: Numbering) -> None:
-        """Tell of an array that would be the table if its axes were changed over."""
+        """Report an array with swapped axes that may be the table."""
         turned = turned_table(frame, numbering)
         if turned is not None:
             self._turned_is_noted = True
@@ -372,7 +373,7 @@ class Recorder:
             self._traces_left -= 1
             self._trace.begin(TRACED_AT_FIRST)
         step = max(self.count - 1, 0)
-        if len(found) == _NUMBERS:  # one cell, as most steps change, also where each binds the table anew
+        if len(found) == _NUMBERS:  # one cell, the usual case, even if each step makes a new table
             self.channel.changes += (step, *found)
         else:
             for place in range(0, len(found), _NUMBERS):
@@ -420,7 +421,7 @@ class Recorder:
 
 
 def _shape_of(table: Any, actions: int) -> list[int]:
-    """Return the sizes of an array or of lists; of a dict how many entries it has."""
+    """Return the shape of an array or lists, or the number of entries of a dict."""
     if type(table) is np.ndarray:
         return list(table.shape)
     return [dict.__len__(table)] if issubclass(type(table), dict) else [len(table), actions]

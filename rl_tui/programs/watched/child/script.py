@@ -29,9 +29,8 @@ _NOT_PYTHON: Final = (SyntaxError, ValueError, RecursionError, MemoryError, Over
 
 
 class Script(NamedTuple):
-    """A script that can be run: its ``code``, its ``text``, and how many lines of a notebook were left out.
-
-    ``tree`` is what it was compiled from; the numbers of its lines are those of the file.
+    """A script: its `code`, `text`, syntax `tree` with the line numbers of the file, and the number of
+    skipped notebook lines.
     """
 
     code: CodeType
@@ -41,10 +40,11 @@ class Script(NamedTuple):
 
 
 def read_script(path: Path) -> Script:
-    """Return the script in the file ``path``.
+    """Read the script in the file `path`. Notebook lines, which begin with `!` or `%`, are replaced by
+    `pass`.
 
-    Lines that begin with ``!`` or ``%``, which only a notebook understands, are replaced by ``pass``.
-    Raises UserError, in one line, where there is no such file, or it is no Python.
+    Raises:
+        UserError: The file does not exist, or is not Python. The message has one line.
     """
     text = _text(path)
     try:
@@ -55,9 +55,9 @@ def read_script(path: Path) -> Script:
 
 
 def check_script(path: Path) -> None:
-    """Raise UserError where ``path`` is no script that can be run; nothing is printed."""
+    """Raise UserError if `path` is not a valid script, without printing anything."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # they are the script's, and shown when it runs
+        warnings.simplefilter("ignore")  # they belong to the script, and appear when it runs
         read_script(path)
 
 
@@ -76,7 +76,7 @@ def _text(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise UserError(
-            f"{name}, line {line}: byte {content[error.start]:#04x} is no {error.encoding}; a first line "
+            f"{name}, line {line}: byte {content[error.start]:#04x} is not {error.encoding}; a first line "
             "such as # -*- coding: latin-1 -*- says how a file is written"
         ) from error
     except (SyntaxError, LookupError) as error:
@@ -84,20 +84,19 @@ def _text(path: Path) -> str:
 
 
 def _decoded(content: bytes) -> str:
-    """Return ``content`` in the encoding that its first lines name, UTF-8 without (PEP 263)."""
+    """Decode `content` with the encoding in its first lines, UTF-8 by default (PEP 263)."""
     try:
         encoding, _ = tokenize.detect_encoding(io.BytesIO(content).readline)
     except SyntaxError:
-        content.decode("utf-8-sig")  # which says where it is none, if that is what is wrong
+        content.decode("utf-8-sig")  # its error names the byte, if the encoding is wrong
         raise
     return content.decode(encoding)
 
 
 def parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
-    """Return ``text`` parsed, as it was parsed, and how many lines of a notebook were left out.
-
-    A line is looked at only where Python takes offence at it: one that begins with ``%`` may as well go on a
-    calculation, or stand in a string. Raises SyntaxError where the text is no Python, and what parsers raise.
+    """Parse `text` and return tree, parsed text and number of skipped notebook lines. Lines are skipped
+    only where Python fails, because a line with `%` may continue a calculation or a string. Raises
+    SyntaxError, and any exception of the parser.
     """
     lines: list[str] = []
     count = 0
@@ -116,7 +115,7 @@ def parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
 
 
 def _leave_out(lines: list[str], place: int) -> int:
-    """Put ``pass`` in the place of a line and of those that go it on; return how many they are."""
+    """Replace a line and its continuation lines by `pass`, and return their number."""
     first, line = place, lines[place]
     indent = line[: len(line) - len(line.lstrip())]
     while True:
@@ -145,10 +144,8 @@ _LONGEST_STATUS = 200
 
 
 def run_script(script: Script, path: Path, arguments: Sequence[str], note: Callable[[str], None]) -> None:
-    """Run ``script``, read from ``path``, as the module ``__main__``; ``note`` tells what was done otherwise.
-
-    Also waits for the threads that it leaves behind. Raises what the script raises, but for SystemExit, which
-    is an end like any other.
+    """Run `script` from `path` as `__main__`, and wait for its threads. `note` receives messages about
+    workarounds. Raises any exception of the script, except SystemExit, which is a normal end.
     """
     file = path.absolute()
     if script.notebook_lines:
@@ -180,7 +177,7 @@ def _main_module(file: Path) -> ModuleType:
 
 
 def _tell_status(status: object, note: Callable[[str], None]) -> None:
-    """Tell how the script ended itself, where that was not simply the end."""
+    """Report the exit status of the script, unless it is a normal end."""
     if isinstance(status, str):
         print(status, file=sys.stderr)  # as Python does
     if status is not None and status != 0:

@@ -1,4 +1,4 @@
-"""Where in a program its table may be: the variables above ``step``, and attributes of objects there."""
+"""The search for a program's table: variables above `step`, and attributes of objects there."""
 
 from __future__ import annotations
 
@@ -54,16 +54,16 @@ _MOST_OBJECTS: Final = 200
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """How a table is come by: a variable of a running function or of a module, and attributes from there."""
+    """The path to a table: a variable of a running function or a module, and attributes."""
 
     frame: types.FrameType | None
-    """None for a variable of a module."""
+    """Frame of the function, or None for a module."""
     scope: Mapping[str, Any]
-    """The variables of the module; of a function only those of the moment."""
+    """Variables of the module, or those of the function at that moment."""
     names: tuple[str, ...]
 
     def read(self) -> Any:
-        """Return what is there now, :data:`MISSING` where nothing is."""
+        """Return the current object, or `MISSING`."""
         scope = self.scope if self.frame is None else self.frame.f_locals
         value = scope.get(self.names[0], MISSING)
         if len(self.names) > 1:
@@ -72,13 +72,13 @@ class Way:
         return value
 
     def name(self) -> str:
-        """Return it as the program would write it."""
+        """Return the path as the program would write it."""
         return ".".join(self.names)
 
 
 @dataclass(frozen=True, slots=True)
 class TableCandidate:
-    """Something that may be the table."""
+    """An object that may be the table."""
 
     way: Way
     value: Any
@@ -86,7 +86,7 @@ class TableCandidate:
 
 
 def attributes(value: object) -> dict[str, Any]:
-    """Return what an object keeps in its ``__dict__``, without calling anything of its class."""
+    """Return the `__dict__` of an object without calling its class."""
     if value is MISSING or issubclass(type(value), _NO_HOLDERS):
         return {}
     for each in type(value).__mro__:
@@ -99,10 +99,13 @@ def attributes(value: object) -> dict[str, Any]:
 def candidates(
     frame: types.FrameType | None, numbering: Numbering, wanted: str | None
 ) -> list[TableCandidate]:
-    """Return what may be the table of the program that called from ``frame``, the likeliest first.
+    """Return objects that may be the table of the program at `frame`, the most likely first. For an object
+    with several names, the nearest to `frame` is used.
 
-    ``wanted`` is the name or the way that a person gave; nothing else counts then. Of several names of one
-    object the nearest to ``frame`` is taken.
+    Args:
+        frame: Frame that called `step`.
+        numbering: States and actions.
+        wanted: Name or path given by the user, the only one to accept.
     """
     found: list[TableCandidate] = []
     known: set[int] = set()
@@ -119,7 +122,7 @@ def candidates(
 
 
 def turned_table(frame: types.FrameType | None, numbering: Numbering) -> tuple[str, tuple[int, ...]] | None:
-    """Return the name and the shape of an array of actions × states, which is no table; None without one."""
+    """Return name and shape of an array of actions × states, which is not a table, or None."""
     turned = (numbering.actions, numbering.states)
     for way, value in _ways(frame):
         is_turned = type(value) is np.ndarray and value.shape == turned and turned[0] != turned[1]
@@ -165,7 +168,7 @@ def _rank(name: str, value: object) -> tuple[bool, int, bool]:
 
 
 def _is_policy(value: object, name: str) -> bool:
-    """Return whether each row holds probabilities, and the name does not say that they are values."""
+    """Return True if each row has probabilities, and the name does not indicate values."""
     if type(value) is not np.ndarray or value.dtype.kind != "f" or _LIKE_Q.search(name):
         return False
     return bool((value >= 0).all() and np.allclose(value.sum(axis=-1), 1.0))

@@ -1,4 +1,4 @@
-"""Following a table: read by its way each time, for it may be bound anew."""
+"""Following the table of a program, which may be assigned again."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from rl_tui.programs.watched.child.forms import form_of
 from rl_tui.programs.watched.child.numbering import Numbering
 from rl_tui.programs.watched.child.search import MISSING, TableCandidate, Way, candidates
 
-_CLOSELY: Final = 500  # comparisons at the beginning, each of the whole table
-_PATIENCE: Final = 20  # comparisons of the whole, and of those at ends of episodes, that found nothing
-_GROWTH: Final = 1.05  # of the steps between two comparisons of the whole table that found nothing
+_CLOSELY: Final = 500  # first comparisons, each of the whole table
+_PATIENCE: Final = 20  # comparisons without a result, of the whole table and at ends of episodes
+_GROWTH: Final = 1.05  # growth of the interval between whole comparisons without a result
 _MOST_STEPS: Final = 256
 _NUMBERS: Final = 3  # of each difference
-_LOOK_AGAIN: Final = 1.1  # a table that was lost is looked for after so many times as many steps
+_LOOK_AGAIN: Final = 1.1  # growth of the interval between searches for a lost table
 
 
 class TableTracker:
-    """Tells what changes in the table ``found``; ``wanted`` is its name or way as a person gave it."""
+    """Reports changes of the table `found`. `wanted` is the name or path given by the user."""
 
     def __init__(self, found: TableCandidate, wanted: str | None) -> None:
         self.way, self.table, self.form = found.way, found.value, found.form
         self._wanted = wanted
         self._code = None if self.way.frame is None else self.way.frame.f_code
         self.is_another = False
-        """Whether another object was the table at the last call of :meth:`differences`."""
+        """True if another object was the table at the last call of `differences`."""
         self._calls, self._look_at = 0, 0
         self._since_whole, self._spacing, self._ends_left, self._quiet = 0, 1.0, _PATIENCE, 0
         self._peeked: dict[int, object] = {}
@@ -36,20 +36,23 @@ class TableTracker:
 
     @property
     def numbering(self) -> Numbering:
-        """The states and actions that it is for."""
+        """States and actions of the table."""
         return self.form.numbering
 
     def differences(
         self, frame: FrameType | None, states: Iterable[int], *, at_reset: bool = False
     ) -> list[float]:
-        """Return what changed since the last call, three numbers for each cell: cell, before, after.
+        """Return all changes since the last call: cell, old and new value of each. Rows of the last steps
+        are always compared, and at a reset those of the whole episode.
 
-        ``frame`` is what called ``step`` or ``reset``, None at the end of the program; ``states`` are those
-        of the last steps. Their rows are always compared, and at a reset those of the whole episode.
+        Args:
+            frame: Frame that called `step` or `reset`, None at the end of the program.
+            states: States of the last steps.
+            at_reset: True for `reset`.
         """
         self._calls += 1
         way = self.way
-        table = way.read() if way.frame is None else None  # most programs hold it in a module, and go on so
+        table = way.read() if way.frame is None else None  # usually a module variable, the fast case
         if table is not self.table:
             table = self._read(frame)
         self.is_another = table is not self.table
@@ -59,7 +62,7 @@ class TableTracker:
         if form.is_compared_whole:
             return form.differences(table, states)
         self._visited.update(states)
-        if at_reset:  # what learns at the end of an episode changes rows of all its states
+        if at_reset:  # learning at the end of an episode changes rows of all its states
             states, self._visited = self._visited, set()
         found = form.differences(table, states)
         self._since_whole += 1
@@ -70,23 +73,23 @@ class TableTracker:
         return found
 
     def changes_seen(self, states: Iterable[int]) -> int:
-        """Return how often this function has seen one of the rows of ``states`` change from call to call."""
+        """Return how often a row of `states` has changed between calls of this function."""
         table = self.way.read()
         if type(table) is not type(self.table):
             table = self.table
         peek, before = self.form.peek, self._peeked
         now = self._peeked = {state: peek(table, state) for state in states}
-        for state, row in now.items():  # what was not looked at last time may have changed anywhere since
+        for state, row in now.items():  # rows not compared last time may have changed at any time
             if before.get(state, row) != row and before[state] is not None:
                 self._changes_seen += 1
         return self._changes_seen
 
     def rows_are_shared(self) -> bool:
-        """Return whether rows of the table are one and the same object."""
+        """Return True if rows of the table are the same object."""
         return self.form.rows_are_shared(self.table)
 
     def _plan_next(self, was_outside: bool, at_reset: bool) -> None:
-        """Compare the whole table more often where it changes elsewhere, and more rarely where not."""
+        """Compare the whole table more often if it changes elsewhere, else less often."""
         self._since_whole = 0
         if was_outside and not at_reset:
             self._spacing, self._quiet = 1.0, 0
@@ -140,7 +143,7 @@ class TableTracker:
         return False
 
     def _follow(self, frame: FrameType | None) -> None:
-        """Go on after the function that held the table has ended: in its next call, or wherever it is now."""
+        """Find the table again after its function has ended: in the next call, or elsewhere."""
         above = frame
         while above is not None:
             if above.f_code is self._code:
@@ -155,7 +158,7 @@ class TableTracker:
         return form_of(way.read(), self.numbering) is not None
 
     def _search(self, frame: FrameType | None) -> None:
-        """Look for the table anew, and more rarely the longer nothing is found: what was held stays held."""
+        """Search for the table again, less and less often. The old one is kept until another is found."""
         if frame is None or self._calls < self._look_at:
             return
         found = candidates(frame, self.numbering, self._wanted)

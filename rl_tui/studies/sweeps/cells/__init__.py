@@ -1,1 +1,1 @@
-"""What a cell of a sweep is made of: its world, its order among the others, and what makes up its key."""
+"""Parts of a cell of a sweep: its world, its order, and its varying settings."""

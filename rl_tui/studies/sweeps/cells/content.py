@@ -1,9 +1,8 @@
-"""The world of a cell: its parameters, a digest of its content, and its exact values.
-
-The digest identifies a world whatever its file is called. A setting such as `world.noise` is a key of
-the world's table in the scenario file (a dot leads into an inner table). One with brackets, such as
-`world.cell[1,2]`, is an edit, as in the option `--change`; so is a rule of the map as which the world of
-an environment can be drawn.
+"""The world of a cell: its parameters, a digest of its content, and its exact values. The digest
+identifies a world whatever its file is called. A setting such as `world.noise` is a key of the world's
+table in the scenario file (a dot leads into an inner table). One with brackets, such as `world.cell[1,2]`,
+is an edit, as in the option `--change`; so is a rule of the map as which the world of an environment can
+be drawn.
 """
 
 from __future__ import annotations
@@ -45,19 +44,16 @@ _MOST_GAMMAS: Final = 64
 
 
 class ExactFacts:
-    """The exact answers of the table ``mdp``, each worked out once; None where there is no exact answer.
-
-    Safe to be asked from several threads.
-    """
+    """Exact results of the table `mdp`, each computed once, None if unknown. Safe from several threads."""
 
     def __init__(self, mdp: TabularMDP | None) -> None:
         self.mdp = None if mdp is None or mdp.states > MOST_STATES else mdp
-        """The table; None where there is none, or where it is too large for exact figures."""
+        """The table, or None if it is missing or too large for exact results."""
         self._optima: dict[float, Solution | None] = {}
         self._lock = threading.RLock()
 
     def optimum(self, gamma: float) -> Solution | None:
-        """Return the optimal values for ``gamma``."""
+        """Return the solution for `gamma`."""
         with self._lock:
             if gamma not in self._optima:
                 if len(self._optima) == _MOST_GAMMAS:
@@ -67,13 +63,13 @@ class ExactFacts:
 
     @property
     def best(self) -> float | None:
-        """What the best policy that may look at the clock earns in an episode."""
+        """Expected return of the best policy, which may depend on the time."""
         with self._lock:
             return self._best
 
     @property
     def random(self) -> float | None:
-        """What a policy earns in an episode that takes any action at random."""
+        """Expected return of the random policy."""
         with self._lock:
             return self._random
 
@@ -87,16 +83,14 @@ class ExactFacts:
 
 
 # Parameters of a world
-#
-# A name without brackets is a key of the world's table in the scenario file, tables within it by a dot. One
-# with brackets, and a rule of the map that the world of an environment can be drawn as, is an edit, as the
-# option ``--change`` and the editor make it.
 
 
 def scenario_with(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario:
-    """Return ``scenario`` with the parameters of its world that ``settings`` name.
+    """Return `scenario` with the parameters of its world in `settings`.
 
-    Raises UserError, naming the setting, where the world has no such parameter or it cannot have that value.
+    Raises:
+        UserError: The world has no such parameter, or the value is impossible. The message names the
+            setting.
     """
     keys = {name: value for name, value in settings.items() if _is_key(name, scenario.section)}
     edits = {name: value for name, value in settings.items() if name not in keys}
@@ -108,12 +102,12 @@ def scenario_with(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario
 
 
 def raw_table(section: WorldSection) -> dict[str, Any]:
-    """Return the table that ``section`` was read from, in the types of TOML."""
+    """Return the table from which `section` was read, with TOML types."""
     return section.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
 
 def plain_text(scenario: Scenario) -> str:
-    """Return a scenario file with the world and the defaults of ``scenario``, whatever its own file says."""
+    """Return the text of a scenario file with the current world and defaults of `scenario`."""
     parts = [
         f"title = {value_text(scenario.title)}\n",
         section_text(scenario.kind, raw_table(scenario.section)),
@@ -139,7 +133,7 @@ def _with_keys(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario:
         for key in outer:
             inside = inside.setdefault(key, {}) if isinstance(inside, dict) else None
         if not isinstance(inside, dict):
-            raise UserError(f"{scenario.id}: {name}: {'.'.join(outer)} is no table of [{scenario.kind}]")
+            raise UserError(f"{scenario.id}: {name}: [{scenario.kind}] has no table {'.'.join(outer)}")
         inside[last] = _raw(value)
     section_class = type(scenario.section)
     section, findings = parsed(section_class, table)
@@ -195,37 +189,37 @@ def _some_key(section: WorldSection) -> str:
 
 
 MOST_BYTES: Final = 256 * 2**20
-"""So much memory the worlds that are kept for further cells may take."""
+"""Memory limit of cached worlds in bytes."""
 MOST_WORLDS: Final = 2_000
 _USUAL_SIZE: Final = 50_000
 
 
 @dataclass(frozen=True, eq=False)
 class WorldContent:
-    """The world of a cell: what it is, and what many cells share of it."""
+    """The world of a cell with shared results."""
 
     scenario: Scenario
-    """The scenario, the settings of its world made."""
+    """The scenario with the settings of its world."""
     example: World
-    """The world, or where each seed draws its own, one of them: states and actions are alike in all."""
+    """The world, or one of them if each seed draws its own. States and actions are equal in all."""
     digest: str
-    """The sha256 of all that the world is, ids, titles, notes and file names left out."""
+    """SHA-256 of the content of the world, without ids, titles, notes and file names."""
     is_bandit: bool
-    """Whether every step ends its episode, in one state."""
+    """True if every step ends its episode, and there is one state."""
     facts: ExactFacts = field(init=False)
-    """The exact answers of ``example``."""
+    """Exact results of `example`."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "facts", ExactFacts(self.example.mdp))
 
     @property
     def shared(self) -> World | None:
-        """The world of every seed; None where each seed draws its own."""
+        """The world of every seed, or None if each seed draws its own."""
         return None if self.scenario.section.drawn_from_seed else self.example
 
 
 class Worlds:
-    """The worlds that the cells of one plan are in, made when asked for; some MB of them are kept."""
+    """A bounded cache of the worlds of one plan."""
 
     def __init__(self) -> None:
         self._scenarios: dict[str, Scenario] = {}
@@ -234,9 +228,15 @@ class Worlds:
         self._lock = threading.RLock()
 
     def of(self, scenario: Scenario | str, settings: Mapping[str, Value], seed: int) -> WorldContent:
-        """Return the content of ``scenario``, one or the name of one, with ``settings`` of its world.
+        """Return the world of a cell.
 
-        ``seed`` is that of the example where each seed draws its own. Raises UserError where there is none.
+        Args:
+            scenario: A scenario or its name.
+            settings: Parameters of the world.
+            seed: Seed of the example if each seed draws its own world.
+
+        Raises:
+            UserError: The world cannot be built.
         """
         with self._lock:
             place = (scenario, *((name, type(value), value) for name, value in settings.items()))
@@ -269,9 +269,10 @@ class Worlds:
 
 
 def content_of(scenario: Scenario, seed: int) -> WorldContent:
-    """Return the content of ``scenario``, with the world of ``seed`` as the example.
+    """Return the content of `scenario`, with the world of `seed` as the example.
 
-    Raises UserError where it cannot be built.
+    Raises:
+        UserError: The world cannot be built.
     """
     world = scenario.build(streams(seed).world)
     return WorldContent(scenario, world, _digest(scenario, world), is_bandit(world.space))
@@ -286,7 +287,7 @@ def _digest(scenario: Scenario, world: World) -> str:
     said: dict[str, Any] = {"arms": isinstance(world.drawing, Arms)}
     if section.drawn_from_seed:
         said |= {"drawn": scenario.kind, "section": section.model_dump(mode="json", by_alias=True)}
-        said["section"].pop("budget", None)  # where a run on screen ends
+        said["section"].pop("budget", None)  # it only ends a run on screen
     elif world.mdp is not None:
         said["table"] = table_digest(world.mdp)
     else:
@@ -297,9 +298,8 @@ def _digest(scenario: Scenario, world: World) -> str:
 
 
 def _environment(section: WorldSection) -> dict[str, str]:
-    """Return the version of Gymnasium, and what identifies the code of an environment that is not its own.
-
-    Nothing for a world that is stepped but not one of Gymnasium's.
+    """Return the version of Gymnasium, and a digest of the code for other environments. Empty for a world
+    that is not from Gymnasium.
     """
     from rl_tui.worlds.gym.section import GymnasiumSection
 
@@ -318,7 +318,7 @@ def _environment(section: WorldSection) -> dict[str, str]:
 
 
 def _source_digest(module: str) -> str:
-    """Return the sha256 of the source of ``module``; its name alone where there is no source."""
+    """Return the SHA-256 of the source of `module`, or its name without a source."""
     import sys
     from pathlib import Path
 

@@ -1,8 +1,7 @@
-"""What a sweep varies, as text: ``alpha=0.01:1:log:20``, ``algorithm=q-learning,sarsa``.
-
-``NAME=FROM:TO:COUNT`` are so many values at equal distances, both ends among them; ``NAME=FROM:TO:log:COUNT``
-at equal ratios. ``NAME=A,B,C`` are those values. A value in double quotes is read as JSON, so that it may
-hold a comma. Where points are drawn at random the count may be left out.
+"""The text form of varied settings: `alpha=0.01:1:log:20`, `algorithm=q-learning,sarsa`.
+`NAME=FROM:TO:COUNT` has equal distances and includes both ends, and `NAME=FROM:TO:log:COUNT` has equal
+ratios. `NAME=A,B,C` lists values. A value in double quotes is JSON, and may contain a comma. The count is
+optional for random points.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from rl_tui.common.findings import near, one_line, shown
 from rl_tui.worlds.editing.edit import PREFIX
 
 Value = bool | int | float | str
-"""A value of a setting; a list or a table of the world is the text of its JSON."""
+"""A value of a setting. A list or table of the world is JSON text."""
 
 FORM: Final = "NAME=FROM:TO[:log]:COUNT or NAME=A,B,C"
 ALGORITHM: Final = "algorithm"
@@ -34,14 +33,14 @@ _NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re
 _COUNT: Final = re.compile(r"[1-9]\d{0,8}", re.ASCII)
 _LONGEST_NUMBER: Final = 60
 _LONGEST_SHOWN: Final = 80
-# Values between the ends of a logarithmic range have so many digits, or more where they lie closer
+# values inside a logarithmic range have this many digits, or more if they are closer
 _DIGITS: Final = 6
 _EXACT: Final = Context(prec=60)
 
 
 @dataclass(frozen=True)
 class Variation:
-    """The values that one setting takes: those of a ``spread``, or the ``listed`` ones."""
+    """The values of one setting: a `spread`, or a list."""
 
     name: str
     listed: tuple[Value, ...] = ()
@@ -49,29 +48,29 @@ class Variation:
 
     @property
     def count(self) -> int:
-        """How many values there are; 0 where they are drawn at random and no number is given."""
+        """Number of values, or 0 for random points without a count."""
         return len(self.listed) if self.spread is None else self.spread.count
 
     def value(self, index: int) -> Value:
-        """Return the value number ``index``, from 0."""
+        """Return the value `index`, from 0."""
         return self.listed[index] if self.spread is None else _value_of(self.spread, index)
 
     def drawn(self, share: float) -> Value:
-        """Return the value at ``share``, in [0, 1), of the way: uniform shares draw it uniformly."""
+        """Return the value at `share`, in [0, 1). Uniform shares give uniform values."""
         if self.spread is not None:
             return self.spread.between(share)
         return self.listed[int(share * len(self.listed))]
 
     @property
     def text(self) -> str:
-        """It as :func:`read_variation` reads it."""
+        """Text that `read_variation` can read."""
         values = self.spread.text if self.spread is not None else ",".join(map(_written, self.listed))
         return f"{self.name}={values}"
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Numbers from ``low`` to ``high``, both as they were written, ``count`` of them or 0 for any."""
+    """`count` numbers from `low` to `high`, as written. A count of 0 means any."""
 
     low: str
     high: str
@@ -81,7 +80,7 @@ class Spread:
 
     @property
     def text(self) -> str:
-        """It as it is written."""
+        """The spread as text."""
         parts = [
             self.low,
             self.high,
@@ -92,11 +91,11 @@ class Spread:
 
     @property
     def ends(self) -> tuple[int | float, int | float]:
-        """Its first and its last number."""
+        """First and last number."""
         return plain(Fraction(self.low)), plain(Fraction(self.high))
 
     def value(self, index: int) -> int | float:
-        """Return the number at ``index``, from 0: the exact one, rounded once, the same on every machine."""
+        """Return the number at `index`, from 0, correctly rounded, so equal on every machine."""
         if index in (0, self.count - 1):
             return self.ends[1 if index else 0]
         if self.logarithmic:
@@ -105,7 +104,7 @@ class Spread:
         return self._plain(low + (high - low) * index / (self.count - 1))
 
     def between(self, share: float) -> int | float:
-        """Return the number at ``share``, in [0, 1), of the way."""
+        """Return the number at `share`, in [0, 1)."""
         if self.logarithmic:
             return self._in_ratio(Fraction(share))
         low, high = Fraction(self.low), Fraction(self.high)
@@ -120,7 +119,7 @@ class Spread:
         return self._within(_rounded(_EXACT.multiply(low, ratio), self._digits))
 
     def _within(self, number: Decimal) -> int | float:
-        """Return ``number``, which was rounded, no further than the ends."""
+        """Limit a rounded `number` to the ends."""
         return self._plain(min(max(Fraction(number), Fraction(self.low)), Fraction(self.high)))
 
     @cached_property
@@ -134,13 +133,13 @@ class Spread:
         return round(number) if self.whole else plain(number)
 
 
-@lru_cache(maxsize=16_384)  # a grid asks for each many times
+@lru_cache(maxsize=16_384)  # a grid needs each value many times
 def _value_of(spread: Spread, index: int) -> int | float:
     return spread.value(index)
 
 
 def plain(number: Fraction) -> int | float:
-    """Return ``number`` as a whole one where it is, else as the nearest float."""
+    """Return `number` as an integer if possible, else as the nearest float."""
     return int(number) if number.denominator == 1 and abs(number) < 10**15 else float(number)
 
 
@@ -149,9 +148,9 @@ def _rounded(number: Decimal, digits: int) -> Decimal:
 
 
 def read_variation(text: str) -> Variation:
-    """Return what ``text`` says. Raises ValueError, in one line that says what was expected."""
+    """Parse a variation. Raises ValueError, in one line that says what was expected."""
     name, equals, values = text.partition("=")
-    if name.strip().startswith(PREFIX):  # a place may hold an equals sign in quotes, but never one before ]
+    if name.strip().startswith(PREFIX):  # a place may contain = in quotes
         name, equals, values = _world_parts(text)
     name = name.strip() if name.strip().startswith(PREFIX) else name.strip().replace("-", "_")
     if not equals or not name:
@@ -168,7 +167,7 @@ def read_variation(text: str) -> Variation:
 
 
 def _world_parts(text: str) -> tuple[str, str, str]:
-    """Return name, equals sign and values of a parameter of the world, in whose place may stand anything."""
+    """Split a parameter of the world into name, equals sign and values. Its place may contain anything."""
     bracket, equals = text.find("["), text.find("=")
     if -1 < bracket < equals:
         closing = re.compile(r'(?:"(?:[^"\\]|\\.)*"|[^"\]])*\]').match(text, bracket)
@@ -186,7 +185,7 @@ def _read_values(name: str, text: str) -> Variation:
     values = tuple(_read_value(each, name, parameter) for each in _split(text))
     for place, value in enumerate(values):
         if any(value == other and type(value) is type(other) for other in values[:place]):
-            raise ValueError(f"{_written(value)} stands there twice")
+            raise ValueError(f"{_written(value)} is listed twice; list each value once")
     return Variation(name, values)
 
 
@@ -209,7 +208,7 @@ def _spread(parts: list[str], name: str, parameter: Parameter | None) -> Variati
     for end in (low, high) if parameter is not None else ():
         _check(plain(Fraction(end)), name, parameter)
     spread = Spread(low, high, count, logarithmic, whole)
-    if whole and count:  # in a narrow range several round to the same
+    if whole and count:  # in a narrow range several values round to the same number
         if last - first + 1 < count:
             raise ValueError(
                 f"there are {last - first + 1} whole numbers from {low} to {high}, not {count:,}"
@@ -224,7 +223,7 @@ def _spread(parts: list[str], name: str, parameter: Parameter | None) -> Variati
 
 
 def _split(text: str) -> list[str]:
-    """Return what stands between the commas of ``text`` that are in no quotes or brackets."""
+    """Split `text` at commas outside quotes and brackets."""
     parts, depth, quoted, start = [], 0, False, 0
     for place, letter in enumerate(text):
         if letter == '"' and (place == 0 or text[place - 1] != "\\"):
@@ -264,9 +263,9 @@ def _from_json(text: str, kind: type | tuple[type, ...]) -> str:
     try:
         value = json.loads(text)
     except (ValueError, RecursionError):
-        raise ValueError(f"{shown(text)} is no JSON") from None
+        raise ValueError(f"{shown(text)} is not JSON") from None
     if not isinstance(value, kind):
-        raise ValueError(f"{shown(text)} is no text in quotes")
+        raise ValueError(f"{shown(text)} is not a text in quotes")
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 
 
@@ -277,14 +276,14 @@ def _check(value: Value, name: str, parameter: Parameter | None) -> None:
 
 
 def written(value: Value) -> str:
-    """Return ``value`` as people write it: true, 0.1, 5 or a word."""
+    """Format `value`: true, 0.1, 5 or a word."""
     if isinstance(value, bool):
         return "true" if value else "false"
     return repr(value) if isinstance(value, float) else str(value)
 
 
 def _written(value: Value) -> str:
-    """Return ``value`` as it stands in a list: a text that would be read as something else in quotes."""
+    """Format `value` for a list, with quotes if it could be misread."""
     if not isinstance(value, str) or (value.startswith(("[", "{")) and _is_json(value)):
         return written(value)
     is_safe = (
@@ -297,7 +296,7 @@ def _written(value: Value) -> str:
 
 
 def _is_plain_colon(value: str) -> bool:
-    """Return whether ``value`` is like gym:FrozenLake-v1, which no range can be taken for."""
+    """Return True if `value` is like gym:FrozenLake-v1, which cannot be a range."""
     return re.fullmatch(r"[A-Za-z_][^\s\",\[\]{}]*", value) is not None and value not in ("true", "false")
 
 

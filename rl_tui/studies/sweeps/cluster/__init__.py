@@ -1,1 +1,1 @@
-"""A sweep on a Dask cluster: batches go out as futures, and their rows come back to the one writer."""
+"""Sweeps on a Dask cluster: batches are sent as futures, and rows return to the single writer."""

@@ -1,6 +1,5 @@
-"""The connection to a Dask scheduler, and every fault of it as one line.
-
-Dask is imported here only, and when a sweep asks for it.
+"""The connection to a Dask scheduler, with one-line errors. Dask is imported only here, and only for a
+sweep that uses it.
 """
 
 from __future__ import annotations
@@ -28,16 +27,13 @@ LONGEST_CONNECT: Final = 10.0
 LONGEST_ANSWER: Final = 60.0
 LONGEST_LOOK: Final = 5.0
 LONGEST_GOODBYE: Final = 2.0
-"""Seconds."""
+"""Time limits in seconds."""
 
 T = TypeVar("T")
 
 
 class Landed(NamedTuple):
-    """What came of a future: its result, or the error that it ended with.
-
-    A CancelledError says that the connection was lost.
-    """
+    """The end of a future: its result or its error. A CancelledError means that the connection was lost."""
 
     key: str
     result: Any = None
@@ -45,9 +41,10 @@ class Landed(NamedTuple):
 
 
 class Connection:
-    """A client of the scheduler at ``address``. Every method is called from one thread.
+    """A client of the scheduler at `address`, used from one thread.
 
-    Raises UserError, naming the address, where the scheduler cannot be reached, now or later.
+    Raises:
+        UserError: The scheduler cannot be reached, now or later. The message names the address.
     """
 
     def __init__(self, address: str, longest_connect: float = LONGEST_CONNECT) -> None:
@@ -64,15 +61,13 @@ class Connection:
         self._landed: queue.SimpleQueue[Landed] = queue.SimpleQueue()
 
     def threads(self) -> dict[str, int]:
-        """Return how many threads each worker has, by its address."""
+        """Return the number of threads of each worker by address."""
         with self._in_one_line():
             return dict(within(LONGEST_ANSWER, self._client.nthreads))
 
     def versions(self, workers: Sequence[str]) -> dict[str, dict[str, str]]:
-        """Return the versions of Python and of each package of ``PACKAGES`` on ``workers``, by their address.
-
-        Nothing of ours is sent for that. A worker that has gone meanwhile is left out; of one that does not
-        answer nothing is known.
+        """Return the versions of Python and `PACKAGES` on `workers` by address, without sending our code.
+        A worker that has left is missing, and one that does not respond has no versions.
         """
         try:
             return self._versions(workers, LONGEST_LOOK)
@@ -107,7 +102,7 @@ class Connection:
         return found
 
     def submit(self, key: str, call: Call, worker: str) -> None:
-        """Have ``call`` made on ``worker``, and no other; :meth:`landed` will have what comes of it."""
+        """Call `call` on `worker` only. `landed` returns the result."""
         with self._in_one_line():
             future = self._client.submit(
                 pickle.loads, call.pickled, key=key, workers=[worker], allow_other_workers=False, pure=False
@@ -115,14 +110,15 @@ class Connection:
         self._futures[key] = future
         if worker not in self._done:
             self._done[worker] = queue.SimpleQueue()
-            # Dask tries for half a minute to reach a worker that died with a result: nobody else is to wait
+            # Dask tries for half a minute to reach a worker that died with a result, which must not delay
+            # the others
             threading.Thread(
                 target=self._collect, args=(self._done[worker],), name="collects results", daemon=True
             ).start()
         future.add_done_callback(self._done[worker].put)
 
     def landed(self, seconds: float) -> Iterator[Landed]:
-        """Yield what has come; wait for so many ``seconds`` for the first."""
+        """Yield finished futures, waiting up to `seconds` for the first."""
         with suppress(queue.Empty):
             each = self._landed.get(timeout=seconds) if seconds > 0 else self._landed.get_nowait()
             while True:
@@ -131,16 +127,15 @@ class Connection:
                 each = self._landed.get_nowait()
 
     def forget(self, keys: Collection[str]) -> None:
-        """Cancel the futures of these ``keys``: nobody waits for them any more."""
+        """Cancel the futures `keys`."""
         futures = [future for key in keys if (future := self._futures.pop(key, None)) is not None]
         if futures:
             with self._in_one_line():
                 self._client.cancel(futures)
 
     def running_when_left(self, worker: str) -> Collection[str] | None:
-        """Return the keys that ``worker``, which has gone, had when it died; none if it said goodbye.
-
-        None where the scheduler does not say. What it had finished is collected no more.
+        """Return the keys that `worker` was running when it died, or none if it left properly. None if the
+        scheduler does not say. Its finished results are lost.
         """
         if worker in self._done:
             self._done.pop(worker).put(None)
@@ -152,19 +147,19 @@ class Connection:
         return None
 
     def check(self) -> None:
-        """Raise UserError where the scheduler has gone."""
+        """Raise UserError if the scheduler has gone."""
         if self._client.status != "running":
             raise UserError(gone(self.address))
 
     def tell(self, function: Callable[[str], None], argument: str, workers: Sequence[str]) -> None:
-        """Have ``function`` called on ``workers``, beside what they do; nothing comes back."""
+        """Call `function` on `workers` in parallel to their work, without results."""
         if workers and self._client.status == "running":
             run = partial(self._client.run, function, argument, workers=list(workers), on_error="ignore")
             with suppress(OSError):
                 within(LONGEST_GOODBYE, run)
 
     def close(self) -> None:
-        """Cancel what is not finished, and go."""
+        """Cancel unfinished futures and disconnect."""
         try:
             with suppress(OSError, UserError, RuntimeError):
                 if self._client.status == "running":
@@ -176,7 +171,7 @@ class Connection:
                 done.put(None)
 
     def _collect(self, done: queue.SimpleQueue[Future | None]) -> None:
-        """Get the results of futures that are ``done``, all at once that there are: each costs a request."""
+        """Fetch the results of finished futures together, because each request costs time."""
         while (future := done.get()) is not None:
             futures = {future.key: future}
             with suppress(queue.Empty):
@@ -185,7 +180,7 @@ class Connection:
                 done.put(None)
             try:
                 results = self._client.gather(futures, errors="skip")
-            except Exception as error:  # whatever a connection that breaks may raise
+            except Exception as error:  # a broken connection may raise anything
                 is_lost = isinstance(error, OSError) or self._client.status != "running"
                 for key in futures:
                     self._landed.put(Landed(key, error=CancelledError(key) if is_lost else error))
@@ -200,20 +195,22 @@ class Connection:
 
     @contextmanager
     def _in_one_line(self) -> Iterator[None]:
-        """Let a connection that is lost be one line."""
+        """Turn a lost connection into a one-line error."""
         self.check()
         try:
             yield
-        except Exception as error:  # what is asked of a client that is being closed may raise anything
+        except Exception as error:  # a client that is being closed may raise anything
             if isinstance(error, OSError) or self._client.status != "running":
                 raise UserError(gone(self.address)) from error
             raise
 
 
 def within(seconds: float, ask: Callable[[], T]) -> T:
-    """Return what ``ask`` does. Raises TimeoutError if that takes longer; it is left alone then.
+    """Return the result of `ask`. A process that is stopped, or does not speak Dask's protocol, would
+    block clients forever.
 
-    A process that was stopped, or speaks no language of Dask's, lets its clients wait for ever.
+    Raises:
+        TimeoutError: It takes longer than `seconds`. It then continues in its thread.
     """
     answers: queue.SimpleQueue[tuple[T | None, BaseException | None]] = queue.SimpleQueue()
 
@@ -234,7 +231,7 @@ def within(seconds: float, ask: Callable[[], T]) -> T:
 
 
 def gone(address: str) -> str:
-    """Return what is said of a scheduler that has gone away."""
+    """Return the error message for a scheduler that has gone."""
     return (
         f"{address}: the scheduler has gone away; once it is there again, the same line goes on from what is "
         "in the store"
@@ -242,9 +239,8 @@ def gone(address: str) -> str:
 
 
 def _silence() -> None:
-    """Let Dask log nothing from now on: what goes wrong is one line of ours.
-
-    A client that was given up logs tracebacks even after it was closed, in a thread of its own.
+    """Silence the log of Dask. An abandoned client logs tracebacks even after it is closed, from its own
+    thread.
     """
     for name in [*logging.root.manager.loggerDict]:
         if name.split(".")[0] == "distributed":
@@ -252,7 +248,7 @@ def _silence() -> None:
 
 
 def _check_scheduler(address: str, longest: float) -> None:
-    """Raise UserError where no scheduler answers at ``address``: a client might wait for one for ever."""
+    """Raise UserError if no scheduler responds at `address`. A client might wait forever."""
     from distributed import Security, rpc
 
     async def kind() -> str:
@@ -261,7 +257,7 @@ def _check_scheduler(address: str, longest: float) -> None:
 
     try:
         found = asyncio.run(asyncio.wait_for(kind(), longest))
-    except TypeError as error:  # there is no certificate for it
+    except TypeError as error:  # there is no certificate
         raise UserError(
             f"{address}: Dask has no certificate for that; its settings distributed.comm.tls name one"
         ) from error

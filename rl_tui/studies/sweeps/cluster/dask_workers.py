@@ -1,11 +1,8 @@
-"""The workers of a Dask cluster, as the workers of a sweep.
-
-A worker with short batches gets several at a time, since each message costs some milliseconds.
-
-When a worker dies, nobody knows which of its runs killed it. All runs it had not delivered become
-suspects and go out again, in small pieces. If the worker of a piece dies too, the runs of this piece are
-sent one by one, each to a worker with nothing else to do. A run that has killed three workers counts as
-failed.
+"""The workers of a Dask cluster, as the workers of a sweep. A worker with short batches gets several at a
+time, since each message costs some milliseconds. When a worker dies, the run that killed it is unknown.
+All runs it had not delivered become suspects and are sent again in small pieces. If the worker of a piece
+dies too, the runs of this piece are sent one by one, each to a worker with nothing else to do. A run that
+has killed three workers counts as failed.
 """
 
 from __future__ import annotations
@@ -26,25 +23,18 @@ from rl_tui.studies.sweeps.runs import NO_FIGURES, RunRow
 from rl_tui.studies.sweeps.sweep import Batch
 
 # Which batch goes to which worker
-#
-# A worker that knows its batches to be short has several at a time, since each message costs some
-# milliseconds.
-#
-# It is not known which of the runs on a worker killed it. So all that it had not handed over come under
-# suspicion and go out again, in small pieces. The runs of a piece whose worker dies too are sent one by one,
-# each to a worker that has nothing else to do. If that one dies as well, it was the run.
 
 
 AHEAD: Final = 2
-"""So many jobs each thread of a worker has at a time: one that runs and one that waits."""
+"""Jobs for each thread of a worker: one running and one waiting."""
 MOST_KILLED: Final = 3
-"""After so many workers a run has failed."""
+"""Number of killed workers after which a run has failed."""
 USUAL_TIME: Final = 1.0
-"""Seconds that a job should take."""
+"""Target duration of a job in seconds."""
 _ALONE_FROM: Final = 2
 _PIECE: Final = 8
 _MOST_PARTS: Final = 256
-_NEWEST: Final = 0.3  # how much the last job weighs in what is known of the time that a batch takes
+_NEWEST: Final = 0.3  # weight of the last job in the estimated duration of a batch
 
 
 class BatchPart(NamedTuple):
@@ -60,16 +50,16 @@ class Job:
 
     parts: tuple[BatchPart, ...]
     killed: int = 0
-    """So many workers died while they had them."""
+    """Number of workers that died with them."""
 
     @property
     def alone(self) -> bool:
-        """Whether it has to be the only one on its worker."""
+        """True if it must be the only job on its worker."""
         return self.killed >= _ALONE_FROM
 
 
 class Placement:
-    """The workers there are, what each has to do, and what waits."""
+    """Distributes jobs to workers."""
 
     def __init__(self) -> None:
         self._threads: dict[str, int] = {}
@@ -81,32 +71,32 @@ class Placement:
 
     @property
     def workers(self) -> Collection[str]:
-        """The addresses of the workers."""
+        """Addresses of the workers."""
         return self._threads.keys()
 
     @property
     def room(self) -> int:
-        """How many more batches there is work for."""
+        """Number of further batches to accept."""
         places = sum(AHEAD * threads for threads in self._threads.values())
         jobs = [*self._again, *self._suspects, *(job for each in self._jobs.values() for job in each)]
         taken = len(self._fresh) + sum(len(job.parts) for job in jobs)
         return max(0, places * int(self._parts_at_once) - taken)
 
     def come(self, address: str, threads: int) -> None:
-        """Take in a worker with so many ``threads``."""
+        """Add a worker with `threads` threads."""
         self._threads[address] = threads
         self._jobs[address] = []
 
     def add(self, batch: Batch) -> None:
-        """Let ``batch`` wait for a worker."""
+        """Queue `batch`."""
         self._fresh.append(BatchPart(batch, batch.seeds))
 
     def add_again(self, job: Job) -> None:
-        """Let ``job``, which was sent before, wait for a worker."""
+        """Queue `job`, which was sent before."""
         (self._suspects if job.alone else self._again).append(job)
 
     def starts(self) -> Iterator[tuple[Job, str]]:
-        """Yield each job that can start now, and on which worker; it is noted as being there."""
+        """Yield each job that can start now with its worker, and record it there."""
         kept_free = self._kept_free()
         for address in kept_free:
             if self._suspects and not self._jobs[address]:
@@ -119,7 +109,7 @@ class Placement:
             places -= 1
 
     def done(self, job: Job, address: str) -> bool:
-        """Note that ``job`` is over; False where it was not on the worker at ``address`` any more."""
+        """Record that `job` is done. Return False if it was no longer on the worker at `address`."""
         jobs = self._jobs.get(address, [])
         if job not in jobs:
             return False
@@ -127,16 +117,18 @@ class Placement:
         return True
 
     def took(self, parts: int, seconds: float) -> None:
-        """Note how long ``parts`` of a job took, 1 or more: the next ones are made up accordingly."""
+        """Record the duration of the `parts` (at least 1) of a job, to adapt the size of the next jobs."""
         wanted = min(_MOST_PARTS, USUAL_TIME * parts / max(seconds, 1e-9))
         self._parts_at_once += _NEWEST * (max(1.0, wanted) - self._parts_at_once)
 
     def killed(self, job: Job, times: int = 1) -> list[BatchPart]:
-        """Blame ``job`` for so many workers; return its parts if they have failed, else they go out again."""
+        """Blame `job` for `times` dead workers. Return its parts if they have failed, else queue them
+        again.
+        """
         killed = job.killed + times
         if job.alone and killed >= MOST_KILLED:
             return list(job.parts)
-        killed = min(killed, _ALONE_FROM)  # of several jobs any may have done it, however often
+        killed = min(killed, _ALONE_FROM)  # of several jobs, any may be the cause, however often
         size = 1 if killed == _ALONE_FROM else _PIECE
         for batch, seeds in job.parts:
             for first in range(0, len(seeds), size):
@@ -144,9 +136,8 @@ class Placement:
         return []
 
     def leave(self, address: str, innocent: Collection[Job] = ()) -> list[BatchPart]:
-        """Let the worker at ``address`` go, and blame its jobs but for those that cannot have killed it.
-
-        Returns what has failed.
+        """Remove the worker at `address`, and blame its jobs except the `innocent` ones. Return the failed
+        parts.
         """
         del self._threads[address]
         failed = []
@@ -162,12 +153,12 @@ class Placement:
         return job, address
 
     def _bundle(self, places: int) -> Job:
-        """Return a job of batches that wait, so many that something is left for each of the ``places``."""
+        """Return a job of waiting batches that leaves some for each of the `places`."""
         fair = -(-len(self._fresh) // places)
         return Job(tuple(self._fresh.popleft() for _ in range(min(int(self._parts_at_once), fair))))
 
     def _kept_free(self) -> list[str]:
-        """Return the workers that are kept free for a suspect, or have one: those with least to do."""
+        """Return the workers reserved for suspects, those with least work."""
         busy = [each for each, jobs in self._jobs.items() if any(job.alone for job in jobs)]
         others = [each for each in self._threads if each not in busy]
         others.sort(key=lambda each: len(self._jobs[each]))
@@ -184,8 +175,8 @@ class Placement:
 
 
 PATIENCE: Final = 30.0
-"""Seconds for which workers are waited for while there are none."""
-_LOOK_EVERY: Final = 0.5  # seconds; a worker that a nanny starts again takes longer
+"""Seconds to wait for workers while there are none."""
+_LOOK_EVERY: Final = 0.5  # seconds; a nanny needs longer to restart a worker
 _MOST_NAMED: Final = 3
 _SILENT: Final = "does not answer"
 
@@ -193,25 +184,29 @@ Rows = Sequence[tuple[Batch, RunRow]]
 
 
 class Flight(NamedTuple):
-    """A job on its way: where to."""
+    """A job with its worker."""
 
     job: Job
     worker: str
 
 
 def no_word(text: str) -> None:
-    """Ignore what there is to say."""
+    """Ignore a message."""
 
 
 class DaskWorkers:
-    """The workers of the Dask cluster whose scheduler is at ``address``; they come and go as they like.
+    """The workers of a Dask cluster, which may come and go. A worker with other versions gets no work. The
+    undelivered runs of a dead worker are repeated by others. A run that killed three workers is a failed
+    row.
 
-    A worker whose versions are not those here gets no work. What a worker that died had not handed over is
-    trained by others, and a run that killed three of them is a row that has failed. ``tell`` is called with
-    a line that names a worker that gets nothing, and with one where there are no workers.
+    Args:
+        address: Address of the scheduler.
+        patience: Seconds to wait for usable workers.
+        tell: Called with a line about a worker without work, or a lack of workers.
 
-    Raises UserError, naming the address, where the scheduler cannot be reached or has gone, and where for
-    ``patience`` seconds there is no worker that can be used.
+    Raises:
+        UserError: The scheduler cannot be reached or has gone, or there are no usable workers. The message
+            names the address.
     """
 
     def __init__(
@@ -239,15 +234,15 @@ class DaskWorkers:
 
     @property
     def room(self) -> int:
-        """How many more batches can be taken now."""
+        """Number of further batches to accept."""
         return self._placement.room
 
     def submit(self, batch: Batch) -> None:
-        """Take ``batch`` on."""
+        """Queue `batch`."""
         self._placement.add(batch)
 
     def finished(self, seconds: float) -> Rows:
-        """Return rows that have come, and of which batch; wait for so many ``seconds`` for the first."""
+        """Return finished rows with their batches, waiting up to `seconds` for the first."""
         end = time.monotonic() + seconds
         rows = list[tuple[Batch, RunRow]]()
         while True:
@@ -263,7 +258,7 @@ class DaskWorkers:
                 return rows
 
     def close(self) -> None:
-        """Cancel what is not finished, and leave the cluster."""
+        """Cancel unfinished work and leave the cluster."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -272,7 +267,7 @@ class DaskWorkers:
         self._connection.close()
 
     def _look(self) -> Rows:
-        """See which workers have come and gone; return the rows of runs that killed the last one of three."""
+        """Update the list of workers. Return the rows of runs that have killed three workers."""
         now = time.monotonic()
         if now - self._looked < _LOOK_EVERY:
             return ()
@@ -291,7 +286,7 @@ class DaskWorkers:
         return rows
 
     def _check_workers(self, now: float) -> None:
-        """Raise UserError where there have been no workers for too long; say when it begins."""
+        """Raise UserError if there have been no workers for too long. Report when it begins."""
         if self._placement.workers:
             self._without_workers_since = None
             return
@@ -303,7 +298,7 @@ class DaskWorkers:
             raise UserError(self._no_workers())
 
     def _leave(self, address: str) -> Rows:
-        """Let the worker at ``address``, which has gone, go; return the rows of runs that have failed."""
+        """Remove the worker at `address`, which has gone. Return the rows of failed runs."""
         keys = [key for key, flight in self._flights.items() if flight.worker == address]
         running = self._connection.running_when_left(address)
         innocent = [] if running is None else [self._flights[key].job for key in keys if key not in running]
@@ -317,7 +312,7 @@ class DaskWorkers:
         self._tell(f"{address} gets no work: it {why}")
 
     def _send(self) -> None:
-        """Send what workers have room for. It waits for :meth:`finished`, so that batches go together."""
+        """Send jobs to free workers. Called from `finished`, so that batches are sent together."""
         for job, address in self._placement.starts():
             self._sent += 1
             key = f"rl-tui-{_name(job)}-{self._sweep}-{self._sent}"
@@ -326,7 +321,6 @@ class DaskWorkers:
             self._connection.submit(key, Call(train, order), address)
 
     def _take(self, landed: Landed) -> Iterator[tuple[Batch, RunRow]]:
-        """Yield the rows that ``landed`` brings."""
         flight = self._flights.pop(landed.key, None)
         if flight is None or not self._placement.done(*flight):
             return
@@ -359,7 +353,7 @@ class DaskWorkers:
         if isinstance(error, NoValidWorkerError):
             self._placement.add_again(job)
         elif isinstance(error, KilledWorker):
-            self._looked = -_LOOK_EVERY  # before anything else is sent there
+            self._looked = -_LOOK_EVERY  # check the workers before sending more work
             yield from map(_failed, self._placement.killed(job, error.allowed_failures + 1))
         else:
             raise error
@@ -378,19 +372,17 @@ class DaskWorkers:
 
 
 def _is_of_unpickling(error: BaseException | None) -> bool:
-    """Return whether ``error`` says that something of ours is not there by that name."""
+    """Return True if `error` means that our code lacks a name."""
     return isinstance(error, AttributeError) and str(error).startswith("Can't get attribute")
 
 
 def _name(job: Job) -> str:
-    """Return which cell and seeds ``job`` has, as a part of a key."""
     batch, seeds = job.parts[0]
     more = f"-and-{len(job.parts) - 1}-more" if len(job.parts) > 1 else ""
     return f"{batch.cell.key[:16]}-seeds-{seeds[0]}-{seeds[-1]}{more}"
 
 
 def _rest(job: Job, answer: TaskAnswer) -> Job | None:
-    """Return what ``answer`` leaves of ``job``; None: nothing."""
     done = [*map(len, answer.rows), *[0] * (len(job.parts) - len(answer.rows))]
     parts = [
         part._replace(seeds=part.seeds[count:])

@@ -1,7 +1,4 @@
-"""What batches are on their way: the order that is sent to a worker, and the answer that comes back.
-
-All of it is data, so that a worker needs no file of a scenario.
-"""
+"""Messages to and from workers. Orders and answers are data, so a worker needs no scenario file."""
 
 from __future__ import annotations
 
@@ -28,7 +25,7 @@ from rl_tui.studies.sweeps.runs import RunRow, run_rows
 from rl_tui.worlds.files.scenario import Scenario
 
 HAND_OVER_AFTER: Final = 2.0
-"""Seconds after which a worker hands over what it has: so much a kill costs, or one run."""
+"""Seconds after which a worker delivers its rows, which limits the loss if it is killed."""
 _LONGEST_REASON: Final = 300
 
 
@@ -39,30 +36,29 @@ class OrderPart:
     recipe: Recipe
     goal: Goal
     digest: str
-    """The digest of the cell's world: what the worker builds has to be the same."""
+    """Digest that the worker's world must have."""
     seeds: tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class Order:
-    """What a worker is to train at a time."""
+    """A unit of work for a worker."""
 
     sweep: str
-    """A name of the sweep, by which all of its orders can be broken off."""
+    """Name of the sweep, to cancel all its orders."""
     parts: tuple[OrderPart, ...]
     versions: Mapping[str, str]
-    """The versions that rows have to be made with."""
+    """Versions that the rows require."""
     kernels: str
-    """What the kernels are: of one version they may differ where somebody develops rl-tui."""
+    """Digest of the kernels, which differ between development versions."""
     modules: tuple[str, ...] = ()
-    """Modules that the person who started the sweep allowed environments to import."""
+    """Modules that environments may import, allowed by the user."""
 
 
 @dataclass(frozen=True)
 class TaskAnswer:
-    """What came of an order: rows of the first seeds of its first parts, and why there are no more.
-
-    ``refusal`` says why this worker can make none of the rest; without one there was no more time.
+    """The result of an order: rows of the first seeds of its first parts. `refusal` is the reason why this
+    worker cannot do the rest. Without one, time ran out.
     """
 
     rows: tuple[tuple[RunRow, ...], ...] = ()
@@ -71,17 +67,16 @@ class TaskAnswer:
 
 
 class TaskEndedError(Exception):
-    """Nobody waits for the rows any more."""
+    """The rows are no longer needed."""
 
 
 class RefusedError(Exception):
-    """The rows that are wanted cannot be made in this process."""
+    """The requested rows cannot be made in this process."""
 
 
 class Call:
-    """A call, pickled: to unpickle it is to make it.
-
-    So a scheduler passes on bytes, and needs neither rl-tui nor the Python of its workers.
+    """A pickled call that is made when it is unpickled. A scheduler thus passes on bytes, and needs
+    neither rl-tui nor the workers' Python version.
     """
 
     def __init__(self, function: Callable[..., object], *arguments: object) -> None:
@@ -92,12 +87,12 @@ class Call:
 
     @property
     def pickled(self) -> bytes:
-        """It as bytes, for :func:`pickle.loads`."""
+        """Bytes for `pickle.loads`."""
         return pickle.dumps(self, protocol=pickle.HIGHEST_PROTOCOL)
 
 
 def order_of(parts: Iterable[tuple[Cell, tuple[int, ...]]], sweep: str, versions: Mapping[str, str]) -> Order:
-    """Return the order for some seeds each of some cells."""
+    """Return the order for some seeds of some cells."""
     from rl_tui.worlds.gym.modules import ALLOWED
 
     wanted = tuple(OrderPart(cell.recipe, cell.goal, cell.content.digest, seeds) for cell, seeds in parts)
@@ -105,7 +100,7 @@ def order_of(parts: Iterable[tuple[Cell, tuple[int, ...]]], sweep: str, versions
 
 
 def train(order: Order) -> TaskAnswer:
-    """Train the runs of ``order``, until it has taken a while; at least one. It runs on a worker."""
+    """Train the runs of `order` on a worker, at least one, until the time limit."""
     start = time.monotonic()
     rows: list[tuple[RunRow, ...]] = []
     try:
@@ -123,7 +118,7 @@ def train(order: Order) -> TaskAnswer:
 
 
 def break_off(sweep: str) -> None:
-    """End the orders of ``sweep`` that run in this process, soon."""
+    """Cancel the orders of `sweep` in this process."""
     _BROKEN_OFF.add(sweep)
 
 
@@ -133,7 +128,7 @@ def _kernels() -> str:
 
 
 def _cell(part: OrderPart, modules: tuple[str, ...]) -> Cell:
-    """Return the cell of ``part``. Raises RefusedError where its world is another one here."""
+    """Return the cell of `part`. Raises RefusedError if its world differs here."""
     name = part.recipe.scenario.id
     try:
         content = _CONTENTS.of(part, modules)
@@ -146,7 +141,7 @@ def _cell(part: OrderPart, modules: tuple[str, ...]) -> Cell:
 
 
 def _rows(cell: Cell, seeds: tuple[int, ...], sweep: str, end: float) -> tuple[RunRow, ...]:
-    """Return the rows of ``seeds``, or of the first of them, if they take until ``end``; at least one."""
+    """Return the rows of `seeds`, or of the first ones (at least one) before `end`."""
 
     def check() -> None:
         if sweep in _BROKEN_OFF:
@@ -162,7 +157,7 @@ def _rows(cell: Cell, seeds: tuple[int, ...], sweep: str, end: float) -> tuple[R
 
 
 class _Contents:
-    """The worlds that orders asked this process for; the orders' own copies of a scenario are many."""
+    """A cache of the worlds in this process. Orders have many copies of a scenario."""
 
     def __init__(self) -> None:
         self._scenarios = OrderedDict[str, Scenario]()
@@ -170,7 +165,7 @@ class _Contents:
         self._lock = threading.Lock()
 
     def of(self, part: OrderPart, modules: tuple[str, ...]) -> WorldContent:
-        """Return the world of ``part``. Raises UserError where it cannot be built here."""
+        """Return the world of `part`. Raises UserError if it cannot be built here."""
         with self._lock:
             scenario = self._scenarios.setdefault(part.digest, part.recipe.scenario)
             self._scenarios.move_to_end(part.digest)

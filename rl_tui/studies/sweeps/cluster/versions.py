@@ -1,4 +1,4 @@
-"""The versions on which the bits of a run depend, and how those of a worker differ from the ones here."""
+"""The versions on which the bits of a run depend, and their differences on workers."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ PACKAGES: Final[Mapping[str, str]] = {
     "numpy": "NumPy",
     "scipy": "SciPy",
 }
-"""What has to be of one version everywhere: its name for the installer, and for people. SciPy solves the
-exact figures."""
+"""Packages that need equal versions everywhere: name for the installer, and for people. SciPy solves the
+exact results.
+"""
 NO_VERSION: Final = ""
 
 
 def versions_here() -> dict[str, str]:
-    """Return the version of each package of ``PACKAGES`` in this process, and of Python without its patch."""
+    """Return the version of each of `PACKAGES` in this process, and of Python without its patch number."""
     return {PYTHON: minor(platform.python_version()), **{name: _version(name) for name in PACKAGES}}
 
 
 def minor(python: str) -> str:
-    """Return ``3.11`` of ``3.11.7``: patches of Python change no bits."""
+    """Return `3.11` for `3.11.7`: patches of Python change no bits."""
     return ".".join(python.split(".")[:2])
 
 
 def difference(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str:
-    """Return in words where ``theirs`` is not as ``ours``, empty where nothing is."""
+    """Describe the differences of `theirs` from `ours`, or return ""."""
     return ", ".join(
         f"has {_said(name, theirs.get(name, NO_VERSION))} where {wanted} is wanted"
         for name, wanted in ours.items()
