@@ -1,1 +1,1 @@
-"""The app and everything a person can do in it."""
+"""The app and the screens it opens."""

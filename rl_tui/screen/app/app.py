@@ -1,7 +1,4 @@
-"""The app: it opens screens and goes from one to the next.
-
-Screens compose panels, and actions send commands. Neither belongs here.
-"""
+"""The app, which opens screens and switches between them."""
 
 from __future__ import annotations
 
@@ -68,13 +65,13 @@ if TYPE_CHECKING:
 
 
 PATIENCE: Final = 600.0
-"""Seconds without a key or a movement of the mouse until the run of a kiosk is paused."""
+"""Seconds without input until a kiosk pauses."""
 LOOKS: Final = 10.0
 """Seconds between two looks at the clock."""
 
 
 class Idleness:
-    """Tells for how long there was no key and no movement of the mouse. ``clock`` gives seconds."""
+    """A measure of the time without input. ``clock`` returns seconds."""
 
     def __init__(self, patience: float = PATIENCE, clock: Callable[[], float] = time.monotonic) -> None:
         self._patience = patience
@@ -88,7 +85,7 @@ class Idleness:
         self._has_begun = False
 
     def begins(self) -> bool:
-        """Return True once each time that nothing was used for ``patience`` seconds."""
+        """Return True once after each ``patience`` seconds without input."""
         begins = not self._has_begun and self._clock() - self._last >= self._patience
         self._has_begun = self._has_begun or begins
         return begins
@@ -98,18 +95,18 @@ class Idleness:
 
 
 _LONGEST_ADDRESS = 300
-# What is raised where a widget or a screen is looked for, or mounted on, that is not there any more
+# Errors from finding or mounting widgets of a screen that has gone
 _GONE = (NoMatches, MountError, NoScreen, ScreenStackError)
 
 
 class RlTuiApp(LinkedApp[UserError]):
-    """Catalogue and playground; started with a recipe, a session or a program, it goes straight to that.
+    """The start screen, and everything it opens.
 
-    ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.
-    ``sessions`` is the folder in which sessions are kept, None to keep none. A ``kiosk`` offers nothing that
-    has to do with files, and pauses when no key is pressed for a while. ``panels`` are those of a
-    playground. The app's result is the fault that ended it, None if none did. Raises UserError where the
-    theme is not known.
+    ``picture`` draws without asking a terminal. ``sessions`` is the folder of sessions, None to save none. A
+    ``kiosk`` offers nothing about files. The result of the app is the error that ended it, or None.
+
+    Raises:
+        UserError: The theme is unknown.
     """
 
     TITLE = "rl-tui"
@@ -144,7 +141,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self.options = options
         self.ticks = 0.0 if picture else options.ticks
         self._depth: Depth = depth
-        ours = getattr(sys.stdout, "encoding", None)  # there is no stdout where it is closed
+        ours = getattr(sys.stdout, "encoding", None)  # stdout is None if it is closed
         named = encoding_of(os.environ, ours, utf8_mode=bool(sys.flags.utf8_mode))
         self._encoding = "utf-8" if picture else named
         self._start = start
@@ -152,9 +149,9 @@ class RlTuiApp(LinkedApp[UserError]):
         self._kiosk = kiosk
         self._idleness = Idleness()
         self.bug: Exception | None = None
-        """The unexpected fault that ended the program, with what became of the session; None if none did."""
+        """The unexpected error that ended the program, or None."""
         self.messages = Messages(self, lambda: self.look)
-        """What is to be read of what was done."""
+        """The messages on screen."""
         self.stops = stopping_keys()
         self._key_queue = KeyQueue(self, self._type, tell_of_loss=self._tell_of_lost_keys, stops=self.stops)
         has_ascii_only = self.look.glyphs is ASCII
@@ -163,14 +160,14 @@ class RlTuiApp(LinkedApp[UserError]):
 
     @property
     def look(self) -> Look:
-        """The characters and colours in force."""
+        """The current characters and colours."""
         return choose_look(
             self._depth, self.options.ascii, self.current_theme.dark, os.environ, self._encoding
         )
 
     @property
     def kept(self) -> KeptSession | None:
-        """The last session that is on the disk, None where nothing was done."""
+        """The last session on disk, or None."""
         return self._opener.kept
 
     def _build_driver(
@@ -178,22 +175,22 @@ class RlTuiApp(LinkedApp[UserError]):
     ) -> Driver:
         driver = super()._build_driver(headless, inline, mouse, size)
         if not driver.is_headless:
-            # before the terminal is taken: it has to be given back in any case
+            # before the terminal is taken, so that it is always given back
             end_on_signal(self._end, self.give_back_terminal)
         return driver
 
     @property
     def _is_ending(self) -> bool:
-        """Whether it was told to end: an attribute of Textual's, which another version may not have."""
+        """True if the app is ending. Other versions of Textual may not know."""
         return getattr(self, "_exit", False)
 
     async def on_event(self, event: Event) -> None:
-        """Take keys one at a time, and everything else as it comes."""
+        """Queue keys one at a time, and handle everything else at once."""
         if isinstance(event, InputEvent):
             if self._is_ending:
-                return  # the end shall not wait for what was typed before it
+                return  # the end does not wait for earlier keys
             self._idleness.stir()
-            await asyncio.sleep(0)  # or a flood of it would let nothing else happen, not even an end
+            await asyncio.sleep(0)  # lets other events in, even an end, during a flood of input
         if isinstance(event, (Key, Paste)) and not event.is_forwarded:
             await self._key_queue.take(event)
         else:
@@ -208,25 +205,25 @@ class RlTuiApp(LinkedApp[UserError]):
         await super().on_event(event)
 
     def on_type_first(self, message: TypeFirst) -> None:
-        """Take keys that were held back as typed before all that waits."""
+        """Put keys that were typed early before all that wait."""
         if not self._is_ending:
             self._key_queue.take_first(message.keys)
 
     def on_notify(self, event: Notify) -> None:
-        """Spell what is told in the characters of the terminal, and show it where no panel is hidden."""
-        event.prevent_default()  # Textual would lay it over the screen
+        """Show a notification in the message line, in the characters of the terminal."""
+        event.prevent_default()  # Textual would draw it over the screen
         event.notification.message = to_ascii(event.notification.message, self.look.glyphs)
         self.messages.note(event.notification)
 
     def clear_notifications(self) -> None:
-        """Take all messages away."""
+        """Remove all messages except errors."""
         self.messages.clear()
 
     def _tell_of_lost_keys(self) -> None:
         self.notify("Too many keys at once. The rest were ignored.", severity="warning")
 
     async def typed(self) -> None:
-        """Wait until all that was typed is done, and what it opens is there."""
+        """Wait until all keys are handled and the screens they open are ready."""
         await self._key_queue.rest()
 
     def on_mount(self) -> None:
@@ -235,7 +232,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self.screen_change_signal.subscribe(self, forget_left_screens)
         self.screen_change_signal.subscribe(self, self.messages.follow)
         if not self.is_headless:
-            # again: the driver for browsers has put its own way to end in place
+            # again: the driver for browsers has installed its own handlers
             end_on_signal(self._end, self.give_back_terminal)
         if self._kiosk:
             self.set_interval(LOOKS, self._pause_when_idle)
@@ -243,7 +240,7 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def on_catalogue_screen_opened(self, event: CatalogueScreen.Opened) -> None:
         """Go to the playground."""
-        self._start = None  # from here on a fault leads back to the catalogue
+        self._start = None  # later errors lead back to the start screen
         if event.draws:
             self.switch_screen(self._opener.first_screen(self.look, DrawingStart(event.recipe)))
         else:
@@ -280,7 +277,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self.switch_screen(playground)
 
     async def on_playground_setup_wanted(self, event: Playground.SetupWanted) -> None:
-        """Go to the setup of another page of the lesson; where that cannot be, it stays where it is."""
+        """Go to the setup of another lesson page, or show the error."""
         try:
             record = await asyncio.to_thread(_built, event.record)
         except UserError as fault:
@@ -290,10 +287,10 @@ class RlTuiApp(LinkedApp[UserError]):
         self.switch_screen(self._opener.other_setup(self.look, record))
 
     async def on_lesson_wanted(self, event: LessonWanted) -> None:
-        """Go to another lesson, where it was left; the one until now keeps its session."""
+        """Go to another lesson, where it was left."""
         from rl_tui.live.sessions.progress import StoredProgress, start_of
 
-        self._opener.close()  # the session has to be on the disk before the next one is looked for
+        self._opener.close()  # saves the session before the next one is looked for
         try:
             progress = await asyncio.to_thread(lambda: StoredProgress(self._opener.sessions).of(event.lesson))
             start = await asyncio.to_thread(start_of, event.lesson, progress)  # may import Gymnasium
@@ -306,12 +303,12 @@ class RlTuiApp(LinkedApp[UserError]):
         self.switch_screen(playground)
 
     def on_playground_left(self, event: Playground.Left) -> None:
-        """Go back to the catalogue; end where a fault meets the only run that was asked for."""
+        """Go back to the list that led here, or end with the error."""
         if event.fault is not None and self._start is not None:
             self.exit(event.fault, return_code=1)
             return
         self._start = None
-        self._opener.close()  # the session has to be on the disk before it is listed
+        self._opener.close()  # saves the session before it is listed
         if self._opener.lesson_id:
             id_ = self._opener.lesson_id
             self.switch_screen(self._opener.lessons(self.look, id_, event.fault, comes_from_lesson=True))
@@ -319,7 +316,7 @@ class RlTuiApp(LinkedApp[UserError]):
             self.switch_screen(self._opener.catalogue(self.look, event.recipe.scenario.id, event.fault))
 
     def on_playground_neighbour_wanted(self, event: Playground.NeighbourWanted) -> None:
-        """Go to the scenario before or after; from a file that is not listed, to the first or last."""
+        """Go to the next or previous scenario."""
         known = scenarios()
         ids = [scenario.id for scenario in known]
         unlisted = min(0, -event.offset)
@@ -333,7 +330,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self.switch_screen(self._opener.next_playground(self.look, recipe))
 
     def on_playground_reopened(self, event: Playground.Reopened) -> None:
-        """Go to a new run; the one until now keeps its session."""
+        """Go to a new run."""
         from rl_tui.live.commands import SetSpeed
 
         self._opener.close()
@@ -350,17 +347,17 @@ class RlTuiApp(LinkedApp[UserError]):
                     screen.run.rest()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Refuse a kiosk to stop its process for a shell that may not be there."""
+        """Forbid a kiosk to suspend its process, because there may be no shell."""
         if self._kiosk and action == "suspend_process":
             return False
         return super().check_action(action, parameters)
 
     def open_url(self, url: str, *, new_tab: bool = True) -> None:
-        """Show the address ``url``: a browser would open where the program runs, not where it is read."""
+        """Show ``url``, because a browser would open where the program runs."""
         self.notify(one_line(url, _LONGEST_ADDRESS), title="address", timeout=15, markup=False)
 
     def action_ask_to_quit(self) -> None:
-        """Ask whether to quit, and do so the second time; where a text is selected, copy that."""
+        """Copy the selected text, else ask whether to quit, or quit."""
         from rl_tui.screen.dialogs.dialog import QuitQuestion
 
         selected = self.screen.get_selected_text()
@@ -372,7 +369,7 @@ class RlTuiApp(LinkedApp[UserError]):
             self.push_screen(QuitQuestion(self.look.glyphs), lambda quits: self.exit() if quits else None)
 
     def action_find(self) -> None:
-        """Find anything by its name, and do or open it."""
+        """Open the search for anything by its name."""
         from rl_tui.screen.app.find import FindScreen, entries_in_files, entries_on, new_values
 
         screen = self.screen
@@ -387,7 +384,6 @@ class RlTuiApp(LinkedApp[UserError]):
             await done
 
     async def _open_found(self, found: Scenario | Lesson | StoredSession) -> None:
-        """Open a world, a lesson or a session in place of what is on screen, which is kept."""
         from rl_tui.live.sessions.session import StoredSession
         from rl_tui.screen.catalogue.catalogue import CatalogueScreen
         from rl_tui.screen.playground.actions.next_lesson import LessonWanted
@@ -407,18 +403,18 @@ class RlTuiApp(LinkedApp[UserError]):
             self.notify(str(fault), severity="error", timeout=15, markup=False)
 
     async def action_suspend_process(self) -> None:  # type: ignore[override]
-        """Go back to the shell, if there is one that can bring the program back."""
+        """Suspend to the shell, if there is one that can resume the program."""
         if not await self.go_to_shell():
             self.notify("Not here: there is no shell. q: quit.", markup=False)
 
     def on_terminal_driver_lost(self) -> None:
-        """End as on the signal that the terminal is closed, which is what has happened."""
+        """End as if the terminal had sent its hang-up signal."""
         self._end(HUNG_UP)
 
     def exit(
         self, result: UserError | None = None, return_code: int = 0, message: RenderableType | None = None
     ) -> None:
-        """End the app, and all that is under way with it: what mounts a widget from now on would fail."""
+        """End the app and its workers, which could mount widgets too late."""
         self.workers.cancel_all()
         super().exit(result, return_code, message)
 
@@ -428,17 +424,17 @@ class RlTuiApp(LinkedApp[UserError]):
         self.push_screen(CommandPalette([ThemeProvider], placeholder="find a theme", classes=classes))
 
     def _end(self, status: int) -> None:
-        self._opener.close()  # what was done is kept first: there may be little time
+        self._opener.close()  # first of all: there may be little time
         self.exit(return_code=status)
 
     def _handle_exception(self, error: Exception) -> None:
         fault = error.error if isinstance(error, WorkerFailed) else error
         if self._is_ending and isinstance(fault, _GONE):
-            return  # of a screen that opens while the program ends, the widgets may be gone already
+            return  # widgets of a screen that opens during the end may be gone already
         super()._handle_exception(error)
 
     def _fatal_error(self) -> None:
-        # Textual would print pages here; the command line says in one line what has happened
+        # Textual would print pages here; the command line prints one line
         if self.bug is None:
             self._opener.close()
             self.bug = bug_of(getattr(self, "_exception", None), self._opener.autosave)
@@ -455,10 +451,6 @@ class RlTuiApp(LinkedApp[UserError]):
 
 
 def _built(lesson: LessonRecord) -> Record:
-    """Return the beginning of the setup of the open page of ``lesson``, whose world can be built.
-
-    Raises UserError where it cannot be. It may import Gymnasium.
-    """
     from rl_tui.runs.recipe import begin
 
     record = beginning_of(lesson)
@@ -467,7 +459,7 @@ def _built(lesson: LessonRecord) -> Record:
 
 
 def bug_of(fault: Exception | None, autosave: Autosave | None) -> Exception:
-    """Return the fault behind ``fault``, with a note on how to go on with the session, if any."""
+    """Return the error behind ``fault``, with a note on how to resume."""
     if isinstance(fault, WorkerFailed) and isinstance(fault.error, Exception):
         fault = fault.error
     if fault is None:

@@ -1,4 +1,4 @@
-"""What the person who starts the program may choose about how it looks."""
+"""Options of the display that a user can choose at the start."""
 
 from __future__ import annotations
 
@@ -12,12 +12,10 @@ Colours = Literal["auto", "none", "16", "256", "truecolor"]
 
 @dataclass(frozen=True, slots=True)
 class Display:
-    """Display options of play and screenshot.
+    """Options of the display.
 
-    ``theme`` is the name of a theme, ``ascii`` keeps to ASCII characters, ``fps`` (> 0) is the most frames
-    drawn a second. With ``reduced_motion`` nothing moves after a step. If it ``is_big``, a playground begins
-    with the world on the whole screen. ``panels`` are the ids of those it begins with: FEW come one by one,
-    None: as the scenario says.
+    ``panels`` are the ids of the first panels of a playground. With "few" others follow one by one. None
+    leaves it to the scenario.
     """
 
     theme: str = "dark"
@@ -31,5 +29,5 @@ class Display:
 
     @property
     def ticks(self) -> float:
-        """How often a second a moving picture is drawn; 0: no picture moves."""
+        """Frames per second of a moving picture, 0 for none."""
         return 0.0 if self.reduced_motion or self.fps < _LEAST_FPS else min(self.fps, _TICKS)

@@ -1,4 +1,4 @@
-"""Finding anything by its name: actions, settings, words, worlds, lessons, sessions."""
+"""Search for anything by its name: actions, settings, words, worlds, lessons, sessions."""
 
 from __future__ import annotations
 
@@ -40,10 +40,7 @@ NOTHING: Final = "Nothing has a word that begins so. ? shows all keys."
 
 
 class Findable(NamedTuple):
-    """What can be found: its name, what kind of thing it is, a sentence, and what enter does with it.
-
-    ``also`` are other words for it. What is ``refused`` can do nothing now, as its sentence says.
-    """
+    """An entry of the search, which ``also`` matches and ``do`` opens."""
 
     name: str
     kind: str
@@ -55,10 +52,9 @@ class Findable(NamedTuple):
 
 
 class FindScreen(Dialog[Findable]):
-    """A line to type, and the entries that it finds, one in a row. Answers the one that is chosen.
+    """A search line and a row per match. The answer is the chosen entry.
 
-    ``for_query`` makes entries of what is typed, such as a setting with its new value; ``more`` reads files,
-    in a thread, once the screen is there.
+    ``for_query`` makes entries from the query, such as a setting with a new value. ``more`` reads files.
     """
 
     def __init__(
@@ -75,7 +71,7 @@ class FindScreen(Dialog[Findable]):
         self._more = more
         self._found = list[Findable]()
         self.is_searching = True
-        """Whether files are still read: a typed enter is for what they add as well."""
+        """True while files are read, which a typed enter waits for."""
 
     def compose(self) -> ComposeResult:
         """Yield the line, the rows and the sentence."""
@@ -85,7 +81,7 @@ class FindScreen(Dialog[Findable]):
             yield Static(markup=False, classes="hint")
 
     def on_mount(self) -> None:
-        """List all actions; what stands in files follows."""
+        """List all actions, and start to read the files."""
         self.query_one(OptionList).can_focus = False
         self.query_one(Input).focus()
         self.run_worker(self._read_more(), name="read what can be found")
@@ -97,30 +93,30 @@ class FindScreen(Dialog[Findable]):
             self.list_matches(self.query_one(Input).value, keeps_cursor=True)
 
     def on_resize(self) -> None:
-        """Lay the rows out for the room there is."""
+        """Fit the rows to the new width."""
         self.call_after_refresh(lambda: self.list_matches(self.query_one(Input).value))
 
     @on(Input.Changed)
     def find(self, event: Input.Changed) -> None:
-        """List what was searched for."""
+        """List the matches."""
         self.list_matches(event.value)
 
     @on(Input.Submitted)
     @on(OptionList.OptionSelected)
     def choose(self) -> None:
-        """Answer the row under the cursor; one that can do nothing now says why, and stays."""
+        """Answer the row under the cursor, unless it is refused."""
         place = self.query_one(OptionList).highlighted
         if place is not None and not self._found[place].refused:
             self.dismiss(self._found[place])
 
     @on(OptionList.OptionHighlighted)
     def explain(self, event: OptionList.OptionHighlighted) -> None:
-        """Show the sentence about the row under the cursor."""
+        """Show the sentence of the row under the cursor."""
         if event.option_list.highlighted == event.option_index < len(self._found):  # else outdated
             self._tell(self._found[event.option_index].sentence)
 
     def list_matches(self, query: str, *, keeps_cursor: bool = False) -> None:
-        """List what ``query`` finds; the cursor stays on its row where ``keeps_cursor`` and that is found."""
+        """List the matches of ``query``. The cursor stays if it ``keeps_cursor``."""
         found = self.query_one(OptionList)
         before = None if found.highlighted is None else self._found[found.highlighted].name
         self._found = found_by(query, [*self._for_query(query), *self._entries])
@@ -133,7 +129,6 @@ class FindScreen(Dialog[Findable]):
             self._tell(NOTHING)
 
     def _row(self, entry: Findable, width: int) -> Text:
-        """Return the name of ``entry`` at the left, its keys and kind at the right, in ``width`` columns."""
         palette, glyphs = self._look.palette, self._look.glyphs
         keys, kind = self._written(entry.keys), entry.kind
         room = max(1, width - cell_len(keys) - cell_len(kind) - 3)
@@ -148,11 +143,11 @@ class FindScreen(Dialog[Findable]):
         return to_ascii(text, self._look.glyphs)
 
 
-# What fits best
+# Ranking
 
 
 def found_by(query: str, entries: Sequence[Findable]) -> list[Findable]:
-    """Return those of ``entries`` that ``query`` is about, the best first; all actions for an empty one."""
+    """Return the matches of ``query``, best first, or all actions."""
     if not query.strip():
         return [entry for entry in entries if entry.kind == "action"]
     ranked = [(relevance(query, entry), entry) for entry in entries]
@@ -163,8 +158,7 @@ def found_by(query: str, entries: Sequence[Findable]) -> list[Findable]:
 def relevance(query: str, entry: Findable) -> float:
     """Return how well ``query`` fits ``entry``, from 0 (not at all) to 1.
 
-    It may be the key of the entry. Else each word of it has to begin a word of the entry, or to be somewhere
-    in its name: letters strewn over a sentence find something for everything.
+    It may be the key of the entry. Else each word must begin a word of the entry, or be part of its name.
     """
     if entry.keys and query.strip() == entry.keys:
         return 1.0
@@ -185,15 +179,14 @@ def _weight(word: str, entry: Findable) -> float:
 
 
 def _words(text: str) -> list[str]:
-    """Return the words of ``text`` in small letters and plain signs; one without any is one word."""
     return [_WORD.sub("", each) or each for each in text.lower().translate(_PLAIN).split()]
 
 
-# What there is
+# Entries
 
 
 def entries_on(screen: Screen[Any]) -> list[Findable]:
-    """Return what can be found on ``screen`` without reading files: actions, settings, words."""
+    """Return the entries of ``screen`` that need no files: actions, settings, words."""
     if not isinstance(screen, ActionScreen):
         return []
     actions = [_of_action(screen, action) for action in screen.actions if action.id != "find"]
@@ -210,7 +203,7 @@ def entries_on(screen: Screen[Any]) -> list[Findable]:
 
 
 def new_values(screen: Screen[Any], query: str) -> list[Findable]:
-    """Return an entry for each setting that ``query`` names before a number, as in ``epsilon .3``."""
+    """Return a new setting if ``query`` has a name and number, such as ``epsilon .3``."""
     word, _, number = query.replace("=", " ").strip().rpartition(" ")
     try:
         value = float(number)
@@ -239,14 +232,13 @@ def _of_action(screen: ActionScreen, action: Action) -> Findable:
 
 
 def _settings(screen: Screen[Any]) -> Iterator[tuple[Parameter, Ask, Put]]:
-    """Yield each setting that counts for the agent on ``screen``, what asks for it, and what sets it."""
     if isinstance(screen, ActionScreen):
         for name, (ask, put) in screen.settings.items():
             yield PARAMETERS[name], ask, put
 
 
 def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None) -> list[Findable]:
-    """Return the worlds, lessons and sessions; ``open_found`` opens one. To be called in a thread."""
+    """Return the worlds, lessons and sessions. Call it in a thread."""
     from rl_tui.lessons.catalogue import read_lessons
     from rl_tui.live.sessions.session import sessions_in
     from rl_tui.worlds.files.catalogue import scenarios
@@ -264,7 +256,6 @@ def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None)
 
 
 def _of_session(session: StoredSession, do: Callable[[], object]) -> Findable:
-    """Return the entry of ``session``: when it was saved and where it stands tell it from others."""
     from rl_tui.screen.catalogue.session_text import algorithm_name, long_age, settings_of, short_age
 
     age, table = datetime.now(UTC) - session.saved, session.document.table

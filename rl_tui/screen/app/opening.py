@@ -1,7 +1,6 @@
-"""The screens of the app and what stands behind them: a player, and the session that it is kept in.
+"""The screens of the app, and the player and session behind each.
 
-Each screen is imported when it is first wanted: the first paint waits for one of them only, that of the
-catalogue not for numpy and a dozen widgets.
+Each screen is imported when first needed, for a fast first paint.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DrawingStart:
-    """A run whose world is drawn from the start."""
+    """A run that starts with the editing of its world."""
 
     recipe: Recipe
 
@@ -47,11 +46,11 @@ class DrawingStart:
 Start: TypeAlias = (
     "Recipe | DrawingStart | StoredSession | LessonStart | WatchedProgram | Literal[Place.LESSONS] | None"
 )
-"""What the app begins with; LESSONS: the list of lessons, None: the catalogue."""
+"""The start of the app: LESSONS for the lessons, None for the start screen."""
 
 
 class MakePlayer(Protocol):
-    """Makes the thread behind a playground; ``record`` is what to go on with."""
+    """A function that makes the thread behind a playground. ``record`` is a run to resume."""
 
     def __call__(
         self,
@@ -61,7 +60,7 @@ class MakePlayer(Protocol):
         record: Record | None,
         playable: MakePlayable | None = None,
     ) -> Player:
-        """Return the player of ``recipe``, or of what ``playable`` makes."""
+        """Return the player of ``recipe``, or of the result of ``playable``."""
 
 
 def live_player(
@@ -79,11 +78,7 @@ def live_player(
 
 @dataclass
 class Opener:
-    """Makes catalogues and playgrounds, which look and begin as ``display`` says.
-
-    ``sessions`` is the folder in which sessions are kept, None to keep none. The screens of a ``kiosk`` offer
-    nothing that has to do with files. Playgrounds have these ``panels``.
-    """
+    """A maker of screens that look and begin as ``display`` says."""
 
     make_player: MakePlayer
     display: Display
@@ -91,20 +86,20 @@ class Opener:
     kiosk: bool
     panels: Sequence[PanelRow]
     player: Player | None = None
-    """That of the newest playground."""
+    """The player of the newest playground."""
     legends: LegendSwitch | None = None
-    """Whether panels explain themselves, in all playgrounds alike."""
+    """The choice of legends, shared by all playgrounds."""
     autosave: Autosave | None = None
-    """What keeps the newest playground's session, if anything does."""
+    """Saves the session of the newest playground, if any."""
     lesson_id: str = ""
-    """The id of the lesson in the newest playground, empty where there is none."""
+    """The id of the lesson in the newest playground, or empty."""
     _wanted: Wanted | None = None
-    """What is asked for in the newest playground."""
+    """The requests of the newest playground."""
     _earlier: Autosave | None = None
-    """What kept the last session before that, if there was any."""
+    """The one before ``autosave`` that has saved something, if any."""
 
     def catalogue(self, look: Look, start_at: str = "", fault: UserError | None = None) -> CatalogueScreen:
-        """Return the catalogue with its cursor on the scenario ``start_at``; it tells the ``fault``."""
+        """Return the start screen, with the cursor on ``start_at``."""
         from rl_tui.screen.catalogue.catalogue import CatalogueScreen
 
         catalogue = CatalogueScreen(look, start_at, fault, self.sessions)
@@ -120,7 +115,7 @@ class Opener:
         *,
         comes_from_lesson: bool = False,
     ) -> LessonsScreen:
-        """Return the list of lessons with its cursor on the id ``start_at``; it tells the ``fault``."""
+        """Return the list of lessons, with the cursor on ``start_at``."""
         from rl_tui.screen.catalogue.lessons import LessonsScreen
 
         lessons = LessonsScreen(look, start_at, fault, self.sessions, comes_from_lesson=comes_from_lesson)
@@ -130,7 +125,7 @@ class Opener:
 
     @property
     def has_kept_nothing(self) -> bool:
-        """Whether sessions would be kept here, and none is: a person begins."""
+        """True if sessions are saved here but none exists yet: a new user."""
         from rl_tui.live.sessions.session import files_in
 
         return self.sessions is not None and not files_in(self.sessions)
@@ -138,9 +133,9 @@ class Opener:
     def playground(
         self, look: Look, recipe: Recipe, *, watches: bool = False, is_gradual: bool = False
     ) -> Playground:
-        """Return the playground of a run that is about to begin; where it ``watches``, by itself.
+        """Return the playground of a new run. With ``watches`` it runs automatically.
 
-        If it ``is_gradual``, or watches, panels come as they come to mean something.
+        If it ``is_gradual`` or watches, panels appear one by one.
         """
         from rl_tui.live.pace.pacing import START_SPEED
         from rl_tui.live.sessions.autosave import Autosave, untouched
@@ -152,10 +147,7 @@ class Opener:
         )
 
     def next_playground(self, look: Look, recipe: Recipe) -> Playground:
-        """Return the playground of a run that takes the place of the newest one.
-
-        An answer that a person has hidden there stays hidden.
-        """
+        """Return the playground of a run that replaces the newest one."""
         from rl_tui.live.commands import HideAnswer
 
         stays_hidden = self._wanted is not None and self._wanted.was_hidden_by_person
@@ -165,7 +157,11 @@ class Opener:
         return playground
 
     def first_screen(self, look: Look, start: Start) -> ActionScreen:
-        """Return the screen that shows ``start``. Raises UserError where a lesson's run cannot be made."""
+        """Return the screen for ``start``.
+
+        Raises:
+            UserError: The run of a lesson cannot be made.
+        """
         if start is None:
             return self.catalogue(look)
         if isinstance(start, Place):
@@ -185,7 +181,7 @@ class Opener:
         return self.lesson(look, start) if isinstance(start, LessonStart) else self.watching(look, start)
 
     def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
-        """Return the playground in which ``session``, which holds ``record``, goes on."""
+        """Return the playground that resumes ``session``, whose contents are ``record``."""
         from rl_tui.live.sessions.autosave import Autosave
 
         autosave = None if self.sessions is None else Autosave(record, self.sessions, session)
@@ -195,9 +191,10 @@ class Opener:
         return playground
 
     def lesson(self, look: Look, start: LessonStart) -> Playground:
-        """Return the playground of a lesson whose open page begins its run.
+        """Return the playground of a lesson, with the run of its open page.
 
-        Raises UserError where that run cannot be made.
+        Raises:
+            UserError: That run cannot be made.
         """
         from rl_tui.live.sessions.autosave import Autosave
 
@@ -206,16 +203,13 @@ class Opener:
         return self._playground(look, record.lanes[0].recipe, autosave, record, record.speed)
 
     def other_setup(self, look: Look, record: Record) -> Playground:
-        """Return the playground of another setup of the lesson in the newest one: ``record`` begins it.
-
-        The same session goes on.
-        """
+        """Return the playground of another setup of the same lesson, begun by ``record``."""
         if self.autosave is not None:
             self.autosave.hand_over(record)
         return self._playground(look, record.lanes[0].recipe, self.autosave, record, record.speed)
 
     def watching(self, look: Look, program: WatchedProgram) -> Playground:
-        """Return the playground in which ``program`` takes the steps; it is kept in no session."""
+        """Return the playground in which ``program`` takes the steps, without a session."""
         from rl_tui.live.pace.pacing import START_SPEED
         from rl_tui.live.programs.program_playback import ProgramPlayback
         from rl_tui.live.programs.program_snapshot import usual_recipe
@@ -226,14 +220,14 @@ class Opener:
 
     @property
     def kept(self) -> KeptSession | None:
-        """The last session that is on the disk, None where nothing was done."""
+        """The last session on disk, or None."""
         for autosave in (self.autosave, self._earlier):
             if autosave is not None and (kept := autosave.kept) is not None:
                 return kept
         return None
 
     def close(self) -> None:
-        """End the newest player; what was done is on the disk then."""
+        """End the newest player, which saves its session."""
         if self.player is not None:
             self.player.close()
 
@@ -250,7 +244,6 @@ class Opener:
         is_gradual: bool = False,
         playable: MakePlayable | None = None,
     ) -> Playground:
-        """Return a playground. If it ``is_gradual``, panels come one by one unless others are asked for."""
         from rl_tui.screen.frame.legend_switch import LegendSwitch
         from rl_tui.screen.frame.shape import expected_shape
         from rl_tui.screen.playground.disclosure import FIRST_PANELS, panels_in_view
@@ -301,9 +294,10 @@ class Opener:
 
 
 def beginning_of(lesson: LessonRecord) -> Record:
-    """Return the record of the setup in which the open page of ``lesson`` stands, before its first step.
+    """Return the record of the setup of the open page of ``lesson``, before its first step.
 
-    Raises UserError where its scenario cannot be found or played, or a setting does not fit.
+    Raises:
+        UserError: Its scenario cannot be found or played, or a setting does not fit.
     """
     from rl_tui.lessons.file.setups import recipe_of
     from rl_tui.live.pace.pacing import START_SPEED

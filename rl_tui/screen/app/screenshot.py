@@ -1,4 +1,4 @@
-"""A screen as SVG after given keys, without a terminal: the same call gives the same bytes."""
+"""A screen as SVG after given keys, with the same bytes each time."""
 
 from __future__ import annotations
 
@@ -40,11 +40,18 @@ _NAMES: Final = {
 async def screenshot(
     start: Start, size: tuple[int, int], keys: Sequence[str] = (), display: Display | None = None
 ) -> str:
-    """Return the SVG of the screen that the app begins with, after ``keys``.
+    """Return the SVG of the first screen of the app after ``keys``.
 
-    ``size`` is columns and rows. A key is one character or Textual's name of it; ``wait:N`` lets N steps of
-    training pass. Nothing depends on the time: steps pass only as keys and waits say, and steps a second are
-    left blank. Raises UserError where a key is not known or the scenario cannot be played.
+    Steps pass only by keys and waits, and the speed is left blank.
+
+    Args:
+        start: Start of the app.
+        size: Columns and rows.
+        keys: Characters, Textual names of keys, or ``wait:N`` for N steps of training.
+        display: Options of the display.
+
+    Raises:
+        UserError: A key is unknown, or the scenario cannot be played.
     """
     presses = [_press(key) for key in keys]
     options = replace(display or Display(), fps=_SWIFT)
@@ -62,22 +69,20 @@ async def screenshot(
 
 
 async def settle(pilot: Pilot[UserError]) -> None:
-    """Wait until everything that was asked for is done and drawn."""
+    """Wait until everything asked for is done and drawn."""
     for _ in range(_MOST_LAYOUTS):
         await pilot.pause()
         sent = _commands_sent(pilot)
-        for screen in list(pilot.app.screen_stack):  # another playground may come in place of one meanwhile
+        for screen in list(pilot.app.screen_stack):  # another playground may replace one meanwhile
             if isinstance(screen, Playground | CatalogueScreen | LessonsScreen):
                 await screen.settled()
         await pilot.pause()
-        # a layout that comes late brings cells into view that were not asked for before, and some pictures
-        # ask for what they lack
+        # a late layout brings new cells into view, and some pictures ask for missing data
         if _commands_sent(pilot) == sent and all(each.board.is_complete for each in sent):
             return
 
 
 def _commands_sent(pilot: Pilot[UserError]) -> dict[Playground, int]:
-    """Return how many commands each playground has sent."""
     return {each: each.link.sent for each in pilot.app.screen_stack if isinstance(each, Playground)}
 
 
@@ -87,7 +92,6 @@ def _stop_blinking(app: RlTuiApp) -> None:
 
 
 def _press(key: str) -> str | int:
-    """Return the Textual name of ``key``, or the steps to wait."""
     key = key.strip() or key
     if not key.startswith(_WAIT):
         return _key_name(key)

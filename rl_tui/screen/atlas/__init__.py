@@ -1,1 +1,1 @@
-"""The atlas: a map of two settings, a cell for each combination, that fills while it is looked at."""
+"""The settings map."""

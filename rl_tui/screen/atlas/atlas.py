@@ -1,7 +1,4 @@
-"""The settings map on screen.
-
-Each cell shows a metric of many seeds, trained with one combination of two settings.
-"""
+"""The settings map: each cell shows a metric for one combination of two settings."""
 
 from __future__ import annotations
 
@@ -49,10 +46,7 @@ BEST, TIED, NOT_DONE, IMPOSSIBLE, FAILED = "*", "'", "·", "×", "fails"
 
 @dataclass(frozen=True, slots=True)
 class AtlasScene:
-    """What is drawn: the ``atlas`` of ``cells`` by ``measure``, with the cursor at cell ``cursor``.
-
-    ``in_force`` is the cell whose settings the run on screen has.
-    """
+    """Everything to draw. ``in_force`` is the cell of the run on screen."""
 
     look: Look
     cells: CellGrid
@@ -63,18 +57,18 @@ class AtlasScene:
 
     @property
     def axes(self) -> tuple[Variation | None, Variation]:
-        """The setting that varies upwards, None where there is but one, and that from left to right."""
+        """The setting that varies upwards, or None, and the one to the right."""
         *upwards, across = self.cells.variations
         return upwards[0] if upwards else None, across
 
     def value(self, index: int) -> float | None:
-        """Return the mean of the measure in a cell; None where there is none yet."""
+        """Return the mean in a cell, or None."""
         cell = self.atlas.cells.get(index)
         return None if cell is None else cell.value(self.measure)
 
     @property
     def ends(self) -> tuple[float, float] | None:
-        """The worst and the best mean, or the least and the greatest of what is neither; None without any."""
+        """The worst and the best mean, or the least and the greatest."""
         found = [each for each in map(self.value, range(self.cells.count)) if each is not None]
         if not found:
             return None
@@ -90,7 +84,7 @@ class AtlasScene:
         return palette.value(1.0 if worst == best else (value - worst) / (best - worst))
 
     def text(self, index: int, width: int) -> str:
-        """Return what stands in a cell, in at most ``width`` cells of the screen."""
+        """Return the text of a cell in at most ``width`` characters."""
         value, cell = self.value(index), self.atlas.cells.get(index)
         if value is not None:
             return numbers.value(value, width, self.look.glyphs)
@@ -100,7 +94,7 @@ class AtlasScene:
         return FAILED[:width] if has_failed else to_ascii(NOT_DONE, self.look.glyphs)
 
     def mark(self, index: int) -> str:
-        """Return the mark behind a number: the best, or tied with it."""
+        """Return the mark after a number: best, or tied with the best."""
         standings = self.atlas.standings.get(self.measure.id)
         if standings is None or index not in standings.alike:
             return " "
@@ -108,7 +102,7 @@ class AtlasScene:
 
 
 class MapPlan(NamedTuple):
-    """Where the cells of a map stand: ``label`` cells of names at the left, ``field`` by ``tall`` each."""
+    """The cells on screen: ``label`` columns of names, ``field`` × ``tall`` per cell."""
 
     scene: AtlasScene
     width: int
@@ -120,12 +114,12 @@ class MapPlan(NamedTuple):
     columns: int
 
     def place(self, index: int) -> tuple[int, int]:
-        """Return x and y of a cell: high values of its setting stand above."""
+        """Return x and y of a cell, with high values above."""
         row, column = divmod(index, self.columns)
         return self.label + column * self.field, 1 + (self.rows - 1 - row) * self.tall
 
     def cell_at(self, x: int, y: int) -> int | None:
-        """Return the cell that is drawn at ``x``, ``y``."""
+        """Return the cell at ``x``, ``y``, or None."""
         column, row = (x - self.label) // self.field, (y - 1) // self.tall
         if x < self.label or y < 1 or column >= self.columns or row >= self.rows:
             return None
@@ -133,7 +127,7 @@ class MapPlan(NamedTuple):
 
 
 def plan_of(scene: AtlasScene, width: int, height: int) -> MapPlan:
-    """Return where the cells of ``scene`` stand in so much room; a line above and one below are for names."""
+    """Return the plan of ``scene``, with two lines for names."""
     upwards, across = scene.axes
     rows = 1 if upwards is None else upwards.count
     names = [] if upwards is None else [value_name(upwards, row) for row in range(rows)]
@@ -145,7 +139,7 @@ def plan_of(scene: AtlasScene, width: int, height: int) -> MapPlan:
 
 
 def draw_map(plan: MapPlan) -> Canvas:
-    """Return the map: the settings' names and values around it, a cell for each combination."""
+    """Return the map: names and values around it, a cell for each combination."""
     scene, palette = plan.scene, plan.scene.look.palette
     canvas = Canvas(plan.width, plan.height, palette.text)
     upwards, across = scene.axes
@@ -181,7 +175,7 @@ def _draw_cell(canvas: Canvas, plan: MapPlan, index: int) -> None:
 
 
 def setting_name(variation: Variation) -> str:
-    """Return the symbol of a setting, or its name where it has none."""
+    """Return the symbol of a setting, or its name if it has none."""
     parameter = PARAMETERS.get(variation.name)
     return variation.name if parameter is None else parameter.symbol
 
@@ -196,7 +190,7 @@ def value_name(variation: Variation, place: int) -> str:
 
 
 class AtlasMap(Widget, can_focus=True):
-    """Draws ``scene``; arrows and clicks move its cursor."""
+    """The picture of ``scene``. Arrows and clicks move its cursor."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "move(0, -1)", "left", show=False),
@@ -207,7 +201,7 @@ class AtlasMap(Widget, can_focus=True):
 
     @dataclass
     class CellPointed(Message):
-        """The cursor is to stand at another cell."""
+        """The cursor should move to another cell."""
 
         cell: int
 
@@ -223,7 +217,7 @@ class AtlasMap(Widget, can_focus=True):
         self.refresh()
 
     def on_resize(self) -> None:
-        """Draw anew for another size."""
+        """Draw again for the new size."""
         self._strips = []
 
     def render_line(self, y: int) -> Strip:
@@ -235,13 +229,13 @@ class AtlasMap(Widget, can_focus=True):
         return strip.apply_style(self.rich_style)
 
     def action_move(self, rows: int, columns: int) -> None:
-        """Move the cursor so many rows up and columns to the right; at the edges it stays."""
+        """Move the cursor up and to the right, within the map."""
         axes = len(self.scene.cells.variations)
         steps = {axes - 1: columns} | ({0: rows} if axes > 1 else {})
         self.post_message(self.CellPointed(self.scene.cells.moved(self.scene.cursor, steps)))
 
     def on_click(self, event: Click) -> None:
-        """Put the cursor where the click was."""
+        """Move the cursor to the click."""
         cell = plan_of(self.scene, *self.size).cell_at(event.x, event.y)
         if cell is not None:
             self.post_message(self.CellPointed(cell))
@@ -254,14 +248,14 @@ _ROOM: Final = 6
 
 
 def head(scene: AtlasScene, runs: int, how_long: str = "") -> str:
-    """Return what is mapped, how far it has come, and ``how_long`` the rest takes where that is known."""
+    """Return a line about the cells, the progress and the time left."""
     atlas = scene.atlas
     each = "" if atlas.episodes is None else f" of {counted(atlas.episodes, 'episode')}"
     return f"each cell: mean of {counted(runs, 'seed')}{each}; {progress(atlas, how_long)}"
 
 
 def progress(atlas: Atlas, how_long: str) -> str:
-    """Return how many runs are done, and ``how_long`` the rest takes; at the end, what came of it."""
+    """Return the progress and ``how_long`` the rest takes, or the result."""
     done = f"{atlas.done:,} of {counted(atlas.planned, 'run')}"
     if atlas.state is AtlasState.FAILED:
         return f"failed: {atlas.message}"
@@ -286,7 +280,7 @@ def legend(scene: AtlasScene) -> str:
 
 
 def cell_line(scene: AtlasScene) -> str:
-    """Return what the runs of the cell under the cursor say."""
+    """Return the settings and results of the cell under the cursor."""
     places = scene.cells.places(scene.cursor)
     settings = "  ".join(
         f"{setting_name(each)} {value_name(each, place)}"
@@ -330,10 +324,7 @@ _NEWS_EVERY: Final = 0.1  # seconds
 
 
 class AtlasDialog(Dialog[Recipe]):
-    """The surroundings of the settings in force, as ``request`` asks for them. Answers the run to be opened.
-
-    Where the request is awaited, it shows nothing before all is done.
-    """
+    """A map around the current settings. The answer is the run to open."""
 
     CSS_PATH: ClassVar[list[str | Path]] = [  # type: ignore[assignment]
         Path(__file__).parents[1] / "dialogs" / "dialog.tcss",
@@ -359,7 +350,7 @@ class AtlasDialog(Dialog[Recipe]):
         )
 
     def compose(self) -> ComposeResult:
-        """Yield what is mapped, the map, and what the cell under the cursor says."""
+        """Yield the metric, the map, and a line about the current cell."""
         names = " × ".join(map(setting_name, self._request.variations))
         with self.box(to_ascii(f"Settings map · {names}", self._look.glyphs), ""):
             yield Static(id="measure", markup=False)
@@ -369,7 +360,7 @@ class AtlasDialog(Dialog[Recipe]):
             yield Static(id="cell", markup=False)
 
     def on_mount(self) -> None:
-        """Have it worked out, by a process of its own."""
+        """Start the computation in another process."""
         super().on_mount()
         self.query_one(AtlasMap).focus()
         try:
@@ -386,7 +377,7 @@ class AtlasDialog(Dialog[Recipe]):
         self._show()
 
     def on_unmount(self) -> None:
-        """End the process, whatever it is doing."""
+        """End the process."""
         self._background.close()
 
     def _take_news(self) -> None:
@@ -418,11 +409,11 @@ class AtlasDialog(Dialog[Recipe]):
         self.query_one("#box").border_subtitle = _KEYS.format(self._request.seeds[self._seed])
 
     def on_atlas_map_cell_pointed(self, event: AtlasMap.CellPointed) -> None:
-        """Let the cursor stand there."""
+        """Move the cursor to a cell."""
         self._change(cursor=event.cell)
 
     def action_measure(self) -> None:
-        """Show the next measure that any cell has."""
+        """Show the next metric that any cell has."""
         there = [
             each
             for each in MEASURES.values()
@@ -432,7 +423,7 @@ class AtlasDialog(Dialog[Recipe]):
         self._change(measure=there[(there.index(self._scene.measure) + 1) % len(there)])
 
     def action_seed(self) -> None:
-        """Let enter open the run of the next seed."""
+        """Make enter open the run of the next seed."""
         self._seed = (self._seed + 1) % self._request.runs
         self._show()
 
@@ -448,7 +439,7 @@ class AtlasDialog(Dialog[Recipe]):
 
 
 def open_atlas(subject: Subject, take: Callable[[Recipe], None]) -> None:
-    """Show how the run of ``subject`` would do with other settings; ``take`` opens the one that is chosen."""
+    """Open a map around the settings of ``subject``. ``take`` opens the chosen run."""
     if subject.snapshot is not None:
         is_awaited = not subject.link.player.is_automatic
         request = surroundings(subject.link.wanted.recipe, subject.snapshot.world, is_awaited=is_awaited)

@@ -1,1 +1,1 @@
-"""The board of the playground: its layout, its player, what is on it."""
+"""The board of the playground and its link to the player."""

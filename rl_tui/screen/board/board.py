@@ -63,10 +63,7 @@ from rl_tui.screen.theme.look import Look
 
 
 class LessonPlace:
-    """The ``panel`` of the lesson on the ``board``: beside the world, or in turn with it.
-
-    ``arrangement`` is that of the board.
-    """
+    """The lesson ``panel`` on the ``board``, next to the world or in turn with it."""
 
     def __init__(self, board: Board, panel: LessonPanel, arrangement: BoardLayout) -> None:
         self.panel = panel
@@ -77,18 +74,18 @@ class LessonPlace:
 
     @property
     def is_docked(self) -> bool:
-        """Whether the page is beside the world: there is room, and the world has not all of it."""
+        """True if the page is next to the world."""
         size, layout = self._board.screen.size, self._arrangement
         return not layout.is_big and docks_lesson(size, layout.in_view(size))
 
     @property
     def is_in_view(self) -> bool:
-        """Whether the page is to be read, all of it and not its row."""
+        """True if the whole page is in view, not only its row."""
         return self._arrangement.has_page(self._board.screen.size)
 
     @property
     def reads(self) -> bool:
-        """Whether the page has the place of the world, or would have it where there is no room for both."""
+        """True if the page takes the place of the world when both do not fit."""
         return self._arrangement.shape.reads and not self._arrangement.is_big
 
     @reads.setter
@@ -103,19 +100,19 @@ class LessonPlace:
             (self.focus if reads else self.leave)()
 
     def focus(self) -> None:
-        """Give the page the focus."""
+        """Focus the page."""
         if self._board.screen.focused is not self.panel:
             self._focused_before = self._board.screen.focused
             self.panel.focus()
 
     def leave(self) -> None:
-        """Give the focus back to where it was before the page had it."""
+        """Return the focus to the widget that had it before."""
         if self._board.screen.focused is self.panel:
             before, self._focused_before = self._focused_before, None
             self._board.screen.set_focus(before if before is not None and before.is_attached else None)
 
     def place(self, lesson: LessonView, size: Size) -> None:
-        """Let the panels know, before they draw a page of ``lesson``, how page and world share the board."""
+        """Tell the panels how page and world share the board, before a page is drawn."""
         self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), "-row")
         self.panel.takes_turns = self.reads and not self.is_docked
         if self.panel.takes_turns:
@@ -147,19 +144,15 @@ _LEAST_WITH_KEYS: Final = 7
 
 
 class Board(Container):
-    """One widget for each row of ``panels``, its id that of the row.
+    """One widget per row of ``panels``, with the same id.
 
-    One panel may be zoomed to cover all others, and one of those that have a key of their own may be open.
-    ``show`` draws a snapshot on all of them, and what is ``wanted`` though no snapshot has it yet. The view
-    of the world is made for the first one; until then panels are arranged by the ``shape`` expected.
-
-    Where two lanes stand side by side, a row that is twofold has a second widget, for the lane at the right.
-    The left one has the lower number, whichever is led: ``world`` and ``table`` are those of the lane led.
-    With ``keeps_focus`` a panel that is opened beside the world does not take the focus from that.
+    One panel may be in full screen, and one with its own key may be open. If two runs are side by side, a
+    twofold row has a second widget at the right. ``world`` and ``table`` show the controlled run. With
+    ``keeps_focus`` an opened panel does not take the focus from the world.
     """
 
     class Toggled(Message):
-        """A panel was opened or closed, or covers all others, or does no more."""
+        """A panel was opened, closed, or its full screen began or ended."""
 
     def __init__(
         self, look: Look, wanted: Wanted, legends: LegendSwitch, shape: Shape, panels: Sequence[PanelRow]
@@ -170,9 +163,9 @@ class Board(Container):
         self._panels = {row.id: row.make(look) for row in panels}
         self._pair = LanePair(self._panels, look)
         self.table = self._made(TABLE, QTable)
-        """The table of the lane that is led."""
+        """The table of the controlled run."""
         self.world: WorldView | None = None
-        """The world of the lane that is led, None before the first snapshot."""
+        """The world of the controlled run, None before the first snapshot."""
         self.is_one_lane = self.keeps_focus = False
         self.wanted_layer = Layer.Q  # of worlds and tables
         self.curve = self._made(CURVE, ReturnCurve)
@@ -207,7 +200,7 @@ class Board(Container):
         return self._panels[panel]
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
+        """Draw ``snapshot``, with settings at their wanted values."""
         self._snapshot = snapshot
         if self.world is None:
             view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
@@ -220,7 +213,7 @@ class Board(Container):
             self._panels |= {beside(row): twin for row, twin in self._pair.twins.items()}
             self.apply_switches()
             self.run_worker(self._mount_twins())
-        # of a session the lanes are known before they are there
+        # a resumed session announces its runs before they are ready
         awaits_lanes = self._arrangement.shape.lanes and snapshot.playback.phase is Phase.PREPARING
         self.reshape(
             lanes=(snapshot.beside is not None or awaits_lanes) and not self.is_one_lane,
@@ -249,14 +242,13 @@ class Board(Container):
             self._pair.show(learned)
 
     def reshape(self, **changes: Any) -> None:
-        """Arrange the panels again where what that depends on has changed."""
+        """Arrange the panels again if one of ``changes`` to the shape is new."""
         shape = replace(self._arrangement.shape, **changes)
         if shape != self._arrangement.shape:
             self._arrangement.shape = shape
             self._arrange_again()
 
     def _take_lead(self, snapshot: Snapshot) -> None:
-        """Let the panels of the lane led be those that keys are about."""
         world = self.world
         is_pair = snapshot.beside is not None and self._arrangement.is_pair(self.screen.size)
         if not self._pair.take_lead(snapshot, is_shown=is_pair):
@@ -278,19 +270,19 @@ class Board(Container):
                 self._arrange_again()
 
     def turn_lanes(self) -> None:
-        """Show one lane alone where two stand side by side, else two where there is room."""
+        """Switch between one run and two side by side, if they fit."""
         self.is_one_lane = self.is_paired
         if self._snapshot is not None:
             self.show(self._snapshot)
 
     @property
     def is_paired(self) -> bool:
-        """Whether two runs are side by side."""
+        """True if two runs are side by side."""
         return self._pair.is_shown
 
     def on_resize(self) -> None:
-        """Show one lane or two, and a lesson beside the run or in turn with it, as there is room."""
-        self._arrange_again()  # the screen may have had another size when this one was last arranged
+        """Adapt runs and lesson to the new size."""
+        self._arrange_again()  # the last arrangement may have been for another size
         snapshot = self._snapshot
         if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
             self.show(snapshot)
@@ -308,7 +300,7 @@ class Board(Container):
         self.show_layer(event.layer)
 
     def apply_switches(self) -> None:
-        """Have every panel show what the switches say, the twins of a second lane too."""
+        """Apply the switches of legends and cells to every panel, including twins."""
         legends = self.legends
         for panel in self._panels.values():
             panel.is_explained = legends.is_on
@@ -319,7 +311,6 @@ class Board(Container):
             panel.redraw()
 
     def _shown(self) -> Iterator[BoardPanel]:
-        """Yield the panels that are not closed, of which a program that is watched has its own."""
         shape, opened, pair = self._arrangement.shape, self.opened, self._pair
         for row in self.rows.values():
             if row.of_program if not shape.is_program else row.id == CONTROLS:
@@ -332,23 +323,23 @@ class Board(Container):
                     yield pair.twins[row.id]
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
-        """Write the keys of the timeline, which has no border, on the border of the curve above it."""
+        """Show the keys of the timeline on the curve above it."""
         self.curve.hints = HINTS if event.widget is self.timeline else ()
         if not isinstance(event.widget, Slider):
             self._focused_beside_sliders = event.widget
         self._pair.follow_focus()
 
     def leave_slider(self) -> None:
-        """Give the focus back to the panel that had it before the sliders; to none if none had."""
+        """Return the focus to the panel that had it before the sliders."""
         before = self._focused_beside_sliders
         self.screen.set_focus(before if before in self.screen.focus_chain else None)
 
     def on_descendant_blur(self) -> None:
-        """Remove these keys."""
+        """Remove the keys of the timeline."""
         self.curve.hints = ()
 
     def on_pointed(self, event: Pointed) -> None:
-        """Show where the cursor of a world or a table stands in all others."""
+        """Show the cursor of a world or table in all others."""
         self._pair.align(event.panel)
         source = event.panel.snapshot if isinstance(event.panel, QTable | WorldView) else None
         for panel in self._panels.values():
@@ -359,11 +350,11 @@ class Board(Container):
                     panel.point_at(pairs_in(event.pairs, source.world, panel.snapshot.world))
         cursor = event.panel.cursor_pair if isinstance(event.panel, QTable) else None
         cursor = event.panel.cursor if isinstance(event.panel, WorldView) else cursor
-        if event.pairs or cursor is None:  # one that is not in focus still points
+        if event.pairs or cursor is None:  # a panel without focus still points
             self.discount.point_at(event.pairs)
 
     def on_moved(self, event: Moved) -> None:
-        """Bring the same part into view in the other lane."""
+        """Scroll the panel of the other run to the same part."""
         event.stop()
         self._pair.align(event.panel)
 
@@ -374,21 +365,21 @@ class Board(Container):
 
     @property
     def is_complete(self) -> bool:
-        """Whether the newest snapshot has all that is in view."""
+        """True if the newest snapshot has everything in view."""
         return all(panel.is_complete for panel in self._shown() if self.shows(panel.id or ""))
 
     @property
     def shown(self) -> frozenset[str] | None:
-        """The ids of the panels that are to be in view, None: all."""
+        """The ids of the panels in view, None for all."""
         return self._arrangement.shape.shown
 
     @property
     def zoomed(self) -> str | None:
-        """The id of the panel that covers all others."""
+        """The id of the panel in full screen, or None."""
         return self._arrangement.zoomed
 
     def zoom(self, panel: str | None) -> None:
-        """Let ``panel`` cover all others, a world the header too; None shows all."""
+        """Show ``panel`` in full screen, or all panels for None."""
         self._arrangement.zoomed = panel
         self.caption.replaces_header = self.lesson.panel.replaces_header = self._arrangement.is_big
         self.screen.query_one(StatusLine).styles.height = 0 if self._arrangement.is_big else 1
@@ -397,7 +388,7 @@ class Board(Container):
         self.post_message(self.Toggled())
 
     def _keep_focus_in_view(self) -> None:
-        """Let the lane led have the focus of a panel of two that is not in view any more."""
+        """Move the focus to the controlled run if its panel is out of view."""
         screen = self.screen
         focused, regions = screen.focused, self._arrangement.regions(screen.size, self.zoomed)
         panel = self.panel_of(focused)
@@ -411,16 +402,16 @@ class Board(Container):
 
     @property
     def opened(self) -> str | None:
-        """The id of the panel that was opened by its key."""
+        """The id of the panel opened by its key, or None."""
         return self._arrangement.opened
 
     def why_not(self, deed: str) -> str:
-        """Return why a panel that ``deed`` opens has nothing to show; empty where it has, or is open."""
+        """Return why the panel that ``deed`` opens has nothing to show, or ""."""
         panel, snapshot = deed.removeprefix("toggle('").removesuffix("')"), self._snapshot
         return "" if snapshot is None or self.opened == panel else self.rows[panel].lacks(snapshot)
 
     def toggle(self, panel: str) -> None:
-        """Open ``panel``, which takes the focus, in place of the one that is open; or close it."""
+        """Open and focus ``panel``, or close it."""
         was_open = self.opened
         self.close()
         if was_open == panel:
@@ -433,7 +424,7 @@ class Board(Container):
             self._panels[panel].focus()
 
     def close(self) -> None:
-        """Close the panel that is open; if it had the focus, that goes back to where it was."""
+        """Close the open panel, and return the focus if it had it."""
         if self.opened is not None:
             had_focus = self._panels[self.opened].has_focus_within
             self._open(None)
@@ -449,7 +440,7 @@ class Board(Container):
         self.zoom(None)
 
     def bring_into_view(self, panel: str) -> None:
-        """Show ``panel``, of the lane led: end the zoom, and close the panel that stands in its place."""
+        """Show ``panel`` of the controlled run, without full screen."""
         panel = self._pair.led(panel)
         self.lesson.reads = False
         if self.zoomed not in (None, panel):
@@ -458,11 +449,11 @@ class Board(Container):
             self.close()
 
     def shows(self, panel: str) -> bool:
-        """Return whether ``panel`` has a place on the screen."""
+        """Return True if ``panel`` has a place on the screen."""
         return panel in self._arrangement.placed
 
     def panel_of(self, widget: Widget | None) -> str:
-        """Return the id of the panel that ``widget`` stands in; of the world of the lane led if in none."""
+        """Return the id of the panel around ``widget``, by default the controlled world."""
         for node in widget.ancestors_with_self if widget else ():
             if node.parent is self and node.id:
                 return node.id
@@ -474,7 +465,6 @@ class Board(Container):
         return self._arrangement
 
     def _dress(self) -> None:
-        """Take headings and keys from panels that have no rows for them."""
         regions = self._arrangement.regions(self.screen.size, self.zoomed)
         self.caption.is_in_view = CAPTION in regions
         for panel, region in regions.items():
@@ -485,7 +475,7 @@ class Board(Container):
 
     def _arrange_again(self) -> None:
         self._dress()
-        # a child's, since a container forgets its arrangement only for a child
+        # a container forgets its arrangement only if a child refreshes
         self.table.refresh(layout=True)
 
     async def _replace_placeholder(self, view: WorldView) -> None:

@@ -1,4 +1,4 @@
-"""The arrangement as Textual asks for it."""
+"""The arrangement of the board as a Textual layout."""
 
 from __future__ import annotations
 
@@ -17,10 +17,7 @@ from rl_tui.screen.panels.world.view import WorldView
 
 
 class BoardLayout(Layout):
-    """Gives each panel the region that the arrangement has for it: of its ``shape``, and what is open.
-
-    Sizes are those of the screen. The board begins below the header, where there is one.
-    """
+    """A layout that gives each panel its region, in characters of the screen."""
 
     name = "board"
 
@@ -33,37 +30,37 @@ class BoardLayout(Layout):
 
     @property
     def is_big(self) -> bool:
-        """Whether a world has all of the screen but the rows below it."""
+        """True if a world is in full screen."""
         return self.zoomed in WORLDS
 
     def in_view(self, size: Size) -> frozenset[str] | None:
-        """Return the ids of the panels in view, None: all, as with two runs or while the world is edited.
+        """Return the ids of the panels in view, or None for all.
 
-        So it is beside a panel that a key has opened, where that leaves no room for a page of a lesson.
+        All are in view with two runs, during editing, and beside an opened panel without space for a page.
         """
         is_opened = self.opened is not None and not docks_lesson(size, None)
         return None if is_opened or self.shape.lanes or self.shape.is_drawn else self.shape.shown
 
     def has_lesson_in_a_row(self, size: Size) -> bool:
-        """Return whether a lesson has one row only: its page is not read, and has no room beside all else."""
+        """Return True if a lesson has only one row."""
         shape = self.shape
         is_page = shape.reads or docks_lesson(size, self.in_view(size)) or self.zoomed == LESSON
         return shape.has_lesson and (self.is_big or not is_page)
 
     def has_page(self, size: Size) -> bool:
-        """Return whether the page of a lesson is in view, and not its row."""
+        """Return True if the page of a lesson is in view, not only its row."""
         return not self.has_lesson_in_a_row(size) and LESSON in self.regions(size, self.zoomed)
 
     def has_place(self, panel: str, size: Size) -> bool:
-        """Return whether ``panel`` has a place, with the page of a lesson beside it or in turn with it."""
+        """Return True if ``panel`` has a place together with the lesson page."""
         return panel in self._place(size, replace(self.shape, reads=False), self.zoomed).regions
 
     def is_pair(self, size: Size) -> bool:
-        """Return whether two lanes stand side by side."""
+        """Return True if two runs are side by side."""
         return self.shape.lanes and beside(WORLD) in self.regions(size, None)
 
     def regions(self, size: Size, zoomed: str | None) -> dict[str, Region]:
-        """Return where each panel stands whose place is in view, with ``zoomed`` alone if it is not None."""
+        """Return the region of each panel in view, or only that of ``zoomed``."""
         regions = self._place(size, self.shape, zoomed).regions
         if zoomed in WORLDS:
             return regions
@@ -77,7 +74,7 @@ class BoardLayout(Layout):
     def arrange(
         self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True
     ) -> ArrangeResult:
-        """Return the places of ``children``, and give worlds and tables the size of the cells."""
+        """Return the places of ``children``, and set the cells of worlds and tables."""
         screen = parent.screen.size
         regions, cell = self.regions(screen, self.zoomed), self._place(screen, self.shape, self.zoomed).cell
         self.placed = frozenset(regions)

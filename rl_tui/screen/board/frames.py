@@ -1,4 +1,4 @@
-"""Frames of the playground, drawn only as often as the terminal keeps up, and when all is on screen."""
+"""Frames of the playground, drawn only as fast as the terminal shows them."""
 
 from __future__ import annotations
 
@@ -20,22 +20,19 @@ from rl_tui.screen.terminal.linked_app import LinkedApp
 # Pacing
 
 
-_LOAD = 2.0  # a frame is followed by at least as much idle time as it took
-_MEMORY = 0.7  # weight of the past in the running mean of what a frame costs
+_LOAD = 2.0  # idle time after a frame, in multiples of its cost
+_MEMORY = 0.7  # weight of the past in the running mean of the cost of a frame
 _HURRIED_FRAMES = 2  # the first may have been on its way before the key was pressed
 
 
 async def _at_once() -> None:
-    """Return at once: where it is not known when a frame has arrived."""
+    """Return at once, for terminals that do not report arrival."""
 
 
 class Pacer:
-    """Waits between frames.
+    """A wait between frames, longer after slow ones and none after a key press.
 
-    ``fps`` is the most frames a second. ``arrived`` returns once the terminal shows what it was sent, and
-    ``clock`` tells seconds. A frame that took long to draw stretches the wait; one that a person asked for by
-    pressing a key is not kept waiting: it is drawn even while another is on its way, so that what it changes
-    is the next to be sent.
+    ``fps`` is the most frames per second. ``arrived`` returns when the terminal shows everything sent.
     """
 
     def __init__(
@@ -53,24 +50,24 @@ class Pacer:
         self._hurried = 0
 
     def hurry(self) -> None:
-        """Let the next two frames come at once."""
+        """Draw the next two frames without waiting."""
         self._hurried = _HURRIED_FRAMES
         self._hurry.set()
 
     def begin(self) -> None:
-        """Note that a frame is being drawn."""
+        """Note the start of a frame."""
         self._hurried = max(0, self._hurried - 1)
         if not self._hurried:
             self._hurry.clear()
         self._began = self._clock()
 
     def end(self) -> None:
-        """Note that the frame is drawn."""
+        """Note the end of a frame."""
         self._cost = _MEMORY * self._cost + (1.0 - _MEMORY) * (self._clock() - self._began)
 
     @property
     def pause(self) -> float:
-        """Seconds to wait before the next frame, wherever the last one is."""
+        """Seconds until the next frame may start."""
         return max(0.0, self._began + max(self._interval, _LOAD * self._cost) - self._clock())
 
     async def wait(self) -> None:
@@ -94,7 +91,7 @@ _ASKS_AGAIN: Final = 0.25  # seconds
 
 
 class Frames:
-    """The frames of ``screen``, at most ``fps`` a second; none is drawn before the last has arrived."""
+    """The frames of ``screen``, each after the arrival of the last one."""
 
     def __init__(self, screen: Screen[None], fps: float) -> None:
         self._screen = screen
@@ -102,7 +99,7 @@ class Frames:
 
     @property
     def is_here(self) -> bool:
-        """Whether it is one of the screens still: of one that is left, or of an end, the panels go first."""
+        """True if the screen is still in use."""
         screen = self._screen
         return screen.is_attached and screen.app.is_running and screen in screen.app.screen_stack
 
@@ -112,10 +109,7 @@ class Frames:
         draw: Callable[[Snapshot], None],
         note_frame: Callable[[], None],
     ) -> None:
-        """Draw each of ``snapshots`` until the screen is left; ``note_frame`` hears that one is painted.
-
-        Raises what ended the snapshots.
-        """
+        """Draw each of ``snapshots``, and call ``note_frame`` after it."""
         async for snapshot in snapshots:
             if not self.is_here:
                 return
@@ -131,26 +125,22 @@ class Frames:
             await self._screen.app.arrived()
 
     async def painted(self) -> None:
-        """Wait until what was drawn is on screen, or the screen is left."""
+        """Wait until the drawing is on screen, or the screen is left."""
         painted = asyncio.Event()
-        # the screen on top is asked to tell, and a dialog that closes forgets what it was asked
+        # a dialog on top gets the request, and forgets it when it closes
         while not painted.is_set() and self._screen.call_after_refresh(painted.set):
             with suppress(TimeoutError):
                 await asyncio.wait_for(painted.wait(), _ASKS_AGAIN)
 
 
-# When all that was asked for is on screen: what pictures and tests wait for
+# Waiting until everything is on screen, for pictures and tests
 
 
-_MOST_PICTURES: Final = 100  # until a picture that shows what was asked for
+_MOST_PICTURES: Final = 100  # before giving up
 
 
 class Settling:
-    """Waits for a picture that shows everything.
-
-    ``look_at`` has those parts of a large world copied that are in view, ``named`` says of which session a
-    fault is, ``painted`` waits until all that was drawn is on screen.
-    """
+    """The wait for a picture that shows everything."""
 
     def __init__(
         self,
@@ -169,19 +159,18 @@ class Settling:
         self._is_over = False
 
     def note_frame(self) -> None:
-        """Tell that the newest snapshot is on screen."""
+        """Note that the newest snapshot is on screen."""
         self._framed.set()
 
     def end(self) -> None:
-        """Tell that nothing more will be drawn."""
+        """Note that nothing more will be drawn."""
         self._is_over = True
         self._framed.set()
 
     async def settled(self) -> None:
-        """Wait until all that was asked for is done and on screen, the exact answer included.
+        """Wait until everything asked for is done and on screen, or the run is over.
 
-        Where it was left, or a fault has ended the run, there is nothing to wait for. What does not come to
-        rest in many pictures never will, and is not waited for either.
+        Gives up after many pictures.
         """
         for _ in range(_MOST_PICTURES):
             if self._is_over:
@@ -189,7 +178,7 @@ class Settling:
             self._framed.clear()
             done = await self._carried_out()
             if self._link.snapshot is not done:
-                await self._framed.wait()  # it comes to be drawn too, or a newer one
+                await self._framed.wait()  # this snapshot or a newer one will be drawn
             else:
                 await self._painted()
             if self._link.snapshot is done and not lacks_exact(done) and self._board.is_complete:

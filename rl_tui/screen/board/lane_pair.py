@@ -1,4 +1,4 @@
-"""The panels of two lanes side by side."""
+"""The panels of two runs side by side."""
 
 from __future__ import annotations
 
@@ -20,23 +20,21 @@ from rl_tui.screen.theme.look import Look
 
 
 class LanePair:
-    """The widgets of the rows that are twofold: those of the board at the left, and at the right twins.
+    """The widgets of twofold rows: ``panels`` of the board at the left, ``twins`` at the right.
 
-    ``panels`` are the widgets of the board by the ids of their rows. The left lane has the lower number,
-    whichever is led: ``leads_right`` tells. There are no twins before there is a second lane; ``is_shown``
-    says whether both lanes are in view.
+    The left run has the lower number, but the right one may be controlled (``leads_right``).
     """
 
     def __init__(self, panels: Mapping[str, BoardPanel], look: Look) -> None:
         self.twins: dict[str, BoardPanel] = {}
-        """The widgets at the right, by the ids of their rows."""
+        """The widgets at the right, by row id."""
         self.is_shown = self.leads_right = False
         self._panels = panels
         self._look = look
         self._note: tuple[str, ...] = ()
 
     def make(self, snapshot: Snapshot, rows: Iterable[PanelRow]) -> None:
-        """Make the twins of those of ``rows`` that are twofold."""
+        """Make the twins of the twofold ``rows``."""
         for row in rows:
             if row.is_twofold:
                 name = beside(row.id)
@@ -49,20 +47,20 @@ class LanePair:
                 self.twins[row.id] = twin
 
     def led(self, panel: str) -> str:
-        """Return the id of that widget of the row ``panel`` which shows the lane that is led."""
+        """Return the id of the widget of the row ``panel`` with the controlled run."""
         return beside(panel) if self.leads_right and panel in self.twins else panel
 
     def row_of(self, panel: str) -> str | None:
-        """Return the id of the twofold row that has the widget ``panel``, None for any other."""
+        """Return the id of the twofold row of the widget ``panel``, or None."""
         return next((row for row in self.twins if panel in (row, beside(row))), None)
 
     @property
     def panels(self) -> list[BoardPanel]:
-        """The panels that show one of the two lanes."""
+        """The panels that show one of the two runs."""
         return [each for row, twin in self.twins.items() for each in (self._panels[row], twin)]
 
     def take_lead(self, snapshot: Snapshot, *, is_shown: bool) -> bool:
-        """Take over which lane of ``snapshot`` is led and if both are in view; return whether that is new."""
+        """Update the controlled run. Return True if anything has changed."""
         group, before = snapshot.run_group, (self.is_shown, self.leads_right)
         self.is_shown = is_shown
         self.leads_right = is_shown and group.beside is not None and group.beside < group.shown
@@ -72,7 +70,7 @@ class LanePair:
         return before != (self.is_shown, self.leads_right)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw both lanes; that which is led says which part of them is in view."""
+        """Draw both runs. The controlled one decides which part is in view."""
         left, right = sides(snapshot)
         differences = greedy_differences(left, right)
         at_left = [self._panels[row] for row in self.twins]
@@ -90,14 +88,13 @@ class LanePair:
             _align(first, second)
 
     def follow_focus(self) -> None:
-        """Leave the border of the world in focus to its keys."""
+        """Leave the border of the focused world to its keys."""
         self._place_note()
         for panel in (self._panels[WORLD], *self.twins.values()):
             if self.is_shown and isinstance(panel, WorldView):
                 panel.redraw()
 
     def _place_note(self) -> None:
-        """Write below one of the worlds where they differ: not below the one in focus, which has its keys."""
         left, right = self._panels[WORLD], self.twins.get(WORLD)
         if isinstance(left, WorldView) and isinstance(right, WorldView):
             left.has_note, right.has_note = right.has_focus, not right.has_focus
@@ -105,7 +102,7 @@ class LanePair:
                 view.note = self._note if view.has_note else ()
 
     def align(self, panel: object) -> None:
-        """Give what stands beside ``panel`` the same stance, where both are in view."""
+        """Align the other run's panel with ``panel`` if both are in view."""
         for row, twin in self.twins.items():
             left = self._panels[row]
             if self.is_shown and panel in (left, twin):

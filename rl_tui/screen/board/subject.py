@@ -1,4 +1,4 @@
-"""What the objects behind the keys have in common: the screen they speak on, its panels, and the player."""
+"""Common base of the objects behind the keys: screen, panels and player."""
 
 from __future__ import annotations
 
@@ -19,11 +19,7 @@ Answer = TypeVar("Answer")
 
 @dataclass(eq=False)
 class Subject:
-    """One subject of which a person can ask something; a row of the registry names object and method.
-
-    It asks the player by ``link``, shows and hides on the ``board``, and opens dialogs and tells on the
-    ``screen``. It shares nothing else with the others.
-    """
+    """One subject of actions, named by a row of the registry."""
 
     screen: ActionScreen
     board: Board
@@ -40,18 +36,15 @@ class Subject:
         return self.screen.look.glyphs
 
     def why_not(self, deed: str) -> str:
-        """Return why ``deed`` can do nothing now, as a clause; empty where it can.
-
-        It is a method with its arguments, as a row of the registry names them.
-        """
+        """Return why ``deed``, a method with arguments, can do nothing now, or ""."""
         return ""
 
     def value(self, deed: str) -> str:
-        """Return the current value of what ``deed`` changes, for its row in a menu."""
+        """Return the current value that ``deed`` changes, for a menu."""
         return ""
 
     def ask(self, dialog: Dialog[Answer], answered: Callable[[Answer], None]) -> None:
-        """Open ``dialog``, beside the page of a lesson; ``answered`` gets the answer, if there is one."""
+        """Open ``dialog``, beside the page of a lesson. ``answered`` gets the answer unless it was cancelled."""
 
         def close(answer: Answer | None) -> None:
             if answer is not None:

@@ -1,4 +1,4 @@
-"""What a person asks the player for, and what was asked until a snapshot has caught up with it."""
+"""Requests to the player that the newest snapshot may not show yet."""
 
 from __future__ import annotations
 
@@ -24,14 +24,10 @@ from rl_tui.runs.timeline.lane_view import LaneView
 
 
 class Wanted:
-    """What commands ask for, beside the newest snapshot, which reconciles them with what is in force.
+    """What commands have asked for, which snapshots may not show yet.
 
-    ``recipe`` is what a restart starts from: with every change made, be it in force already or not. ``speed``
-    is in steps a second, None for as fast as it goes. ``is_hidden`` says that the answer is,
-    ``was_hidden_by_person`` that a person has hidden it. ``studied`` is the policy that is, None where none
-    is. ``lesson`` is how far the learner has come, None where there is no lesson. ``step`` is where the
-    handle of the timeline was put, None once the run has come to it. ``sent`` counts the commands,
-    ``last_deed`` tells how many had been sent with the last one that does more than look.
+    ``recipe`` includes every change made. ``step`` is the target of the timeline, None once reached.
+    ``last_deed`` is the value of ``sent`` at the last command that changes something.
     """
 
     def __init__(self, recipe: Recipe, speed: float | None, lesson: LessonRecord | None = None) -> None:
@@ -46,7 +42,7 @@ class Wanted:
         self.last_deed = 0
 
     def note(self, command: Command) -> None:
-        """Take over what ``command``, which is being sent, asks for."""
+        """Take over the request of ``command``, which is being sent."""
         self.sent += 1
         if not isinstance(command, LOOKING):
             self.last_deed = self.sent
@@ -65,14 +61,14 @@ class Wanted:
                 self.recipe = changed_recipe(self.recipe, change)
 
     def take_over(self, lane: LaneView) -> None:
-        """Let whatever is changed from here on start from what is in force in ``lane``."""
+        """Make the current settings of ``lane`` the start of later changes."""
         seed = self.recipe.seed if lane.past is None else lane.past.begun.seed
         self.recipe = replace(
             self.recipe, algorithm=lane.algorithm, hyperparameters=lane.hyperparameters, seed=seed
         )
 
     def reconcile(self, snapshot: Snapshot) -> None:
-        """Let what is in force count again, once the player has taken in all that was sent."""
+        """Take over the current values once the player has handled every command."""
         if self.is_taken_in(snapshot):
             self.recipe = in_force(snapshot)
             self.speed = snapshot.playback.speed
@@ -84,42 +80,42 @@ class Wanted:
             self.step = None
 
     def was_used(self, snapshot: Snapshot | None) -> bool:
-        """Return whether there is something to lose; what was asked for last may not be there yet."""
+        """Return True if there is something to lose."""
         if snapshot is None:
             return False
         is_drawn = bool(snapshot.answers.drawn.choices or snapshot.world_changes)
         return snapshot.timeline.current.end > 0 or is_drawn or snapshot.playback.handled < self.last_deed
 
     def is_taken_in(self, snapshot: Snapshot) -> bool:
-        """Return True if ``snapshot`` comes after all that was sent."""
+        """Return True if ``snapshot`` comes after all commands."""
         return snapshot.playback.handled == self.sent
 
 
 def in_force(snapshot: Snapshot) -> Recipe:
-    """Return the recipe of the run shown with the settings in force at this moment."""
+    """Return the recipe of the run on display with its current settings."""
     return replace(
         snapshot.recipe, algorithm=snapshot.agent.algorithm, hyperparameters=snapshot.agent.hyperparameters
     )
 
 
-# The way to the player and back
+# The link to the player
 
 
 class PlayerLink:
-    """Sends commands and holds the newest snapshot, None before the first; ``on_sent`` hears each command."""
+    """A sender of commands, which holds the newest snapshot and calls ``on_sent`` with each command."""
 
     def __init__(self, player: Player, wanted: Wanted, on_sent: Callable[[Command], None]) -> None:
         self.player = player
         self.wanted = wanted
         self.snapshot: Snapshot | None = None
         self.settled: Snapshot | None = None
-        """The newest snapshot, None while something is under way that was asked for after it."""
+        """The newest snapshot, None while a later request is under way."""
         self.sent = 0
-        """How many commands were sent, also such as were sent because of what was drawn."""
+        """The number of commands, including those that drawing causes."""
         self._on_sent = on_sent
 
     def send(self, command: Command) -> None:
-        """Ask the player for something."""
+        """Send ``command`` to the player."""
         self.sent += 1
         self.settled = None
         self.wanted.note(command)
@@ -127,7 +123,7 @@ class PlayerLink:
         self.player.send(command)
 
     def receive(self, snapshot: Snapshot) -> None:
-        """Take ``snapshot`` for the newest."""
+        """Make ``snapshot`` the newest."""
         self.snapshot = snapshot
         self.wanted.reconcile(snapshot)
         self.settled = snapshot if self.wanted.is_taken_in(snapshot) else None

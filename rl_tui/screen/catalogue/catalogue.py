@@ -1,4 +1,4 @@
-"""The start screen: four doors, the scenarios, recent sessions, and what is known of the current row."""
+"""The start screen: doors, scenarios, recent sessions and details."""
 
 from __future__ import annotations
 
@@ -61,10 +61,10 @@ if TYPE_CHECKING:
     from rl_tui.screen.dialogs.dialog import Dialog
 
 AT_LESSONS: Final = "/learn"
-"""Where the cursor starts for who comes from the lessons: on their door. No scenario has that id."""
+"""Where the cursor starts after the lessons. No scenario has this id."""
 _SEED: Final = 0
 _DETAILS: Final = "details"
-_WIDE, _HIGH = 160, 50  # from where on the sessions are always listed
+_WIDE, _HIGH = 160, 50  # size from which the sessions are always listed
 _NEEDED_TO_PLAY: Final = ("rl_tui.screen.playground.playground", "rl_tui.agents.learner")
 _WORDS, _LESSONS = "Words", "Lessons"
 _MOST_WORDS: Final = 5
@@ -73,10 +73,9 @@ _Turn = IntEnum("_Turn", ["END", "PICTURE", "WORLD", "OPTIMUM", "REST"])  # most
 
 
 class CatalogueScreen(SavedSessions):
-    """Above four doors, left the scenarios or the sessions, right what is known of the one under the cursor.
+    """Doors above, scenarios or sessions at the left, details of the current one at the right.
 
-    A thread reads lessons after the first paint, builds the worlds, those of Gymnasium last, and makes the
-    runs of the picture. ``sessions`` is the folder of sessions, None where none are kept.
+    A thread reads the lessons, builds the worlds (Gymnasium last) and makes the runs of the picture.
     """
 
     CSS_PATH = "catalogue.tcss"
@@ -85,7 +84,7 @@ class CatalogueScreen(SavedSessions):
 
     @dataclass
     class Opened(Message):
-        """The user wants to play, to watch it learn by itself, or to draw the world."""
+        """The user wants to play, watch or edit a scenario."""
 
         recipe: Recipe
         watches: bool = False
@@ -93,7 +92,7 @@ class CatalogueScreen(SavedSessions):
 
     @dataclass
     class LessonsWanted(Message):
-        """The user wants the list of lessons, with the cursor on the lesson ``start_at``."""
+        """The user wants the list of lessons."""
 
         start_at: str = ""
 
@@ -110,7 +109,7 @@ class CatalogueScreen(SavedSessions):
         self._start_at = start_at
         self._fault = fault
         self._scripts: Sequence[Path] = ()
-        self._wanted: Scenario | None = None  # its run comes at the next pause
+        self._wanted: Scenario | None = None  # its run is made at the next pause
         self._worlds: dict[str, World | UserError] = {}
         self._jobs = PriorityQueue[tuple[_Turn, int, Callable[[], object] | None]]()
         self._numbers = count()  # keeps jobs of one kind in order
@@ -145,24 +144,24 @@ class CatalogueScreen(SavedSessions):
             self.notify(str(self._fault), severity="error", timeout=15, markup=False)
 
     def on_resize(self) -> None:
-        """On a large screen, put the text beside the picture and the sessions below the scenarios."""
+        """Rearrange texts and lists for the new size."""
         self.query_one(Prose).set_class(self.has_class("-broad"), "-beside")
         self.set_class(self.size.width >= _WIDE and self.size.height >= _HIGH, "-wide")
         self.show_current()
 
     def begin(self) -> None:
-        """Begin to read the sessions and lessons, and to build the worlds."""
+        """Start to read sessions and lessons, and to build the worlds."""
         super().begin()
         Thread(target=self._work, name="read and build", daemon=True).start()
 
     def on_unmount(self) -> None:
-        """Let the thread end."""
+        """End the thread."""
         self._put(_Turn.END, None)
 
     def _put(self, turn: _Turn, job: Callable[[], object] | None) -> None:
         self._jobs.put((turn, next(self._numbers), job))
 
-    # In the thread: only calls that are made later in the screen's leave it
+    # In the thread: only calls scheduled on the screen leave it
 
     def _work(self) -> None:
         with suppress(RuntimeError):  # the program has ended meanwhile
@@ -209,7 +208,6 @@ class CatalogueScreen(SavedSessions):
         self.call_later(self._details.take_last_run, session, last_run(session))
 
     def _find_optima(self, marks: Mapping[str, Mark], sessions: Sequence[StoredSession]) -> None:
-        """Look at the first of ``sessions``; a picture that is asked for meanwhile goes before the others."""
         if not sessions:
             self.call_later(self._show_marks, marks)
             return
@@ -220,7 +218,7 @@ class CatalogueScreen(SavedSessions):
             marks = {**marks, scenario.id: Mark.OPTIMAL}
         self._put(_Turn.OPTIMUM, partial(self._find_optima, marks, sessions[1:]))
 
-    # What the thread tells
+    # Results of the thread
 
     def _show_lessons(self, found: LessonEntries) -> None:
         self._lessons = found
@@ -236,12 +234,12 @@ class CatalogueScreen(SavedSessions):
             self.show_current()
 
     def on_details_moments_wanted(self, event: Details.MomentsWanted) -> None:
-        """Have a run made."""
+        """Queue the run of a scenario."""
         self._wanted = event.scenario
         self._put(_Turn.PICTURE, partial(self._make_moments, event.scenario, event.world))
 
     def on_details_last_run_wanted(self, event: Details.LastRunWanted) -> None:
-        """Have the run of a session taken again."""
+        """Queue the repetition of a session's run."""
         self._put(_Turn.PICTURE, partial(self._repeat_last_run, event.session))
 
     def _show_marks(self, marks: Mapping[str, Mark]) -> None:
@@ -252,7 +250,7 @@ class CatalogueScreen(SavedSessions):
         self.query_one(Doors).show(OWN_CODE, own_code_door(scripts))
 
     def show_sessions(self, sessions: Sequence[StoredSession]) -> None:
-        """Mark the worlds that were opened, and write the newest session on its door."""
+        """Mark the worlds that were opened, and update the door."""
         self.query_one("#lists").set_class(bool(self.query_one(SessionList).entries), "-kept")
         doors = self.query_one(Doors)
         doors.show(GO_ON, go_on_door(sessions, datetime.now(UTC), in_kiosk=self.in_kiosk))
@@ -263,13 +261,13 @@ class CatalogueScreen(SavedSessions):
         self._put(_Turn.OPTIMUM, partial(self._find_optima, marks, own))
 
     async def settled(self) -> None:
-        """Wait until all is read and built, and the picture shows its last moment."""
+        """Wait until everything is built, and the picture shows its last moment."""
         await self._all_built.wait()
         await self._lessons_read.wait()
         await self.sessions_read()
         await self._details_drawn()
         self._details.ask_for_moments()
-        for _ in range(2):  # what the details ask for is in the queue only after a message was handled
+        for _ in range(2):  # a request of the details is queued only after a message was handled
             done = asyncio.Event()
             self._put(_Turn.REST, partial(self.call_later, done.set))
             await done.wait()
@@ -290,7 +288,7 @@ class CatalogueScreen(SavedSessions):
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """The order of the tab key, with what is shown only in focus; while there is a filter, only that."""
+        """The order of the tab key, or only the filter."""
         if self.query_one(Filter).display:
             return [self.query_one(Filter).line]
         order: list[Widget] = [self.query_one(Doors), self.query_one(ScenarioList)]
@@ -302,7 +300,7 @@ class CatalogueScreen(SavedSessions):
         return order
 
     def on_descendant_focus(self, event: DescendantFocus) -> None:
-        """Show the list in focus; the details follow it."""
+        """Show the list in focus and the details of its current row."""
         to_sessions = isinstance(event.widget, SessionList)
         if to_sessions is not self._in_sessions and not isinstance(event.widget, Details):
             self._in_sessions = to_sessions
@@ -310,16 +308,16 @@ class CatalogueScreen(SavedSessions):
             self.show_current()
 
     def on_option_list_option_highlighted(self) -> None:
-        """Show the details of the entry under the cursor."""
+        """Show the details of the row under the cursor."""
         self.show_current()
 
     def on_option_list_option_selected(self) -> None:
-        """Open the entry."""
+        """Open the row."""
         self.action_open()
 
     def show_current(self) -> None:
-        """Show the details of the entry under the cursor."""
-        # not the coroutine itself: of several in a row only the last one begins
+        """Show the details of the row under the cursor."""
+        # A function, not a coroutine: of several in a row only the last one starts
         self.run_worker(self._show, exclusive=True, group=_DETAILS)  # type: ignore[arg-type]
 
     async def _show(self) -> None:
@@ -334,14 +332,14 @@ class CatalogueScreen(SavedSessions):
     # The filter
 
     def action_filter(self) -> None:
-        """Begin to filter the list."""
+        """Open the filter of the list."""
         self.query_one(Doors).display = False
         self.query_one(KeyLine).hints = _FILTER_HINTS
         self.query_one(Filter).open()
         self._show_filtered(self.query_one(Filter).line.value)
 
     def action_show_all(self) -> None:
-        """Give all rows back."""
+        """Close the filter and show all rows."""
         self.query_one(Filter).close()
         self.query_one(KeyLine).hints = ()
         self.query_one(Doors).display = True
@@ -349,12 +347,12 @@ class CatalogueScreen(SavedSessions):
         self.query_one(ScenarioList).focus()
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Show what is found."""
+        """List the matches."""
         if self.query_one(Filter).display:
             self._show_filtered(event.value)
 
     def on_input_submitted(self) -> None:
-        """Open what is under the cursor."""
+        """Open the row under the cursor."""
         self.action_open()
 
     def _show_filtered(self, words: str) -> None:
@@ -365,7 +363,7 @@ class CatalogueScreen(SavedSessions):
             if number := sum(hit.group == group for hit in hits):
                 found.append(counted(number, singular))
         self.query_one(Filter).tell(" · ".join(found))
-        self.show_current()  # a list without rows has no cursor to report
+        self.show_current()  # an empty list has no cursor to report
 
     def _hits(self, words: str) -> list[Hit]:
         from rl_tui.screen.glossary.glossary import glossary, search
@@ -382,11 +380,11 @@ class CatalogueScreen(SavedSessions):
     # Verbs
 
     def on_doors_door_opened(self, event: Doors.DoorOpened) -> None:
-        """Go through the door that was clicked."""
+        """Open the door that was clicked."""
         self.action_door(event.number)
 
     def action_door(self, number: int) -> None:
-        """Go through a door."""
+        """Open the door of that number."""
         if number == LEARN:
             self.post_message(self.LessonsWanted())
         elif number == WATCH:
@@ -406,7 +404,7 @@ class CatalogueScreen(SavedSessions):
             self.tell("Nothing to go on with yet. 2 watches an agent learn.")
 
     def action_open(self) -> None:
-        """Go through the door, or open what is under the cursor of the list."""
+        """Open the door in focus, else the row under the cursor."""
         doors, entry = self.query_one(Doors), self._current
         if doors.has_focus:
             self.action_door(doors.current)
@@ -430,7 +428,7 @@ class CatalogueScreen(SavedSessions):
             self.notify(str(fault), severity="error", markup=False)
 
     def action_new_world(self) -> None:
-        """Ask for the kind of a new world, and begin to draw it."""
+        """Ask for the kind of a new world, then edit it."""
         if self.in_kiosk:
             self.tell("Not here: a kiosk writes no files.")
             return
@@ -444,7 +442,7 @@ class CatalogueScreen(SavedSessions):
         self.app.push_screen(new_world_choice(self.look.glyphs), begin)
 
     def action_delete_session(self) -> None:
-        """Delete the session under the cursor, once that is confirmed."""
+        """Delete the session under the cursor after a confirmation."""
         entry = self._current
         if self.in_kiosk:
             self.tell("Not here: a kiosk keeps no sessions.")
@@ -456,7 +454,7 @@ class CatalogueScreen(SavedSessions):
             self.notify("Only sessions can be deleted.")
 
     def help_screen(self) -> Dialog[str]:
-        """Return the pages about panels and the like, with the notes of the scenario under the cursor."""
+        """Return the help pages, with the notes of the scenario under the cursor."""
         from rl_tui.screen.frame.help import HelpScreen
 
         entry = self._current

@@ -1,4 +1,4 @@
-"""The right side of the start screen: what is known of a row, with a run in its world."""
+"""The right side of the start screen."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ if TYPE_CHECKING:
 
 Entry = Scenario | ScenarioError | Hit | StoredSession | SessionError  # a row of one of the lists
 
-REST: Final = 0.15  # seconds for which the cursor stays on a row before its run is made
-PACE: Final = 0.5  # seconds from one moment of it to the next
+REST: Final = 0.15  # seconds on a row before its run is made
+PACE: Final = 0.5  # seconds between two moments of the run
 
 
 class Details(VerticalScroll):
-    """The details of the entry under the cursor: a scenario has a picture, texts and sessions."""
+    """Details of the row under the cursor."""
 
     @dataclass
     class MomentsWanted(Message):
-        """The cursor rests on a scenario, and no run of it was made yet."""
+        """The cursor rests on a scenario without a run."""
 
         scenario: Scenario
         world: World
 
     @dataclass
     class LastRunWanted(Message):
-        """The cursor is on a scenario of which there is a session whose run was not taken again yet."""
+        """The cursor is on a scenario whose newest session was not repeated yet."""
 
         session: StoredSession
 
@@ -64,8 +64,8 @@ class Details(VerticalScroll):
         heading, facts = Static(id="heading"), Static(id="facts", markup=False)
         super().__init__(heading, facts, stage, id="details")
         self._look = look
-        self.shown: Entry | None = None  # the entry it shows
-        self._newest: StoredSession | None = None  # of the scenario that is shown
+        self.shown: Entry | None = None  # the row on display
+        self._newest: StoredSession | None = None  # of the scenario on display
         self._view: WorldView | None = None
         self._moments: dict[str, Sequence[Snapshot]] = {}
         self._last_runs: dict[Path, LastRun | None] = {}
@@ -79,7 +79,7 @@ class Details(VerticalScroll):
         lessons: Sequence[str],
         sessions: Sequence[StoredSession],
     ) -> None:
-        """Show ``entry``; the ``world``, the ``lessons`` there and the ``sessions`` belong to a scenario."""
+        """Show ``entry``. ``world``, ``lessons`` and ``sessions`` belong to a scenario."""
         if entry is not self.shown:
             self.shown = entry
             self.scroll_home(animate=False)
@@ -120,7 +120,7 @@ class Details(VerticalScroll):
         drawing = self.query_one("#preview")
         if not drawing.is_attached:
             return  # the app has ended
-        drawing.remove_children()  # no await here: cancelled, it would leave half behind
+        drawing.remove_children()  # no await here: if cancelled, it would leave half behind
         if isinstance(world, World):
             from rl_tui.screen.catalogue.preview import beginning_of
             from rl_tui.screen.panels.world_views import make_world_view
@@ -143,7 +143,7 @@ class Details(VerticalScroll):
             picture.display = False
 
     def take_last_run(self, session: StoredSession, run: LastRun | None) -> None:
-        """Keep what the run of ``session`` earned, None where that is not known, and show it."""
+        """Save and show the result of the run of ``session``, None if unknown."""
         self._last_runs[session.path] = run
         self._show_last_run()
 
@@ -157,7 +157,7 @@ class Details(VerticalScroll):
             shown.update(last_run_text(run, self.query_one("#left").size.width, self._look))
 
     def ask_for_moments(self) -> None:
-        """Ask for a run in the world that is shown, unless it was made."""
+        """Ask for a run in the world on display, unless it was made."""
         if self._rest is None or self._view is None or not isinstance(self.shown, Scenario):
             return
         self._rest.stop()
@@ -170,7 +170,7 @@ class Details(VerticalScroll):
             self.post_message(self.MomentsWanted(self.shown, self._view.world))
 
     def take_moments(self, scenario: Scenario, moments: Sequence[Snapshot]) -> None:
-        """Keep the first ``moments`` of a run of ``scenario``, and show them if the cursor is still there."""
+        """Save and play ``moments`` of a run of ``scenario``."""
         if scenario.id in self._moments:
             return
         self._moments[scenario.id] = moments

@@ -1,4 +1,4 @@
-"""The doors of the start screen: learn, watch, go on, your own code; and the pages behind them."""
+"""The doors of the start screen, and the pages behind them."""
 
 from __future__ import annotations
 
@@ -50,17 +50,17 @@ _TALL, _MEDIUM, _LOW = 4, 2, 1  # rows
 
 @dataclass(frozen=True, slots=True)
 class Door:
-    """What a door says: a ``title``, a ``text`` of two rows, and a ``state``, as far as there is room."""
+    """The texts of a door, shown as far as they fit."""
 
     title: str
     text: str
     state: str
-    short: str = ""  # the state without the text above it; empty: the state itself
-    brief: str = ""  # the title for a single row; empty: the title itself
+    short: str = ""  # the state without the text above it, if different
+    brief: str = ""  # the title for a single row, if different
 
 
 class Doors(Widget, can_focus=True):
-    """Doors side by side, in one, two or four rows. ``current`` is the number of one, from 1."""
+    """Doors side by side. ``current`` is a number from 1."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("left", "move(-1)", "doors.left", "Go to the door before."),
@@ -74,7 +74,7 @@ class Doors(Widget, can_focus=True):
 
     @dataclass
     class DoorOpened(Message):
-        """The user wants to go through the door of that ``number``."""
+        """The user opens the door ``number``."""
 
         number: int
 
@@ -84,12 +84,12 @@ class Doors(Widget, can_focus=True):
         self._doors = list(doors)
 
     def show(self, number: int, door: Door) -> None:
-        """Write something else on the door of that number."""
+        """Change the texts of the door ``number``."""
         self._doors[number - 1] = door
         self.refresh()
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return how many rows the doors have, by the height of the screen."""
+        """Return the rows of the doors for the height of the screen."""
         if viewport.height >= ROOMY_HEIGHT:
             return _TALL
         return _MEDIUM if viewport.height >= MEDIUM_HEIGHT else _LOW
@@ -109,7 +109,7 @@ class Doors(Widget, can_focus=True):
         return Strip(segments).adjust_cell_length(width, palette.text).apply_style(self.rich_style)
 
     def action_move(self, by: int) -> None:
-        """Go to a neighbour."""
+        """Move the cursor by ``by`` doors."""
         self.current = min(max(1, self.current + by), len(self._doors))
 
     def action_leave(self) -> None:
@@ -144,7 +144,7 @@ class Doors(Widget, can_focus=True):
 
 
 def learn_door(found: LessonEntries | None) -> Door:
-    """Return what the first door says: how far one has come, and how long the next page takes."""
+    """Return the door of the lessons: progress, and minutes of the next page."""
     text = "Lessons that ask first. Five are the core."
     if found is None or not found.entries:
         return Door("Learn", text, "")
@@ -160,12 +160,12 @@ def learn_door(found: LessonEntries | None) -> Door:
 
 
 def watch_door() -> Door:
-    """Return what the second door says."""
+    """Return the door of the demonstration."""
     return Door("Watch it learn", "One lake, slowly enough to see why. No key needed.", "space pauses")
 
 
 def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bool) -> Door:
-    """Return what the third door says: the newest session, and how many more there are."""
+    """Return the door of the sessions."""
     if not sessions:
         text = "Nothing is saved here: this is a kiosk." if in_kiosk else "Your runs are saved automatically."
         return Door("Go on", text, "nothing yet")
@@ -178,7 +178,7 @@ def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bo
 
 
 def own_code_door(scripts: Sequence[Path]) -> Door:
-    """Return what the fourth door says."""
+    """Return the door of the user's own scripts."""
     found = f"{counted(len(scripts), 'script')} here" if scripts else "enter: how"
     text = "rl-tui watch my_script.py shows your program here."
     return Door("Your own code", text, found, brief="Your code")
@@ -195,7 +195,7 @@ _IMPORTS: Final = re.compile(r"\s*(?:import|from)\s+gymnasium\b")
 
 
 def scripts_here(folder: Path | None = None) -> list[Path]:
-    """Return the scripts in ``folder``, else the current one, whose first lines import Gymnasium."""
+    """Return the scripts in ``folder`` (default: the current one) that import Gymnasium."""
     try:
         files = sorted(islice((folder or Path(os.curdir)).glob("*.py"), _MOST_FILES))
     except OSError:
@@ -218,7 +218,7 @@ _COMMAND: Final = "rl-tui watch"
 
 
 def own_code_page(scripts: Sequence[Path], glyphs: Glyphs) -> Choice:
-    """Return the page that says how a person's own program or agent comes on the screen."""
+    """Return the page with the commands for a person's own program or agent."""
     from rl_tui.screen.dialogs.form import Candidate, Choice
 
     mine = [(f"{_COMMAND} {path}", "this script is here and imports gymnasium") for path in scripts]
@@ -243,7 +243,7 @@ _KINDS: Final = {
 
 
 def new_world_choice(glyphs: Glyphs) -> Choice:
-    """Return the question for the kind of a new world; it says where that will be saved."""
+    """Return the question for the kind of a new world."""
     from rl_tui.screen.dialogs.form import Candidate, Choice
 
     candidates = [Candidate(kind, _KINDS[kind][0], (_KINDS[kind][1],)) for kind in BLANK]

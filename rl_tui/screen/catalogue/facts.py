@@ -1,4 +1,4 @@
-"""What the start screen says of a scenario: texts, sizes, defaults; or the errors of its file."""
+"""Texts of the start screen about a scenario."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _DOT: Final = " · "
 
 
 def minutes_of_page(lesson: Lesson) -> int:
-    """Return how many minutes a page of ``lesson`` takes on average, at least 1."""
+    """Return the average minutes of a page of ``lesson``, at least 1."""
     return max(1, round(lesson.minutes / len(lesson.pages)))
 
 
@@ -51,7 +51,7 @@ Block = tuple[str, str]  # a heading, which may be empty, and a paragraph
 
 
 def blocks_of(scenario: Scenario, lessons: Sequence[str] = ()) -> list[Block]:
-    """Return the texts about ``scenario``, the most important first; ``lessons`` are those in its world."""
+    """Return the texts about ``scenario``, the most important first. ``lessons`` are titles."""
     blocks = [
         ("", scenario.summary),
         (GUESS, scenario.guess),
@@ -64,7 +64,7 @@ def blocks_of(scenario: Scenario, lessons: Sequence[str] = ()) -> list[Block]:
 
 
 class Prose(Widget):
-    """Paragraphs under headings. What does not fit is left out whole, the last first."""
+    """Paragraphs under headings, as many as fit."""
 
     def __init__(self, look: Look) -> None:
         super().__init__(id="prose")
@@ -77,7 +77,7 @@ class Prose(Widget):
         self.refresh(layout=True)
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return how many rows there are below a picture, by the height of the screen."""
+        """Return the rows for the height of the screen."""
         return len(self._lines(width, max(3, viewport.height // 2 - 6), inline=True))
 
     def render_line(self, y: int) -> Strip:
@@ -103,13 +103,13 @@ class Prose(Widget):
 
 
 def lesson_of(notes: str) -> str:
-    """Return the lesson that the first heading of ``notes`` names, or nothing without such a heading."""
+    """Return the lesson in the first heading of ``notes``, or an empty string."""
     found = re.match(r"\s*\*\*What it teaches: (.+?)\*\*", notes, re.DOTALL)
     return " ".join(found[1].split()).removesuffix(".") if found else ""
 
 
 def labelled(rows: Iterable[tuple[RenderableType, RenderableType]], look: Look) -> Table:
-    """Return a table of ``rows``, each a label and what stands behind it."""
+    """Return a table of ``rows``, each a label and its text."""
     table = Table.grid(padding=(0, 1, 0, 0))
     table.add_column(no_wrap=True, style=look.palette.dim)
     table.add_column(style=look.palette.text)
@@ -119,7 +119,7 @@ def labelled(rows: Iterable[tuple[RenderableType, RenderableType]], look: Look) 
 
 
 def sizes(world: World | UserError | None) -> str:
-    """Return states, actions, limits and pairs in words."""
+    """Return sizes and limits of ``world`` in words."""
     if world is None:
         return "loading …"
     if isinstance(world, UserError):
@@ -138,7 +138,7 @@ def sizes(world: World | UserError | None) -> str:
 
 
 def defaults(values: Mapping[str, object]) -> str:
-    """Return the defaults of a scenario file in words, with the symbols of the playground."""
+    """Return the defaults of a scenario file in words."""
     parts = []
     for name, value in values.items():
         if name == "algorithm":
@@ -147,27 +147,27 @@ def defaults(values: Mapping[str, object]) -> str:
             shown = f"{value:g}" if isinstance(value, float) else value
             parts.append(f"{PARAMETERS[name].symbol} {shown}")
         else:
-            singular = name.removesuffix("s")  # what is counted has a plural as its name: episodes
+            singular = name.removesuffix("s")  # a count has a plural name, such as episodes
             parts.append(counted(value, singular) if isinstance(value, int) else f"{name} {value}")
     return _DOT.join(parts) or "those of the program"
 
 
 def size_line(world: World | UserError | None, look: Look) -> RenderableType:
-    """Return :func:`sizes`, as many of its parts as fit into one row; a reason in as many as it takes."""
+    """Return :func:`sizes` in one row, or an error in full."""
     if isinstance(world, UserError):
         return Text(to_ascii(sizes(world), look.glyphs), look.palette.text)
     return PartsLine(sizes(world), look)
 
 
 class FullWidth:
-    """What is drawn as wide as there is room."""
+    """A renderable as wide as the space it has."""
 
     def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
         return Measurement(1, options.max_width)
 
 
 class PartsLine(FullWidth):
-    """Parts between dots in one row, of which the last are left out where they do not fit."""
+    """Parts between dots in one row, as many as fit."""
 
     def __init__(self, line: str, look: Look) -> None:
         self._parts, self._look = line.split(_DOT), look
@@ -180,7 +180,7 @@ class PartsLine(FullWidth):
 
 
 def faults_text(what: str, faults: Iterable[object], look: Look) -> Text:
-    """Return ``what`` does not work, and every error of a file, a paragraph each."""
+    """Return ``what``, and every error of a file as a paragraph."""
     text = Text(f"{what}\n", look.palette.text)
     for fault in faults:
         text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)

@@ -1,4 +1,4 @@
-"""The lessons screen: all lessons in order, with what each teaches, your progress and its world."""
+"""The lessons screen: a list with details and progress."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ _FINISHED: Final = f"{DONE} finished"
 
 
 def state_of(entry: LessonEntry, progress: LessonProgress) -> str:
-    """Return in a few words how far one has come in a lesson that is begun."""
+    """Return the progress in a lesson that was begun, in a few words."""
     if entry.is_at_end:
         done = progress.finished or progress.tasks_passed == progress.tasks
         passed = f"{progress.tasks_passed} of {counted(progress.tasks, 'task')}"
@@ -70,7 +70,7 @@ def state_of(entry: LessonEntry, progress: LessonProgress) -> str:
 
 
 def lesson_details(entry: LessonEntry, following: str, look: Look) -> Group:
-    """Return the details of a lesson; ``following`` is the lesson after it, or empty."""
+    """Return the details of a lesson, and the title of the ``following`` one."""
     lesson, palette = entry.lesson, look.palette
     lines = {"then": following} if following else {}
     rows = [(label, Text(separated(line, look.glyphs))) for label, line in (_lines(entry) | lines).items()]
@@ -87,7 +87,7 @@ def lesson_details(entry: LessonEntry, following: str, look: Look) -> Group:
 
 
 def mark_of(entry: LessonEntry, look: Look) -> str:
-    """Return how far one has come, in a sign: begun, read to its end with tasks left, finished."""
+    """Return a symbol of the progress."""
     if entry.progress is None:
         return ""
     if entry.is_finished:
@@ -96,7 +96,7 @@ def mark_of(entry: LessonEntry, look: Look) -> str:
 
 
 def pages_done(entry: LessonEntry) -> int:
-    """Return how many pages lie behind the open one."""
+    """Return the number of pages before the open one."""
     if entry.progress is None:
         return 0
     return len(entry.lesson.pages) if entry.is_at_end else entry.lesson.number_of(entry.progress.page)
@@ -110,7 +110,7 @@ def _pages(entry: LessonEntry, look: Look) -> str:
 
 
 def progress_line(found: LessonEntries) -> str:
-    """Return how far one has come in all lessons together, and which are the core course."""
+    """Return the progress in all lessons, and the numbers of the core course."""
     numbers = [str(number) for number, each in enumerate(found.entries, start=1) if each.lesson.is_core]
     core = f" · core course: {' '.join(numbers)}" if numbers else ""
     begun = [entry.progress for entry in found.entries if entry.progress is not None]
@@ -151,7 +151,7 @@ Entry = LessonEntry | ScenarioError
 
 
 class LessonList(RowList):
-    """A list of lessons, of which ``current`` is under the cursor."""
+    """A list of lessons."""
 
     def __init__(self, look: Look) -> None:
         super().__init__(id="lessons")
@@ -159,7 +159,7 @@ class LessonList(RowList):
         self._entries: Sequence[Entry] = ()
 
     def show(self, entries: Sequence[Entry], start_at: str) -> None:
-        """List ``entries``, with the cursor on the lesson of the id ``start_at``, else on the first."""
+        """List ``entries``, with the cursor on ``start_at``, else on the first."""
         self._entries = entries
         self.clear_options()
         self.add_options(self._rows())
@@ -174,7 +174,7 @@ class LessonList(RowList):
 
     @property
     def following(self) -> str:
-        """The number and title of the lesson after the current one, or nothing."""
+        """The number and title of the next lesson, or ""."""
         after = len(self._entries) if self.highlighted is None else self.highlighted + 1
         titles = (each.lesson.title for each in self._entries[after:][:1] if isinstance(each, LessonEntry))
         return next((f"{after + 1} {title}" for title in titles), "")
@@ -195,12 +195,11 @@ class LessonList(RowList):
 
 
 _DRAWING: Final = "drawing"
-_REST: Final = 0.15  # seconds for which the cursor stays on a row before its world is built
+_REST: Final = 0.15  # seconds on a row before its world is built
 _NONE: Final = "No lessons found. They come with rl-tui: install it again."
 
 
 def _world_of_page(lesson: Lesson, page: str) -> Snapshot:
-    """Return the beginning of the run of ``page``. Raises UserError if it cannot begin."""
     from rl_tui.lessons.file.setups import recipe_of
     from rl_tui.live.snapshot import PlaybackView
     from rl_tui.live.snapshot_builder import SnapshotBuilder
@@ -212,10 +211,7 @@ def _world_of_page(lesson: Lesson, page: str) -> Snapshot:
 
 
 class LessonsScreen(ActionScreen):
-    """Left the lessons, right what is known of the one under the cursor.
-
-    A thread reads them after the first paint; keys typed before wait. ``sessions`` is the folder of sessions.
-    """
+    """Lessons at the left, details of the current one at the right."""
 
     CSS_PATH = "lessons.tcss"
     BINDINGS: ClassVar[list[BindingType]] = bindings_of(actions_of(Place.LESSONS))
@@ -262,7 +258,7 @@ class LessonsScreen(ActionScreen):
         yield Horizontal(LessonList(self.look), details, id="columns")
 
     def on_mount(self) -> None:
-        """Begin to read once the first paint is done."""
+        """Start to read after the first paint."""
         self.query_one(LessonList).focus()
         if self._fault is not None:
             self.notify(str(self._fault), severity="error", timeout=15, markup=False)
@@ -274,7 +270,7 @@ class LessonsScreen(ActionScreen):
         Thread(target=self._read_lessons, name="read lessons", daemon=True).start()
 
     def _read_lessons(self) -> None:
-        found = lesson_entries(self._sessions)  # in the thread: only what is called later leaves it
+        found = lesson_entries(self._sessions)  # in the thread: only scheduled calls leave it
         with suppress(RuntimeError):  # the program has ended meanwhile
             self.call_later(self._list_lessons, found)
 
@@ -286,12 +282,12 @@ class LessonsScreen(ActionScreen):
         self._early_keys.release(self.app)
 
     def on_key(self, event: Key) -> None:
-        """Hold back what is for the list until that is there."""
+        """Hold keys for the list until it exists."""
         if self._early_keys.take(event):
             event.stop()
 
     async def settled(self) -> None:
-        """Wait until the lessons are read and listed, and the world of one is drawn."""
+        """Wait until the lessons are listed and the world of one is drawn."""
         await self._read.wait()
         while drawing := [each for each in self.workers if each.group == _DRAWING and not each.is_finished]:
             with suppress(WorkerCancelled):
@@ -319,17 +315,17 @@ class LessonsScreen(ActionScreen):
             title, text = "Errors", faults_text(what, entry.faults, self.look)
         self.query_one("#heading", Static).update(Heading(title, self.look))
         self.query_one("#about", Static).update(text)
-        draw = partial(self._draw, entry)  # not the coroutine: of several in a row only the last one begins
+        draw = partial(self._draw, entry)  # a function: of several in a row only the last one starts
         self.run_worker(draw, name="draw", exclusive=True, group=_DRAWING)  # type: ignore[arg-type]
 
     async def _draw(self, entry: Entry | None) -> None:
         drawing = self.query_one("#preview")
-        drawing.remove_children()  # no await here: cancelled, it would leave half behind
+        drawing.remove_children()  # no await here: if cancelled, it would leave half behind
         if not isinstance(entry, LessonEntry):
             return
         await asyncio.sleep(0 if self.app.is_headless else _REST)  # a row merely passed builds nothing
         page = entry.lesson.pages[0].id if entry.progress is None else entry.progress.page
-        with suppress(UserError):  # opening the lesson reports why the world cannot be built
+        with suppress(UserError):  # opening the lesson reports the reason
             picture = await asyncio.to_thread(_world_of_page, entry.lesson, page)
             from rl_tui.screen.panels.world_views import make_world_view
 
@@ -339,7 +335,7 @@ class LessonsScreen(ActionScreen):
             view.show(picture)
 
     def action_open_lesson(self) -> None:
-        """Begin the lesson under the cursor, go on with it, or open it as a reference."""
+        """Begin, resume or reopen the lesson under the cursor."""
         entry = self._entry()
         if entry is not None:
             self.run_worker(self._open(entry), name="open the lesson", exclusive=True, group="open")
@@ -353,7 +349,7 @@ class LessonsScreen(ActionScreen):
             self.post_message(self.LessonChosen(start))
 
     def action_begin_again(self) -> None:
-        """Begin the lesson under the cursor again, once that is confirmed."""
+        """Begin the lesson under the cursor again after a confirmation."""
         from rl_tui.screen.dialogs.dialog import Confirm
 
         entry = self._entry()
@@ -374,7 +370,7 @@ class LessonsScreen(ActionScreen):
         self.app.push_screen(Confirm("Begin again", question, "begin again", self.look.glyphs), begin)
 
     def action_leave_lessons(self) -> None:
-        """Go back to the start screen; after a lesson only at the second press."""
+        """Go back to the start screen, after a lesson with a second press."""
         if self._comes_from_lesson:
             self._comes_from_lesson = False
             self.tell("Press esc again for the start screen.")
@@ -382,7 +378,6 @@ class LessonsScreen(ActionScreen):
         self.post_message(self.ListClosed())
 
     def _entry(self) -> LessonEntry | None:
-        """Return the lesson under the cursor, or tell the user why that row is none."""
         entry = self.query_one(LessonList).current
         if isinstance(entry, LessonEntry):
             return entry
@@ -391,7 +386,7 @@ class LessonsScreen(ActionScreen):
         return None
 
     def help_screen(self) -> Dialog[str]:
-        """Return the pages about panels and the like."""
+        """Return the help pages."""
         from rl_tui.screen.frame.help import HelpScreen
 
         return HelpScreen(self.look)

@@ -1,4 +1,4 @@
-"""The picture of a world on the start screen: a short run, made once and shown as a few moments of it."""
+"""The picture of a world on the start screen: moments of a short run."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ def beginning_of(scenario: Scenario, world: World) -> Snapshot:
 
 
 def moments_of(scenario: Scenario, world: World) -> tuple[Snapshot, ...]:
-    """Return moments of a run at equal distances in steps, the same every time, the beginning first.
+    """Return moments of a reproducible run, equally spaced in steps, the beginning first.
 
-    Large worlds, and the user's environments without ``preview_steps``, have only the beginning.
+    Large worlds and user environments without ``preview_steps`` have only the beginning.
     """
     before = beginning_of(scenario, world)
     recipe = before.recipe
@@ -94,11 +94,11 @@ def _moment(run: Run, before: Snapshot) -> Snapshot:
     return replace(before, agent=agent, counters=learner.counters, results=results)
 
 
-# What was reached before
+# Results of earlier sessions
 
 
 def has_found_optimum(session: StoredSession, scenario: Scenario) -> bool:
-    """Return whether the greedy policy of ``session`` is known to be optimal, and that is no secret."""
+    """Return True if the greedy policy of ``session`` is optimal and not hidden."""
     document = session.document
     table, lane = document.table, document.lanes[document.shown]
     is_edited = any(entry.world for branch in lane.branches for entry in branch.journal)
@@ -121,14 +121,14 @@ def _answer(scenario: Scenario, seed: int, gamma: float) -> tuple[TabularMDP | N
 
 @dataclass(frozen=True, slots=True)
 class LastRun:
-    """What a person's last run has earned: mean returns, oldest first, and a line about its end."""
+    """Mean returns of a person's last run, oldest first, and a summary."""
 
     returns: FloatArray
     told: str
 
 
 def last_run(session: StoredSession) -> LastRun | None:
-    """Return what the run of ``session`` earned, taken again; None where it is too long or cannot begin."""
+    """Repeat the run of ``session``, or return None if that is impossible or too long."""
     try:
         record = session.record()
         lane = record.lanes[record.shown]
@@ -150,7 +150,7 @@ def last_run(session: StoredSession) -> LastRun | None:
 
 
 def last_run_text(run: LastRun, width: int, look: Look) -> Text:
-    """Return a heading, the returns as an area of ``width`` columns, and the line about the end."""
+    """Return a heading, the returns as an area, and the summary."""
     text = Text(no_wrap=True)
     text.append("Your last run\n", look.palette.strong)
     returns = run.returns
@@ -168,7 +168,7 @@ def last_run_text(run: LastRun, width: int, look: Look) -> Text:
     return text
 
 
-# The line below
+# The line below the picture
 
 
 def moment_line(moment: Snapshot, look: Look) -> RenderableType:

@@ -1,4 +1,4 @@
-"""Lists of one-line rows; and the list of scenarios, with marks and sizes, filtered in place."""
+"""Lists of one-line rows, and the list of scenarios."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _MARK: Final = 3  # columns before a title: a blank, the mark, a blank
 
 
 class ListRow(FullWidth):
-    """One line: ``mark`` and ``title``, and at the right ``size``. The title is shortened, never the size."""
+    """One line: ``mark``, ``title`` and ``size``, of which only the title is shortened."""
 
     def __init__(self, mark: str, title: str, size: str, look: Look) -> None:
         self._mark, self._title, self._size = mark, to_ascii(title, look.glyphs), to_ascii(size, look.glyphs)
@@ -54,7 +54,7 @@ class ListRow(FullWidth):
 
 
 class Heading(FullWidth):
-    """One line: a title, and a rule behind it."""
+    """One line: a title, then a rule."""
 
     def __init__(self, title: str, look: Look) -> None:
         self._title, self._look = to_ascii(title, look.glyphs), look
@@ -64,11 +64,11 @@ class Heading(FullWidth):
         yield Text.assemble((self._title, "bold"), f" {rule}", no_wrap=True)
 
 
-# How far one has come in a world
+# Progress in a world
 
 
 class Mark(IntEnum):
-    """How far a person has come in a scenario, by the sessions that are kept of it."""
+    """A person's progress in a scenario, according to the saved sessions."""
 
     NEW = 0
     OPENED = 1
@@ -77,7 +77,7 @@ class Mark(IntEnum):
 
 
 def marks_of(sessions: Iterable[StoredSession]) -> dict[str, Mark]:
-    """Return marks by the ids of scenarios; sessions of lessons do not count."""
+    """Return marks by scenario id, without the sessions of lessons."""
     marks = dict[str, Mark]()
     for session in sessions:
         document = session.document
@@ -89,7 +89,7 @@ def marks_of(sessions: Iterable[StoredSession]) -> dict[str, Mark]:
 
 
 def size_of(scenario: Scenario) -> str:
-    """Return how large a world is, as far as its file tells it: rows × columns or bins, states or arms."""
+    """Return the size of a world as far as its file gives it."""
     match scenario.section.sketch():
         case Grid(rows=rows, columns=columns, axes=axes, body=body) if axes is None or body is not None:
             return f"{rows}×{columns}"
@@ -105,7 +105,7 @@ def size_of(scenario: Scenario) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """What a filter finds beside worlds: ``group`` says whether a lesson or a word of the glossary."""
+    """A lesson or a word that the filter has found."""
 
     group: str
     id: str
@@ -116,7 +116,7 @@ Entry = Scenario | ScenarioError | Hit
 
 
 class ScenarioList(RowList):
-    """A list of ``catalogue``, of which ``current`` is under the cursor; faulty files come last."""
+    """The list of ``catalogue``, with faulty files last."""
 
     def __init__(self, look: Look, catalogue: Catalogue) -> None:
         super().__init__(id="scenarios", classes="panel")
@@ -132,16 +132,13 @@ class ScenarioList(RowList):
         return None if self.highlighted is None else self._entries[self.highlighted]
 
     def start_at(self, scenario: str) -> None:
-        """Put the cursor on ``scenario``, an id, else on the first row."""
+        """Put the cursor on the id ``scenario``, else on the first row."""
         ids = [option.id for option in self.options]
         first = next((number for number, option in enumerate(self.options) if not option.disabled), None)
         self.highlighted = ids.index(scenario) if scenario in ids else first
 
     def show(self, words: str = "", hits: Sequence[Hit] = ()) -> int:
-        """List the scenarios in which all of ``words`` are, then ``hits``; return how many scenarios.
-
-        The cursor goes to the first title that has them, else stays on its row, if that is still there.
-        """
+        """List the scenarios with all of ``words``, then ``hits``. Return their number."""
         here = self.highlighted_option
         rows = list(self._rows(words, hits))
         self._entries = [entry for _, entry in rows]
@@ -153,14 +150,14 @@ class ScenarioList(RowList):
         return sum(isinstance(entry, Scenario) for entry in self._entries)
 
     def show_marks(self, marks: Mapping[str, Mark]) -> None:
-        """Show how far one has come, in the rows of scenarios that are listed."""
+        """Show the progress in the rows of listed scenarios."""
         self._marks = marks
         for entry in self._entries:
             if isinstance(entry, Scenario):
                 self.replace_option_prompt(entry.id, self._row(entry))
 
     def action_cursor_up(self) -> None:
-        """Move to the row before; from the first one to the doors."""
+        """Move to the row before, or from the first one to the doors."""
         if self.highlighted is not None and any(
             not each.disabled for each in self.options[: self.highlighted]
         ):
@@ -201,7 +198,7 @@ class ScenarioList(RowList):
 
 
 def has_words(text: str, words: str) -> bool:
-    """Return whether all of ``words`` are in ``text``, however they are spelled: 8x8 is in 8×8."""
+    """Return True if all of ``words`` occur in ``text``, in any spelling (8x8 for 8×8)."""
     spelled = to_ascii(text, ASCII).casefold()
     return all(word in spelled for word in to_ascii(words, ASCII).casefold().split())
 
@@ -213,7 +210,7 @@ _LONGEST_FILTER: Final = 40
 
 
 class FilterInput(ListInput):
-    """A line in which words are typed that filter a list."""
+    """A line for the words that filter a list."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("escape", "screen.show_all", "filter.all", "Show all rows again."),
@@ -221,7 +218,7 @@ class FilterInput(ListInput):
 
 
 class Filter(Horizontal):
-    """The line of a filter: what is typed, and what it found. It is hidden while nothing is filtered."""
+    """The line of a filter: its words and the number of matches."""
 
     def __init__(self, look: Look) -> None:
         line = FilterInput(id="filter-words", max_length=_LONGEST_FILTER, compact=True)
@@ -231,19 +228,19 @@ class Filter(Horizontal):
 
     @property
     def line(self) -> FilterInput:
-        """The line in which words are typed."""
+        """The line for the words."""
         return self.query_one(FilterInput)
 
     def open(self) -> None:
-        """Take words."""
+        """Show the filter and focus its line."""
         self.display = True
         self.line.focus()
 
     def close(self) -> None:
-        """Forget the words."""
+        """Clear and hide the filter."""
         self.line.value = ""
         self.display = False
 
     def tell(self, found: str) -> None:
-        """Say what was found."""
+        """Show what was found."""
         self.query_one("#filter-found", Static).update(separated(found, self._look.glyphs))

@@ -1,4 +1,4 @@
-"""Recent sessions: their list, newest first, their details, and the screen that has them."""
+"""Recent sessions: list, details, and the base of their screens."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from rl_tui.screen.theme.look import Look
 if TYPE_CHECKING:
     from rl_tui.live.record import Record
 
-# What differs between similar sessions
+# Differences between similar sessions
 
 
 _SCENARIO = "scenario"
@@ -46,10 +46,7 @@ _Features = Mapping[str, float | str]
 
 
 def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
-    """Return in a few words what each of ``sessions`` has otherwise than most of its title.
-
-    Of two equally common values, that of the last session is the usual one.
-    """
+    """Return how each session differs from most of its title."""
     by_title = defaultdict[str, list[_Features]](list)
     every = [_features(session) for session in sessions]
     for session, features in zip(sessions, every, strict=True):
@@ -62,7 +59,7 @@ def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
 
 
 def settings_of(session: StoredSession) -> list[str]:
-    """Return in a few words each the numbers in force in ``session`` that a slider sets."""
+    """Return the current values of the settings with a slider."""
     features = _features(session)
     sliders = [name for name in features if name in PARAMETERS and PARAMETERS[name].slide is not None]
     return [feature_text(name, features[name]) for name in sliders]
@@ -75,7 +72,6 @@ def _usual(sessions: Sequence[_Features]) -> _Features:
 
 
 def _features(session: StoredSession) -> _Features:
-    """Return what there is to tell of ``session``; what this version does not know is left out."""
     document = session.document
     lane = document.lanes[document.shown]
     features: dict[str, float | str] = {_SCENARIO: document.scenario.id}
@@ -104,10 +100,7 @@ _MOST_OWN: Final = 4
 
 
 class SessionRow(FullWidth):
-    """Two lines of the list: title and age; then the step, what is ``different``, and the algorithm.
-
-    ``number`` counts those that share title, age and step, from 1.
-    """
+    """Two lines of the list, with what is ``different`` from similar sessions."""
 
     def __init__(
         self,
@@ -136,7 +129,7 @@ class SessionRow(FullWidth):
 
 
 def session_facts(session: StoredSession, now: datetime, look: Look) -> RenderableType:
-    """Return the details of ``session``: its world, what was done in it, and its step."""
+    """Return the details of ``session``: world, settings, changes and step."""
     palette, glyphs, document = look.palette, look.glyphs, session.document
     lane = document.lanes[document.shown]
     branch = lane.branches[lane.branch]
@@ -171,7 +164,7 @@ def _how_long(session: StoredSession) -> str:
 
 
 def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Look) -> RenderableType:
-    """Return a heading and a line each for the newest ``sessions`` of one scenario."""
+    """Return a heading, and a line per newest session."""
     lines = [Text("Sessions (tab)", look.palette.strong)]
     for session in sessions[:_MOST_OWN]:
         age = short_age(now - session.saved, session.saved)
@@ -181,12 +174,12 @@ def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Lo
 
 
 def algorithm_name(algorithm: str) -> str:
-    """Return how people call the algorithm of that id."""
+    """Return the name of an algorithm id, or the id if unknown."""
     return BY_ID[algorithm].name if algorithm in BY_ID else algorithm
 
 
 def short_age(age: timedelta, moment: datetime) -> str:
-    """Return how long ago it was, in a few letters; after two weeks the date."""
+    """Return a short ``age``, or the date of ``moment`` after two weeks."""
     seconds = int(age.total_seconds())
     if age.days >= _MOST_DAYS:
         return moment.astimezone().strftime("%Y-%m-%d")
@@ -194,7 +187,7 @@ def short_age(age: timedelta, moment: datetime) -> str:
 
 
 def long_age(age: timedelta) -> str:
-    """Return how long ago it was, in words."""
+    """Return ``age`` in words."""
     seconds = int(age.total_seconds())
     ages = (f"{counted(seconds // length, word)} ago" for length, _, word in _UNITS if seconds >= length)
     return next(ages, "less than a minute ago")
@@ -209,14 +202,14 @@ Entry = StoredSession | SessionError
 
 
 class SessionList(RowList):
-    """A list of sessions, of which ``current`` is under the cursor."""
+    """A list of sessions."""
 
     def __init__(self, look: Look) -> None:
         super().__init__(id="sessions", classes="panel")
         self.look = look
         self.border_title = "Sessions"
         self.border_subtitle = "enter: go on   del: delete"
-        self.entries: Sequence[Entry] = ()  # the sessions, the newest first, then files that give none
+        self.entries: Sequence[Entry] = ()  # the sessions, the newest first, then unreadable files
 
     def show(self, entries: Sequence[Entry], now: datetime) -> None:
         """List ``entries``."""
@@ -236,7 +229,7 @@ class SessionList(RowList):
 
     @property
     def sound(self) -> list[StoredSession]:
-        """The sessions, without files that give none."""
+        """The sessions without unreadable files."""
         return [entry for entry in self.entries if isinstance(entry, StoredSession)]
 
     def _rows(self, now: datetime) -> Iterable[Option]:
@@ -256,11 +249,11 @@ class SessionList(RowList):
 
 
 class SavedSessions(ActionScreen):
-    """A screen with a list of sessions, read in a thread from the folder ``sessions``, if any."""
+    """A screen with a list of sessions from the folder ``sessions``."""
 
     @dataclass
     class Resumed(Message):
-        """The user wants to go on with a session; ``record`` is what it says."""
+        """The user wants to go on with a session. ``record`` is its contents."""
 
         session: StoredSession
         record: Record
@@ -272,19 +265,19 @@ class SavedSessions(ActionScreen):
 
     @property
     def has_files(self) -> bool:
-        """Whether there is a file that may be a session, which is known before any is read."""
+        """True if the folder has files that may be sessions."""
         return self._sessions is not None and bool(files_in(self._sessions))
 
     def show_current(self) -> None:
-        """Show what is under the cursor."""
+        """Show the details of the row under the cursor."""
         raise NotImplementedError
 
     def show_sessions(self, sessions: Sequence[StoredSession]) -> None:
-        """Show what depends on ``sessions``, the newest first, beside their list."""
+        """Show the parts of the screen that depend on ``sessions``, the newest first."""
         raise NotImplementedError
 
     def on_mount(self) -> None:
-        """Begin what is slow once the first paint is done."""
+        """Start the slow work after the first paint."""
         self.run_worker(self._begin_when_painted, name="begin", group="begin")  # type: ignore[arg-type]
 
     async def _begin_when_painted(self) -> None:
@@ -293,7 +286,7 @@ class SavedSessions(ActionScreen):
         self.begin()
 
     def begin(self) -> None:
-        """Begin to read the files."""
+        """Start to read the files."""
         self._read_sessions()
 
     async def sessions_read(self) -> None:
@@ -308,7 +301,7 @@ class SavedSessions(ActionScreen):
         Thread(target=self._read, args=(self._sessions,), name="read sessions", daemon=True).start()
 
     def _read(self, folder: Path) -> None:
-        sound, broken = sessions_in(folder)  # in the thread: only what is called later leaves it
+        sound, broken = sessions_in(folder)  # in the thread: only scheduled calls leave it
         with suppress(RuntimeError):  # the program has ended meanwhile
             self.call_later(self._list_sessions, [*sound, *broken])
 
@@ -334,7 +327,7 @@ class SavedSessions(ActionScreen):
             self.post_message(self.Resumed(session, record))
 
     def ask_to_delete(self, session: StoredSession) -> None:
-        """Delete ``session`` once that is confirmed."""
+        """Delete ``session`` after a confirmation."""
         from rl_tui.screen.dialogs.dialog import Confirm
 
         def delete(answer: bool | None) -> None:

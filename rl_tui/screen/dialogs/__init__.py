@@ -1,1 +1,1 @@
-"""The dialogs over catalogue and playground."""
+"""The dialogs over start screen and playground."""

@@ -1,4 +1,4 @@
-"""Questions for a setting of the agent: pick from a list, or type a value."""
+"""Questions for a setting of the agent."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def algorithm_choice(
     *,
     taken: str = "",
 ) -> Choice:
-    """Return the choice among algorithms; with a ``title`` for a run beside one that has ``taken``."""
+    """Return the choice of an algorithm, with a ``title`` for another run than ``taken``."""
     candidates = [
         _candidate(each, _TAKEN if each.id == taken else _refused(space, each.id, recipe.hyperparameters))
         for each in BY_ID.values()
@@ -44,7 +44,7 @@ def algorithm_choice(
 
 
 def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
-    """Return the choice among all policies; those that cannot work in ``space`` are marked."""
+    """Return the choice of a policy, with reasons where one does not work in ``space``."""
     values = recipe.hyperparameters.without_average()
     candidates = (
         _candidate(each, _refused(space, recipe.algorithm, values.changed("policy", each.id)))
@@ -54,7 +54,7 @@ def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
 
 
 def word_choice(name: str, value: float | str, glyphs: Glyphs) -> Choice:
-    """Return the choice among the words that the parameter ``name`` takes."""
+    """Return the choice among the words of the parameter ``name``."""
     parameter = PARAMETERS[name]
     candidates = (
         Candidate(word, word.replace("-", " "), _MEANINGS.get(word, ())) for word in parameter.words
@@ -93,14 +93,14 @@ _EXAMPLES = {"initial_q": "0 or 2.5"}
 
 
 def ask_value(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Form:
-    """Return what asks for a number or a word for ``name``; in all else as :func:`ask_number`."""
+    """Return the question for the value of ``name``, a number or a word."""
     if PARAMETERS[name].range is None:
         return word_choice(name, value, glyphs)
     return ask_number(name, value, glyphs, another_run=another_run)
 
 
 def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Prompt:
-    """Return the prompt for the hyper-parameter ``name``, of ``another_run`` or of this one."""
+    """Return the prompt for the setting ``name`` of this or ``another_run``."""
     parameter = PARAMETERS[name]
     starts = "; the run starts again" if name == "initial_q" and not another_run else ""
     word = "; 1/N is the sample average" if SAMPLE_AVERAGE in parameter.words else ""
@@ -117,7 +117,7 @@ def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bo
 
 
 def ask_seed(seed: int, glyphs: Glyphs) -> Form:
-    """Return the question for the seed; ``seed`` is the current one."""
+    """Return the question for the seed, now ``seed``."""
     candidates = (
         Candidate(str(seed), "the same seed", ("The same run again.",), value=str(seed)),
         Candidate(
@@ -138,7 +138,6 @@ def _expected(parameter: Parameter) -> str:
 
 
 def _read_seed(text: str) -> int:
-    """Return the whole number in ``text``; raises ValueError saying what it may be."""
     if not (text.isascii() and text.isdigit()):
         raise ValueError("type a whole number, 0 or more")
     return int(text)

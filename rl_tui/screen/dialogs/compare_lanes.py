@@ -1,4 +1,4 @@
-"""The dialogs that compare runs: what another run shall have otherwise, and the table of the runs."""
+"""The dialogs that compare runs."""
 
 from __future__ import annotations
 
@@ -46,15 +46,13 @@ _STEP: Final = 10  # cells of a number of steps
 
 
 class LaneRow(NamedTuple):
-    """The row of a lane, and the one below it with mean and standard error; empty without a study."""
+    """The row of a run, and the one below with mean and standard error."""
 
     own: str
     of_seeds: str
 
 
 class _Column(NamedTuple):
-    """A column with its texts for each lane; the one of the highest ``rank`` is left out first."""
-
     head: str
     own: Sequence[str]
     of_seeds: Sequence[str]
@@ -74,7 +72,7 @@ def lane_rows(
     *,
     hidden: bool,
 ) -> tuple[str, list[LaneRow]]:
-    """Return a heading and a row of ``width`` cells for each lane; ``hidden`` leaves out exact values."""
+    """Return a heading and a row of ``width`` cells per run."""
     columns = [*_columns(lanes, study, look, hidden=hidden), _role_column(roles)]
     while len(columns) > 1 and _room(columns, width) < _LEAST_NAME:
         last = max(columns, key=lambda column: column.rank)
@@ -82,7 +80,6 @@ def lane_rows(
     room = _room(columns, width)
 
     def row(name: str, texts: Sequence[str], skipped: int = 0) -> str:
-        """Return ``name``, which also takes the cells of the first columns, and the texts of the others."""
         cells = [f" {text:>{column.cells}}" for text, column in zip(texts, columns, strict=True)]
         name_room = room + sum(map(cell_len, cells[:skipped]))
         name = shortened(name, name_room, look.glyphs.ellipsis)
@@ -103,7 +100,7 @@ def lane_rows(
 
 
 def recent_of(lanes: Sequence[LaneView]) -> str:
-    """Return what the mean of the last 100 episodes is called in all of ``lanes``."""
+    """Return the name of the mean of the last 100 episodes for all ``lanes``."""
     return recent_name(*(lane.episodes for lane in lanes if lane.results.return_last_100 is not None))
 
 
@@ -166,15 +163,15 @@ def _dash(look: Look) -> str:
     return numbers.missing(look.glyphs)
 
 
-# What another run has otherwise
+# The setting in which another run differs
 
 
 MOST_LANES: Final = 4
-EXACT: Final = "w h"  # the keys that show what is hidden
+EXACT: Final = "w h"  # the keys that show hidden values
 
 
 def setting_choice(recipe: Recipe, glyphs: Glyphs) -> SettingChoice:
-    """Return the choice of the setting that another run has otherwise."""
+    """Return the choice of the setting in which another run differs."""
     names = what_may_differ(recipe)[1:]
     return SettingChoice(
         "Another run that differs in", lambda: names, lambda: recipe, glyphs, another_run=True
@@ -182,7 +179,7 @@ def setting_choice(recipe: Recipe, glyphs: Glyphs) -> SettingChoice:
 
 
 def branch_choice(branches: Mapping[int, str], glyphs: Glyphs) -> Choice:
-    """Return the choice of a branch to compare with; it answers the number. The newest is first."""
+    """Return the choice of a branch to compare with, the newest first."""
     rows = [Candidate(str(number), words) for number, words in sorted(branches.items(), reverse=True)]
     return Choice("A branch of this run beside it", rows, "", glyphs)
 
@@ -205,10 +202,7 @@ Answer = ChooseLane | MarkLane | DropLane
 
 
 class RunTable(Form):
-    """The ``lanes``, two or more, of which you control ``shown`` and see ``beside``.
-
-    Exact values are ``hidden`` until a key shows them, or by a lesson if ``is_kept``.
-    """
+    """Two or more ``lanes``, of which you control ``shown`` and see ``beside``."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("delete,backspace", "end", "end run", id="compare.end", tooltip="End the run."),
@@ -252,7 +246,7 @@ class RunTable(Form):
         super().__init__("Runs", rows, str(shown), look.glyphs, keys=keys)
 
     def describe(self, candidate: Candidate) -> Text:
-        """Return the row of a run in the table, or its heading; the one you control is bold."""
+        """Return the row of a run, or the heading."""
         head, rows = lane_rows(
             self._lanes, self._roles, self._study, self._look, self.room - MARKS, hidden=self._hidden
         )

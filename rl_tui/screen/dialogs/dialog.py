@@ -1,7 +1,4 @@
-"""Dialogs: boxes over the playground or the start screen, closed by escape.
-
-`Dialog` is the base of all dialogs. The simple ones, which need no list of options, are also here.
-"""
+"""Dialogs: boxes over another screen, closed by escape."""
 
 from __future__ import annotations
 
@@ -34,38 +31,38 @@ _BORDER_END: Final = 3  # a blank, a piece of line and the corner
 
 
 class Dialog(ModalScreen[Result | None]):
-    """A modal screen whose content stands in a bordered box with the id ``box``; escape answers nothing."""
+    """A modal screen with a bordered ``box``, closed by escape without an answer."""
 
-    # absolute: Textual looks for it beside the subclass, which may stand in another folder
+    # absolute, because Textual looks in the folder of the subclass
     CSS_PATH = Path(__file__).with_name("dialog.tcss")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "cancel", "back", id="cancel", tooltip="Close without a change."),
     ]
 
     def on_mount(self) -> None:
-        """Leave what lies behind as it is where to darken it, and undo that, would take long."""
+        """Leave the screen below undimmed on a slow link, because dimming costs time."""
         self.set_class(isinstance(self.app, LinkedApp) and self.app.has_slow_link, "-slow")
 
     @staticmethod
     def box(title: str, keys: str, classes: str | None = None) -> Vertical:
-        """Return the box, with ``title`` above it and the ``keys`` below."""
+        """Return the box, with ``title`` above and ``keys`` below."""
         box = Vertical(id="box", classes=classes)
         box.border_title, box.border_subtitle = Content(title), keys
         return box
 
     def on_click(self, event: Click) -> None:
-        """Press the key that is written where the lower border was clicked."""
+        """Press the key whose hint on the lower border was clicked."""
         for box in self.query("#box"):
             keys, region = str(box.border_subtitle), box.region
             column = event.screen_x - (region.right - _BORDER_END - cell_len(keys))
             key = key_at(keys, column) if event.screen_y == region.bottom - 1 else None
             if key is not None:
                 event.stop()
-                # by the app: what a screen sends does not rise beyond it, to where bindings are looked up
+                # by the app: messages of a screen do not reach the bindings of the app
                 self.app.call_later(self.app.simulate_key, key)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the newest snapshot, where the dialog is about the run."""
+        """Show the newest snapshot, in dialogs about the run."""
 
     def action_cancel(self) -> None:
         """Close without an answer."""
@@ -76,7 +73,7 @@ class Dialog(ModalScreen[Result | None]):
 
 
 class Confirm(Dialog[bool]):
-    """A question. Answers True for enter; escape answers None. ``verb`` is the word for what enter does."""
+    """A question. Enter answers True, escape None. ``verb`` says what enter does."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "confirm", "yes", id="confirm", tooltip="Do it."),
@@ -100,7 +97,7 @@ class Confirm(Dialog[bool]):
 
 
 class QuitQuestion(Confirm):
-    """What ctrl+c asks; the app ends at a second one."""
+    """The question after ctrl+c. A second ctrl+c ends the app."""
 
     def __init__(self, glyphs: Glyphs) -> None:
         super().__init__("Quit?", "enter or ctrl+c: quit. esc: go on", "quit", glyphs)
@@ -110,7 +107,7 @@ class QuitQuestion(Confirm):
 
 
 class ModelScreen(Dialog[None]):
-    """⟨S, A, P, R, γ⟩, with the outcomes of the pair under the table's cursor, live while it is open."""
+    """⟨S, A, P, R, γ⟩, with the outcomes of the current pair, updated live."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("q", "cancel", "back", id="close_model", tooltip="Close the model."),
@@ -138,7 +135,7 @@ class ModelScreen(Dialog[None]):
         yield self._panel
 
     def on_mount(self) -> None:
-        """Show what is known already."""
+        """Show the current snapshot and pair."""
         self.show(self._snapshot)
         if self._pair is not None:
             self._panel.show_pair(self._pair)
@@ -150,11 +147,11 @@ class ModelScreen(Dialog[None]):
         return self._panel.pair
 
     def on_scrolled(self) -> None:
-        """Tell the playground that another pair of a large world is shown."""
+        """Report to the playground that another pair is in view."""
         self._on_scrolled()
 
     def action_hide(self) -> None:
-        """Hide or show the exact answer, as on the playground."""
+        """Hide or show the exact values."""
         self._hide_answer()
 
     def show(self, snapshot: Snapshot) -> None:

@@ -1,4 +1,4 @@
-"""What is asked and shown while a run is exported."""
+"""The questions and messages of an export."""
 
 from __future__ import annotations
 
@@ -44,18 +44,18 @@ KINDS: Final = {
     ),
     PICTURE: ("Screen as SVG", "A picture of the screen, without this window.", ".svg"),
 }
-"""The name of each kind, what it is, and how its files end."""
+"""Per kind: its name, a sentence, and the end of file names."""
 _LOOKS_AT_PROGRESS: Final = 0.1
 
 
 def lane_shown(snapshot: Snapshot) -> str:
-    """Return which lane of how many is shown, such as ``1 of 2``; empty where there is one run."""
+    """Return the number of the run on display, such as ``1 of 2``, or ""."""
     group = snapshot.run_group
     return f"{group.shown + 1} of {len(group.lanes)}" if group.lanes else ""
 
 
 def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
-    """Return the choice of what to write of ``snapshot``, with what is left out of it."""
+    """Return the choice of a kind of export of ``snapshot``."""
     lane, timeline, row = lane_shown(snapshot), snapshot.timeline, snapshot.agent.row
     branch = timeline.current.name if len(timeline.branches) > 1 else ""
     only = " and ".join(filter(None, (lane and f"run {lane}", branch)))
@@ -77,7 +77,7 @@ def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
 
 
 def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
-    """Return the prompt for the name of a new file; ``name`` is offered."""
+    """Return the prompt for a new file, with ``name`` as a proposal."""
 
     def read(text: str) -> str:
         try:
@@ -90,7 +90,7 @@ def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
 
 
 class CommandLine(Dialog[str]):
-    """The command to read and copy, with a ``hint``. Answers it where it shall be written to a file."""
+    """The command to copy. The answer is the command if it should go to a file."""
 
     CSS = """
     #command { height: auto; max-height: 60vh; }
@@ -109,18 +109,18 @@ class CommandLine(Dialog[str]):
         self._hint = hint
 
     def compose(self) -> ComposeResult:
-        """Yield the command and what may be done with it."""
+        """Yield the command and the hint."""
         with self.box("Command", "c: copy   w: write to a file   esc: close"):
             with VerticalScroll(id="command"):
                 yield Static(Text(self._line, overflow="fold"), markup=False)
             yield Static(self._hint, classes="hint", markup=False)
 
     def on_mount(self) -> None:
-        """Let the arrow keys scroll a long one."""
+        """Focus the command, so that the arrow keys scroll it."""
         self.query_one("#command").focus()
 
     def action_copy(self) -> None:
-        """Copy it through the terminal (OSC 52), which may not allow it."""
+        """Copy the command through the terminal (OSC 52), which may forbid it."""
         self.app.copy_to_clipboard(self._line)
         self.notify("Copied. If it does not paste, press w to write a file.")
 
@@ -130,17 +130,17 @@ class CommandLine(Dialog[str]):
 
 
 class BrokenOffError(Exception):
-    """The dialog was closed: the result is not wanted any more."""
+    """The dialog was closed, so the result is not needed."""
 
 
 Work = Callable[[OnProgress], None]
 
 
 class Working(Dialog[str]):
-    """Work in a thread, with its progress; escape breaks it off.
+    """Work in a thread, with its progress. Escape cancels it.
 
-    Answers what went wrong, empty if nothing did, None where it was broken off. ``work`` often calls what it
-    is given; that raises where it shall end.
+    The answer is an error message, empty after success. ``work`` must often call its argument, which raises
+    after cancelling.
     """
 
     def __init__(self, title: str, work: Work) -> None:
@@ -151,17 +151,17 @@ class Working(Dialog[str]):
         self._unwanted = False
 
     def compose(self) -> ComposeResult:
-        """Yield how far it has come."""
+        """Yield the progress."""
         with self.box(self._title, "esc: break off"):
             yield Static("0 %", id="progress", markup=False)
 
     def on_mount(self) -> None:
-        """Begin to work, and to show how far it has come."""
+        """Start the work and the display of its progress."""
         self.set_interval(_LOOKS_AT_PROGRESS, self._show)
         self.run_worker(self._work(), name="export")
 
     def on_unmount(self) -> None:
-        """Let the thread end."""
+        """Cancel the work."""
         self._unwanted = True
 
     async def _work(self) -> None:

@@ -1,7 +1,4 @@
-"""The form of dialogs: a line to type into, numbered rows, and three lines about one of them.
-
-What cannot be chosen stays in the list, dim, with the reason.
-"""
+"""The base of dialogs with a line to type into, rows, and three lines about one."""
 
 from __future__ import annotations
 
@@ -32,7 +29,7 @@ _MOVE: Final = "↑ ↓ or a number: choose"
 _CLOSE: Final = "esc: close"
 _WIDE: Final = "   "
 _MOST_COLUMNS: Final = 90
-_FRAME: Final = 5  # cells: border, padding, and the bar to scroll with
+_FRAME: Final = 5  # cells: border, padding and scroll bar
 MARKS: Final = 4
 """Cells before a name: number and cursor."""
 _GAP: Final = 2
@@ -43,15 +40,12 @@ _BLANK_FROM: Final = 24  # rows of the screen: there is a blank row above the th
 _LONGEST: Final = 1_000  # characters: a pasted book is cut off
 
 Reader = Callable[[str], float | str]
-"""Turns the typed text into the value; raises ValueError whose text says what was expected."""
+"""Turns typed text into a value, or raises ValueError with what was expected."""
 
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A row: ``value`` and ``words`` follow its name, ``lines`` or why it is ``refused`` stand below.
-
-    One without an ``id`` is a heading.
-    """
+    """A row, with ``lines`` or the reason if ``refused`` below it."""
 
     id: str
     name: str
@@ -63,14 +57,14 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class TypedLine:
-    """A line to type into: its text, a sentence about it, and what makes a value of the text."""
+    """A line to type into, with its first text and a hint."""
 
     text: str
     hint: str
     read: Reader
 
     def fault(self, text: str) -> str:
-        """Return what is wrong with ``text``, a sentence; empty if nothing is."""
+        """Return the error in ``text`` as a sentence, or an empty string."""
         try:
             self.read(text)
         except ValueError as fault:
@@ -79,10 +73,9 @@ class TypedLine:
 
 
 class Form(Dialog[Any]):
-    """Rows to choose from, and a line to type into. Answers the id of a row, or the typed value.
+    """Rows to choose from, and a line to type into. The answer is a row's id or the typed value.
 
-    With a line, choosing a row is typing its id. ``current`` is the row that applies now, ``does`` what enter
-    does, in a word. The cursor begins on the row ``start``, else on the current one.
+    ``current`` is the row that applies now, ``does`` a word for what enter does.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -119,10 +112,10 @@ class Form(Dialog[Any]):
         self.page: Widget | None = None
         """The page of a lesson: the box is beside it, or at the bottom, so that it stays readable."""
 
-    # What is seen
+    # Appearance
 
     def compose(self) -> ComposeResult:
-        """Yield the line, the list, and room for three lines."""
+        """Yield the line, the list, and three lines of text."""
         with self.box(to_ascii(self._title, self.glyphs), ""):
             if self._question:
                 yield Static(to_ascii(self._question, self.glyphs), id="question", markup=False)
@@ -133,7 +126,7 @@ class Form(Dialog[Any]):
             yield Static(classes="hint", id="about", markup=False)
 
     def on_mount(self) -> None:
-        """Start in the line, else on the row that applies now, else on the first."""
+        """Start in the line, else on the row ``start``, else on the first."""
         if self.candidates:
             self._show_rows(self._start if self.entry is None else None)
         if self.entry is None:
@@ -156,14 +149,14 @@ class Form(Dialog[Any]):
             self._show_rows(self.at)
 
     def set_rows(self, candidates: Iterable[Candidate], at: str | None = None) -> None:
-        """Show other rows; the cursor goes to the one with the id ``at``, or stays on its own."""
+        """Replace the rows. The cursor goes to the row ``at``, or stays."""
         self.candidates = tuple(candidates)
         if self.query(OptionList):
             self._show_rows(self.at if at is None else at)
 
     @property
     def room(self) -> int:
-        """The cells of a row, at least one behind the marks however narrow the terminal is."""
+        """The cells of a row, at least one after the marks."""
         return max(MARKS + 1, self._most - _FRAME)
 
     @property
@@ -213,7 +206,7 @@ class Form(Dialog[Any]):
         return f"{self._numbers.get(candidate.id, ''):<1} {cursor:<1} ", "not bold"
 
     def about(self, candidate: Candidate) -> str:
-        """Return the lines about ``candidate``, the reason first; of what has no room whole lines go."""
+        """Return the lines about ``candidate`` that fit, the reason first."""
         refused = (f"Not here: {candidate.refused.rstrip('.')}.",) if candidate.refused else ()
         lines, rows = list[str](), 0
         for line in map(self._spelled, (*refused, *candidate.lines)):
@@ -223,10 +216,10 @@ class Form(Dialog[Any]):
                 rows += taken
         return "\n".join(lines)
 
-    # What is done
+    # Events
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Put the mark on the row under the cursor, and tell about it."""
+        """Move the mark to the row under the cursor, and describe it."""
         for candidate in self.candidates:
             if candidate.id:
                 self._list.replace_option_prompt(candidate.id, self.describe(candidate))
@@ -234,7 +227,7 @@ class Form(Dialog[Any]):
             self._tell_of_row()
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
-        """Tell about what has the focus; in the list the cursor is on a row."""
+        """Describe the widget in focus."""
         if isinstance(event.widget, OptionList):
             if self._list.highlighted is None:
                 self._list.action_first()
@@ -243,20 +236,20 @@ class Form(Dialog[Any]):
             self._tell_of_text()
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Show what is wrong while it is typed."""
+        """Show errors while typing."""
         if self.entry is not None and event.value != self.typed:
             self.typed = event.value
             self._tell_of_text()
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Answer the value if it is one."""
+        """Answer the value if it is valid."""
         self.typed = event.value
         self._tell_of_text()
         if self.entry is not None and not self.entry.fault(event.value):
             self.dismiss(self.entry.read(event.value))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Do what the row says, unless it cannot be done."""
+        """Choose the row, unless it is refused."""
         candidate = next(each for each in self.candidates if each.id == event.option_id)
         if candidate.refused:
             self.app.bell()
@@ -273,7 +266,7 @@ class Form(Dialog[Any]):
             self._list.focus()
 
     def action_take(self, number: int) -> None:
-        """Do what the row with this ``number`` says."""
+        """Choose the row with this ``number``."""
         for id, written in self._numbers.items():  # noqa: A001
             if written == str(number):
                 self._list.highlighted = self._list.get_option_index(id)
@@ -298,7 +291,7 @@ class Form(Dialog[Any]):
 
     @property
     def _columns(self) -> tuple[int, ...] | None:
-        """The cells of names, and of values if there are any; None: only names."""
+        """The cells of names and of values, or None."""
         rows = [each for each in self.candidates if each.id and (each.value or each.words or each.refused)]
         if not rows:
             return None
@@ -350,7 +343,7 @@ class Form(Dialog[Any]):
 
 
 class Choice(Form):
-    """Only a list. Answers the id of the row chosen; escape answers None."""
+    """A list only. The answer is the id of a row."""
 
     @property
     def has_about(self) -> bool:
@@ -359,7 +352,7 @@ class Choice(Form):
 
 
 class Prompt(Form):
-    """Only a line. Answers the value that ``read`` makes of it; escape answers None."""
+    """A line only. The answer is the value that ``read`` returns."""
 
     def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
         super().__init__(title, (), "", UNICODE, entry=TypedLine(value, hint, read), does=does)

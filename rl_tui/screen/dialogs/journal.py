@@ -1,4 +1,4 @@
-"""Where to go in a run: to a moment, to a branch, or to a change in one."""
+"""Dialogs for going to a moment, branch or change."""
 
 from __future__ import annotations
 
@@ -45,27 +45,24 @@ from rl_tui.worlds.world import World
 # The branches
 
 
-STEP_BACK, EPISODE_BACK = "b", "B"  # keys of the playground that sentences name
+STEP_BACK, EPISODE_BACK = "b", "B"  # keys of the playground in sentences
 HOW_TO_BRANCH: Final = (
     f"To make another branch, go back with {STEP_BACK} or {EPISODE_BACK} and change something."
 )
 NO_CHANGE: Final = "Nothing was changed in this branch."
-_MOST_EDITS: Final = 2  # of a stroke that are told
+_MOST_EDITS: Final = 2  # of a stroke that are listed
 _KEYS: Final = "c: compare   tab: changes"
 
 
 class Moment(NamedTuple):
-    """Where to go: to a branch, counted from 0, and there to a step; None: to the moment shown."""
+    """A branch (from 0) and a step in it, None for its current moment."""
 
     branch: int
     step: int | None = None
 
 
 class JournalScreen(Form):
-    """The branches, and the changes in the one under the cursor.
-
-    Answers where to go, or the branch to compare with.
-    """
+    """The branches and their changes. The answer is where to go."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("c", "compare", "compare", id="journal.compare", tooltip="Open the branch as another run."),
@@ -91,7 +88,7 @@ class JournalScreen(Form):
         self.dismiss(Moment(int(id)))
 
     def action_changes(self) -> None:
-        """List the changes of the branch under the cursor, and answer the moment of one."""
+        """List the changes of the branch, and answer the moment of one."""
         branch, name = self.branch, self._timeline.branches[self.branch].name
         if not self.journals[branch]:
             self.tell_about(NO_CHANGE)
@@ -138,11 +135,10 @@ def _branch_row(timeline: Timeline, number: int, lines: Sequence[JournalLine], u
     )
 
 
-_MOST_CHANGES: Final = 4  # of a branch, listed below
+_MOST_CHANGES: Final = 4  # of a branch that are listed
 
 
 def _how_much(lines: Sequence[JournalLine]) -> list[str]:
-    """Return how many changes there are, and how many steps by hand: ``2 changes``, ``61 by hand``."""
     changes, by_hand = sum(not line.by_hand for line in lines), sum(line.by_hand for line in lines)
     settings = [counted(changes, "change")] if changes else []
     steps = [f"{by_hand:,} by hand"] if by_hand else []
@@ -151,7 +147,7 @@ def _how_much(lines: Sequence[JournalLine]) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class JournalLine:
-    """What was done after ``step`` steps; ``by_hand`` counts steps of a person, up to step ``last``."""
+    """A change at ``step``, or ``by_hand`` steps by a person up to ``last``."""
 
     step: int
     last: int
@@ -169,7 +165,7 @@ class JournalLine:
 def journal_lines(
     journal: Sequence[JournalEntry], recipe: Recipe, world: World, glyphs: Glyphs
 ) -> list[JournalLine]:
-    """Return ``journal`` in lines: one a setting and step, one for steps by hand in a row."""
+    """Return ``journal`` as lines, with one per series of steps by hand."""
     lines: list[JournalLine] = []
     for entries in _grouped(journal):
         first, last, change = entries[0].step, entries[-1].step, entries[-1].change
@@ -191,7 +187,6 @@ def journal_lines(
 
 
 def _grouped(journal: Sequence[JournalEntry]) -> Iterator[Sequence[JournalEntry]]:
-    """Yield what one line tells: steps by hand in a row, or what one setting became after the same step."""
     group: list[JournalEntry] = []
     for entry in journal:
         if group and not _goes_on(group[-1], entry):
@@ -224,7 +219,7 @@ def _edited(change: WorldChange) -> str:
 
 
 def _taken(world: World, action: int | str, glyphs: Glyphs) -> str:
-    """Return what an action of a person is called, by its name alone where this world has none such."""
+    """Return the name of a person's action, which this world may not have."""
     names = world.space.action_names
     if isinstance(action, str) and action not in names:
         return action
@@ -249,11 +244,11 @@ _MOMENT: Final = re.compile(rf"([a-z]*)\s*({_NUMBER})", re.ASCII)
 
 
 BRANCHES: Final = "branches"
-"""What is answered where a branch is to be chosen."""
+"""The answer if the person wants to choose a branch."""
 
 
 def goto_form(snapshot: Snapshot, glyphs: Glyphs) -> Form:
-    """Return the question for a moment; it answers a text, of which :func:`parse_goto` makes the command."""
+    """Return the question for a moment, answered by a text for :func:`parse_goto`."""
 
     def read(text: str) -> str:
         if text != BRANCHES:
@@ -290,7 +285,11 @@ def _places(snapshot: Snapshot) -> Iterator[Candidate]:
 
 
 def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
-    """Return where ``text`` points to; raises ValueError saying what was expected."""
+    """Return the command for ``text``.
+
+    Raises:
+        ValueError: It is not a moment of the run.
+    """
     end = snapshot.timeline.current.end
     text = text.strip().lower()
     if text in ("start", "end"):
@@ -312,7 +311,6 @@ def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
 
 
 def _episode(number: int, snapshot: Snapshot) -> GoTo:
-    """Return where an episode begins. How many there are is only known in the present, not in the past."""
     unit = unit_of(snapshot)
     begun = episodes_begun(snapshot)
     if number < 1:
@@ -323,7 +321,7 @@ def _episode(number: int, snapshot: Snapshot) -> GoTo:
 
 
 def unit_of(snapshot: Snapshot) -> str:
-    """Return what the steps of this run come in: episodes, or the sweeps of a planner."""
+    """Return the unit of this run: episode, or sweep for a planner."""
     return "sweep" if snapshot.agent.row.planner else "episode"
 
 

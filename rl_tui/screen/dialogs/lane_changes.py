@@ -1,4 +1,4 @@
-"""What is different in another run beside the one shown, and whether it can be."""
+"""Differences of another run."""
 
 from __future__ import annotations
 
@@ -16,10 +16,7 @@ ALGORITHM = "algorithm"
 
 
 def what_may_differ(recipe: Recipe) -> tuple[str, ...]:
-    """Return ``algorithm`` and the hyper-parameters that count for ``recipe``, those of schedules last.
-
-    What looks ahead, such as γ, is left out where every pull ends its episode.
-    """
+    """Return ``algorithm`` and the settings that count for ``recipe``, those of schedules last."""
     names = [
         name
         for name in parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
@@ -30,9 +27,10 @@ def what_may_differ(recipe: Recipe) -> tuple[str, ...]:
 
 
 def lane_changes(space: FiniteSpace, recipe: Recipe, name: str, value: float | str) -> tuple[Setting, ...]:
-    """Return what makes another run of ``recipe`` that has ``value`` for ``name``.
+    """Return the changes for another run of ``recipe`` with ``value`` for ``name``.
 
-    Raises UserError where that cannot work in ``space`` or is no difference.
+    Raises:
+        UserError: The value does not work in ``space``, or makes no difference.
     """
     setting = SwitchAlgorithm(str(value)) if name == ALGORITHM else SetParameter(name, value)
     changes = settings_for(space, recipe, setting)
@@ -42,10 +40,7 @@ def lane_changes(space: FiniteSpace, recipe: Recipe, name: str, value: float | s
 
 
 def branches_beside(snapshot: Snapshot) -> dict[int, str]:
-    """Return which of its own branches can stand beside the run shown and do not, by number, in words.
-
-    They say what was done there only, and how far it came: ``branch 2: ε 0.3 from step 400 · to step 700``.
-    """
+    """Return the branches that can be opened beside the run, in words."""
     timeline, is_bandit = snapshot.timeline, isinstance(snapshot.world.drawing, Arms)
     unit, here = "pull" if is_bandit else "step", timeline.current.journal
     pasts = [lane.past for lane in snapshot.run_group.lanes if lane.past is not None]

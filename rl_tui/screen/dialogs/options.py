@@ -1,4 +1,4 @@
-"""Every hyper-parameter of the agent with its value, and what it may be."""
+"""The list of all settings of the agent, with their values and meanings."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ _MEANINGS: Final[Mapping[str, str]] = {
     "initial_q": "first estimates",
     "ties": "of equal actions",
 }
-"""What each parameter is, in as few words as the last column has room for: 17 cells."""
+"""The meaning of each parameter in the 17 cells of the last column."""
 
 
 class SettingChoice(Form):
-    """The settings ``names``, sliders first, schedules folded. Answers the name of the one chosen."""
+    """The settings ``names``, sliders first, schedules folded. The answer is the chosen name."""
 
     def __init__(
         self,
@@ -86,7 +86,7 @@ class SettingChoice(Form):
 
 
 class Options(SettingChoice):
-    """All settings that count for the current algorithm and policy; ``change`` is asked to change one."""
+    """All settings that count for the current algorithm and policy."""
 
     def __init__(self, look: Look, recipe: Callable[[], Recipe], change: Callable[[str], None]) -> None:
         def names() -> Sequence[str]:
@@ -97,11 +97,11 @@ class Options(SettingChoice):
         super().__init__("All settings", names, recipe, look.glyphs)
 
     def on_screen_resume(self) -> None:
-        """Show the current values, one of which may have changed."""
+        """Show the current values, which may have changed."""
         self.set_rows(self._rows())
 
     def chosen(self, name: str) -> None:
-        """Ask for another value of the setting; the list stays open."""
+        """Ask for another value, and leave the list open."""
         self._change(name)
 
 
@@ -122,10 +122,7 @@ def _row(name: str, recipe: Recipe, *, another_run: bool) -> Candidate:
 
 
 def in_force(name: str, values: Hyperparameters) -> tuple[str, str]:
-    """Return what is in force of the parameter ``name``, and what that is.
-
-    A schedule that changes nothing is called constant, whatever it would do with a decay.
-    """
+    """Return the current value of the parameter ``name``, and its meaning."""
     for names, moves in ((_STEP_SIZE, alpha_moves(values)), (_EXPLORATION, epsilon_moves(values))):
         if name in names:
             return _scheduled(name, names, values, moves)

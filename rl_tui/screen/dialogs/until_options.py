@@ -1,4 +1,4 @@
-"""The dialog "run until": all conditions in words that fit the agent, and the breakpoints."""
+"""The dialog "run until": conditions for this agent, and the breakpoints."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _VALUE_COLUMNS = 8
 
 
 class Kind(Enum):
-    """Whether an agent, a bandit or a planner is on screen, and what its steps and episodes are called."""
+    """Kind of learner on screen, with the names of its steps and episodes."""
 
     AGENT = "step", "episode"
     BANDIT = "pull", "episode"
@@ -42,10 +42,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class UntilOption:
-    """Something to run until: ``name`` in the list, ``hint`` a sentence about it, or why it is ``refused``.
-
-    ``id`` is the same for what is alike in other runs. ``pair`` is that of a value, −1 otherwise.
-    """
+    """A condition to run until, with the ``pair`` of a value or −1."""
 
     id: str
     event: Event
@@ -56,25 +53,25 @@ class UntilOption:
 
     @property
     def asks(self) -> bool:
-        """Whether a number has to be asked for."""
+        """True if it needs a number."""
         return self.event in (Event.STEP, Event.EPISODE, Event.VALUE)
 
     def until(self, number: float = 0.0) -> Until:
-        """Return the stop condition for the player, with the ``number`` that was asked for."""
+        """Return the stop condition for the player, with the typed ``number``."""
         if self.event is Event.VALUE:
             return Until(self.event, pair=self.pair, threshold=number)
         return Until(self.event, number=int(number)) if self.asks else Until(self.event)
 
 
 def kind_of(snapshot: Snapshot) -> Kind:
-    """Return what is learning, or planning, in ``snapshot``."""
+    """Return the kind of learner in ``snapshot``."""
     if snapshot.agent.row.planner:
         return Kind.PLANNER
     return Kind.BANDIT if isinstance(snapshot.world.drawing, Arms) else Kind.AGENT
 
 
 def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[UntilOption, ...]:
-    """Return all that a run can be run until; ``cursor`` is the pair under a cursor, None without one."""
+    """Return all conditions of a run. ``cursor`` is a pair or None."""
     kind, refused = kind_of(snapshot), snapshot.exact_answer.refused
     step, episode, plans = kind.step, kind.episode, kind is Kind.PLANNER
     rewards = "a planner takes no steps in the world, so there are no rewards" if plans else ""
@@ -128,7 +125,7 @@ def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[Unti
 
 
 def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
-    """Return the prompt for the number of ``option``, one of the options that ask."""
+    """Return the prompt for the number of ``option``, one that asks."""
     if option.event is Event.VALUE:
         return _ask_value(option, snapshot, glyphs)
     kind, step = kind_of(snapshot), snapshot.counters.step
@@ -187,10 +184,7 @@ _KEYS: Final = "del: take away"
 
 
 class UntilChoice(Form):
-    """Conditions to run until, and the breakpoints, which ``toggle`` changes. Answers the chosen condition.
-
-    ``place`` is what is under a cursor. The cursor starts on the option ``remembered``, if it is there.
-    """
+    """Conditions, and the breakpoints, which ``toggle`` changes. The answer is a condition."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("u", "cancel", "back", id="close_until", tooltip="Close without running."),
@@ -222,7 +216,7 @@ class UntilChoice(Form):
             self.set_rows(self._rows(snapshot, self.glyphs))
 
     def choose(self, id: str) -> None:  # noqa: A002
-        """Answer the option, or set or take away the breakpoint."""
+        """Answer the condition, or set or remove the breakpoint."""
         if id in self.options:
             self.dismiss(self.options[id])
         elif id in self._breakpoints:
@@ -231,7 +225,7 @@ class UntilChoice(Form):
             self._toggle(self._place)
 
     def action_remove(self) -> None:
-        """Take the breakpoint under the cursor away."""
+        """Remove the breakpoint under the cursor."""
         if self.at in self._breakpoints:
             self._toggle(self._breakpoints[self.at])
 

@@ -1,4 +1,4 @@
-"""How long nothing is learned, why, and what would help."""
+"""The dialog "why is nothing learned"."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
 _EXPONENT_BELOW: Final = 1e-3
-_COLUMNS: Final = (13, 11, 16, 9)  # what to change, chance, mean and median
+_COLUMNS: Final = (13, 11, 16, 9)  # remedy, chance, mean and median
 EXACT: Final = "w h"
 _SECRET: Final = f"Hidden: it would reveal the arms. {EXACT} shows both."
 _KEPT: Final = f"Hidden: it would reveal the arms ({ANSWER_KEPT})."
@@ -44,7 +44,7 @@ _HEAD: Final = ("instead", "chance", "episodes: mean", "median")
 
 
 class Why(Dialog[Remedy]):
-    """What ``snapshot`` says of the first update, and the remedies in a list. Answers the one chosen."""
+    """The first update in ``snapshot``, and remedies. The answer is one of them."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("Y,q", "cancel", "back", id="close_why", tooltip="Close without a change."),
@@ -58,7 +58,7 @@ class Why(Dialog[Remedy]):
         self._is_composed = False
 
     def compose(self) -> ComposeResult:
-        """Yield what is said, the remedies, and the sentence about the one under the cursor."""
+        """Yield the text, the remedies, and a sentence about one."""
         with self.box("Why is nothing learned?", _CLOSES):
             yield Static(id="said", markup=False)
             yield Static(self._row(_HEAD), classes="hint", id="head", markup=False)
@@ -66,12 +66,12 @@ class Why(Dialog[Remedy]):
             yield Static(classes="hint", id="about", markup=False)
 
     def on_mount(self) -> None:
-        """Show what is known already."""
+        """Show the current snapshot."""
         self._is_composed = True
         self.show(self._snapshot)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show what ``snapshot`` says; the cursor stays where the remedies do."""
+        """Show the text and remedies of ``snapshot``."""
         self._snapshot = snapshot
         if not self._is_composed:
             return
@@ -91,12 +91,12 @@ class Why(Dialog[Remedy]):
                 for setting, each in remedies.items()
             )
             choices.highlighted = 0 if remedies else None
-            choices.focus()  # a list that is not shown has lost it
+            choices.focus()  # a hidden list has lost it
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Say what the setting under the cursor is."""
+        """Describe the setting under the cursor."""
         parameter = PARAMETERS[str(event.option_id)]
-        # one line each, so that the box stays as it is
+        # one line each, so that the box keeps its size
         is_initial = parameter.name == "initial_q"
         about = _STARTS_AGAIN if is_initial else parameter.help.partition(";")[0]
         self.query_one("#about", Static).update(to_ascii(about, self._look.glyphs))
@@ -115,13 +115,13 @@ class Why(Dialog[Remedy]):
 
 
 def remedies_of(snapshot: Snapshot) -> tuple[Remedy, ...]:
-    """Return what would help the run of ``snapshot``; nothing needs to where an estimate has moved."""
+    """Return the remedies for the run, none after an estimate has changed."""
     view = snapshot.answers.first_update
     return () if view is None or view.answer is None or view.has_moved else view.answer.remedies
 
 
 def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
-    """Return what is known of the first update of the run of ``snapshot``, a sentence or two a line."""
+    """Return what is known of the first update, in lines."""
     view = snapshot.answers.first_update
     if view is None:
         return ["Computing in the background …"]
@@ -153,7 +153,7 @@ def _so_far(episodes: int) -> str:
 
 
 def written(number: float, glyphs: Glyphs) -> str:
-    """Return a number with three digits, as panels write it: ``.1``, ``.0139``, ``5.42e-6``, ``>.999``."""
+    """Return a number with three digits: ``.1``, ``.0139``, ``5.42e-6``, ``>.999``."""
     if 0.9995 <= number < 1.0:
         return ">.999"
     is_small = 0.0 < abs(number) < _EXPONENT_BELOW

@@ -1,1 +1,1 @@
-"""What every picture is drawn with: cells, numbers, axes, dots."""
+"""Drawing tools for all panels: cells, numbers, axes, dots."""

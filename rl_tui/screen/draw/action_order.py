@@ -1,7 +1,6 @@
-"""The order in which the screen shows actions: the same in every world that has directions.
+"""The order of actions on screen: ↑ → ↓ ←, then ↗ ↘ ↙ ↖, then staying, then all others.
 
-Every world numbers its actions in its own order: lakes ← ↓ → ↑, the cliff ↑ → ↓ ←. Files and ties keep that.
-The screen shows ↑ → ↓ ←, then ↗ ↘ ↙ ↖, then staying, then all other actions.
+Worlds number their actions differently. Files and ties keep these numbers.
 """
 
 from __future__ import annotations
@@ -25,19 +24,19 @@ _PLACES: Final[dict[Direction | None, int]] = {step: place for place, step in en
 
 
 def shown_order(world: World) -> tuple[int, ...]:
-    """Return the numbers of all actions of ``world`` in the order in which they are shown."""
+    """Return all actions of ``world`` in the order of the screen."""
     return order_of(world.space, world.drawing)
 
 
 def order_of(space: FiniteSpace, drawing: Drawing) -> tuple[int, ...]:
-    """Return the same where only the space and the drawing of a world are at hand."""
+    """Return :func:`shown_order` from the space and the drawing of a world."""
     if isinstance(drawing, Grid):
         return _order(drawing.directions)
     return tuple(range(len(space.action_names)))
 
 
 def shown_place(world: World, action: int) -> int:
-    """Return where ``action`` comes in that order, from 0, to sort by; an unknown one (< 0) comes last."""
+    """Return the index of ``action`` in that order. Unknown actions (< 0) come last."""
     if action < 0:
         return len(world.space.action_names)
     drawing = world.drawing
@@ -45,7 +44,7 @@ def shown_place(world: World, action: int) -> int:
 
 
 def shown_pairs(world: World, pairs: Iterable[int]) -> list[int]:
-    """Return ``pairs``, all of one state, in the order in which their actions are shown."""
+    """Return ``pairs`` of one state in the order of the screen."""
     listed = list(pairs)
     if not isinstance(world.drawing, Grid):
         return sorted(listed)
@@ -54,7 +53,7 @@ def shown_pairs(world: World, pairs: Iterable[int]) -> list[int]:
 
 
 def shown_outcomes(world: World, mdp: TabularMDP, pair: int) -> list[int]:
-    """Return the outcomes of ``pair`` in the order of the actions that really happen in them."""
+    """Return the outcomes of ``pair``, ordered by the actions that really happen."""
     return sorted(mdp.outcomes_of(pair), key=lambda each: shown_place(world, int(mdp.outcome_action[each])))
 
 

@@ -1,4 +1,4 @@
-"""The axes of a chart, and the rows of labels beside its lines."""
+"""The axes of a chart, and rows for the labels beside its lines."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from rl_tui.screen.draw.scale import Scale, tick_label, tick_step
 from rl_tui.screen.theme.look import Look
 
 _LEAST_LABEL: Final = 3
-_LEAST_APART: Final = 2  # rows between two labels at the left; from the next on one more or less is even
+_LEAST_APART: Final = 2  # rows between two labels at the left; from there on uneven gaps hardly show
 _GAP: Final = 2  # columns between two labels below
 
 
 def value_axis_columns(scale: Scale, look: Look) -> int:
-    """Return how many columns the vertical axis takes with its labels."""
+    """Return the columns of the vertical axis with its labels."""
     return 1 + max(_LEAST_LABEL, *(len(tick_label(each, scale.step, look.glyphs)) for each in scale.ticks))
 
 
 def draw_value_axis(canvas: Canvas, plot: Plot, look: Look) -> None:
-    """Draw the vertical axis; labels between its ends only where all are evenly spaced, else 0."""
+    """Draw the vertical axis, with inner labels only if all are evenly spaced."""
     glyphs, style = look.glyphs, look.palette.dim
     axis = plot.left - 1
     for row in range(plot.rows):
@@ -47,7 +47,7 @@ def _labelled(plot: Plot) -> list[float]:
 def draw_count_axis(
     canvas: Canvas, plot: Plot, last: float, most: int, unit: str, look: Look, step: float | None = None
 ) -> None:
-    """Draw the horizontal axis with ``unit``, and ``most`` labels up to ``last``, or one every ``step``."""
+    """Draw the horizontal axis with ``unit`` and up to ``most`` labels, or one per ``step``."""
     glyphs, style = look.glyphs, look.palette.dim
     canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
     place = min(plot.left + plot.columns, canvas.width - len(unit))
@@ -57,7 +57,7 @@ def draw_count_axis(
     for number in range(int(last / step + 1e-9) + 1):
         short = tick_label(number * step, step, glyphs)
         text, column = f"{int(short):,}" if short.isdigit() else short, plot.column(number * step)
-        # the last one may stand at the very end, where only its left half has room
+        # The last label may touch the end, where only its left half would fit
         start = min(max(0, column - len(text) // 2), end - len(text) if column <= end else column)
         if start >= free and start + len(text) <= end:
             canvas.put(plot.left + start, plot.rows, text, style)
@@ -68,7 +68,7 @@ def draw_count_axis(
 
 
 def apart(wanted: Sequence[int], rows: int) -> list[int]:
-    """Return a row of its own for each of ``wanted`` (ascending), moved as little as possible."""
+    """Return a separate row for each of ``wanted`` (ascending), with the fewest moves."""
     reach = len(wanted)
     placed: dict[int, tuple[int, tuple[int, ...]]] = {-1: (0, ())}  # by the row of the last: moves, rows
     for row in wanted:

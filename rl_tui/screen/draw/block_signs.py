@@ -1,7 +1,6 @@
-"""Signs in quadrant blocks, drawn by a rule at any size, and numbers three rows high.
+"""Signs in quadrant blocks at any size, and numbers three rows high.
 
-A sign is a predicate of x (right) and y (down), both from −1 to 1 in the largest square in the middle. A
-quarter of a character is filled where the sign holds at half of 4 × 4 points in it.
+A sign is a predicate of x (right) and y (down), both from −1 to 1 in the largest centred square.
 """
 
 from __future__ import annotations
@@ -12,13 +11,13 @@ from functools import lru_cache, partial
 from typing import Final, Literal
 
 Direction = tuple[int, int]  # rows down and columns right, −1, 0 or 1 each
-Sign = Direction | str  # how an action is drawn: the arrow of its direction, or a letter
+Sign = Direction | str  # an arrow by its direction, or a letter
 SignName = Literal["arrow", "heads", "disc", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
 
 QUADRANTS: Final = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # by bits: upper left, upper right, lower left, lower right
 _HALVES: Final = " ▀▄█"  # by bits: upper, lower
-_PIXELS: Final = {  # five rows from above, three pixels each, as octal digits; a point has only the last
+_PIXELS: Final = {  # five rows from above, three pixels each, as octal digits; a point is one pixel wide
     "0": "75557",
     "1": "62227",
     "2": "71747",
@@ -37,12 +36,12 @@ _PIXELS: Final = {  # five rows from above, three pixels each, as octal digits; 
 _POINTS: Final = 4
 _LEAST_SHAFT: Final = 6  # rows; a shorter arrow is all head
 _SHAFT: Final = 0.32
-_LOW: Final = 3  # rows of a sign whose heads are larger for their size
+_LOW: Final = 3  # rows of a sign that needs relatively larger heads
 
 
 @lru_cache(1_024)
 def block_sign(name: SignName, columns: int, rows: int, *directions: Direction) -> tuple[str, ...]:
-    """Return the ``rows`` of a sign, ``columns`` characters each; arrows and heads have ``directions``."""
+    """Return the ``rows`` of a sign. ``directions`` are those of arrows and heads."""
     inside = _shape(name, directions, rows)
     unit = min(columns / 2, rows)
     points = [(point + 0.5) / (2 * _POINTS) for point in range(2 * _POINTS)]
@@ -64,7 +63,7 @@ def block_sign(name: SignName, columns: int, rows: int, *directions: Direction) 
 
 @lru_cache(1_024)
 def block_number(text: str) -> tuple[str, ...]:
-    """Return the three rows of a number in half blocks; empty if any character has none."""
+    """Return a number in three rows of half blocks, or none if impossible."""
     head, point, tail = text.partition(".")
     if point and head.lstrip("−") == "0":
         text = f"{head[:-1]}.{tail}"
@@ -82,13 +81,13 @@ def block_number(text: str) -> tuple[str, ...]:
 
 
 def block_numbers(texts: Iterable[str], width: int) -> dict[str, tuple[str, ...]]:
-    """Return the rows of each number in blocks; empty if any of them is wider than ``width``."""
+    """Return the rows of each number in blocks, or none if one does not fit."""
     found = {text: block_number(text) for text in texts}
     return found if all(0 < len("".join(rows[:1])) <= width for rows in found.values()) else {}
 
 
 def sign_size(width: int, height: int) -> tuple[int, int]:
-    """Return the columns and rows of an arrow in a cell of that size, at least 3 rows high."""
+    """Return columns and rows of an arrow in a cell at least 3 rows high."""
     rows = 2 if height == 3 else 3 if height <= 6 else round(0.6 * height)
     rows = min(rows, (width - 3) // 2)
     return 2 * rows, rows
@@ -127,7 +126,6 @@ def _arrow(down: int, right: int, rows: int) -> _Inside:
 
 
 def _head(x: float, y: float, rows: int, down: int, right: int) -> bool:
-    """Return whether the point is in one of several small triangles that do not touch."""
     along, beside = x * right + y * down, abs(x * down) + abs(y * right)
     if down and right:
         return 0.3 <= x * right <= 1 and 0.3 <= y * down <= 1 and along >= 1.2
@@ -137,7 +135,7 @@ def _head(x: float, y: float, rows: int, down: int, right: int) -> bool:
 def _star(x: float, y: float) -> bool:
     fifth, inner, outer = 2 * math.pi / 5, 0.42, 1.05
     radius, angle = math.hypot(x, y + 0.05), math.atan2(x, -y - 0.05) % fifth
-    angle = abs(angle - fifth / 2)  # from the notch between two tips, at which it is 0
+    angle = abs(angle - fifth / 2)  # measured from the notch between two tips
     tip_x, tip_y = outer * math.cos(fifth / 2), outer * math.sin(fifth / 2)
     from_notch = radius * math.cos(angle) - inner
     return (tip_x - inner) * radius * math.sin(angle) - tip_y * from_notch >= -1e-9

@@ -1,4 +1,4 @@
-"""Curves as dots: numpy min/max decimation, then eight dots to a braille character."""
+"""Curves as dots, with eight dots to a braille character."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ DOTS_ACROSS: Final = 2
 DOTS_DOWN: Final = 4
 BLANK: Final = 0x2800
 _TURN: Final = 2  # columns in which one of several lines in the same cells is seen
-# The bit of each dot in the Unicode block "Braille Patterns", [row in the cell][column in the cell]
+# Bits of the dots in the Unicode block "Braille Patterns", [row in the cell][column in the cell]
 _BITS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], dtype=np.uint8)
 
 
 class Steps(NamedTuple):
-    """A function that is constant on each of N intervals, between ``low`` and ``high``; NaN is a gap."""
+    """A function between ``low`` and ``high`` on each of N intervals, [N] each. NaN is a gap."""
 
     start: FloatArray
     end: FloatArray
@@ -29,14 +29,18 @@ NO_STEPS: Final = Steps(*(np.empty(0) for _ in Steps._fields))
 
 
 class Span(NamedTuple):
-    """The dots from row ``top`` down to ``bottom`` of each dot column, [C]; none if top > bottom."""
+    """First and last dot row of each dot column, [C]. Empty columns have top > bottom."""
 
     top: IntArray
     bottom: IntArray
 
 
 def decimated(steps: Steps, right: float, columns: int) -> tuple[FloatArray, FloatArray]:
-    """Return the least and the largest value in each of ``columns`` parts, [C] each; +∞ and −∞ for none."""
+    """Return the least and the largest value in each of ``columns`` parts of 0 .. ``right``.
+
+    Returns:
+        Two arrays [columns], with +∞ and −∞ in a part without values.
+    """
     low, high = np.full(columns, np.inf), np.full(columns, -np.inf)
     if not len(steps.start):
         return low, high
@@ -45,7 +49,7 @@ def decimated(steps: Steps, right: float, columns: int) -> tuple[FloatArray, Flo
     behind = np.searchsorted(steps.start, edges[1:], side="left")
     touched = np.flatnonzero(first < behind)
     if len(touched):
-        # reduceat takes pairs (first, behind); what lies between two pairs is reduced too and thrown away
+        # reduceat takes pairs (first, behind); the results between two pairs are discarded
         bounds = np.column_stack((first[touched], behind[touched])).ravel()
         low[touched] = np.minimum.reduceat(_padded(steps.low, np.inf), bounds)[::2]
         high[touched] = np.maximum.reduceat(_padded(steps.high, -np.inf), bounds)[::2]
@@ -57,7 +61,7 @@ def _padded(values: FloatArray, filling: float) -> FloatArray:
 
 
 def span(low: FloatArray, high: FloatArray, bottom: float, top: float, dots: int) -> Span:
-    """Return which of ``dots`` rows, row 0 at ``top`` and the last at ``bottom``, the values take."""
+    """Return the dot rows of ``low`` to ``high``, [C] each, in ``dots`` rows from ``top`` down."""
     scale = (dots - 1) / (top - bottom)
     empty = low > high
     with np.errstate(invalid="ignore"):
@@ -69,7 +73,7 @@ def span(low: FloatArray, high: FloatArray, bottom: float, top: float, dots: int
 
 
 def joined(line: Span) -> Span:
-    """Return ``line`` with every column reaching up or down to the one before it."""
+    """Return ``line`` with each column extended to meet the one before it."""
     top, bottom = line.top.copy(), line.bottom.copy()
     both = (line.top[1:] <= line.bottom[1:]) & (line.top[:-1] <= line.bottom[:-1])
     falls = both & (line.top[1:] > line.bottom[:-1] + 1)
@@ -86,7 +90,7 @@ def dots_of(line: Span, dots: int) -> BoolArray:
 
 
 def braille_codes(dots: BoolArray) -> IntArray:
-    """Return the code points of the characters that show ``dots``, whose sides are multiples of 4 and 2."""
+    """Return the code points of the characters for ``dots``, [rows / 4, columns / 2]."""
     codes = np.zeros((dots.shape[0] // DOTS_DOWN, dots.shape[1] // DOTS_ACROSS), dtype=np.uint8)
     for row in range(DOTS_DOWN):
         for column in range(DOTS_ACROSS):

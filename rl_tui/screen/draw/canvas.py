@@ -1,7 +1,4 @@
-"""Text drawing in character cells: a sheet to draw on, and styled lines fitted to a width.
-
-All positions and widths are in terminal cells. A wide character takes two.
-"""
+"""Drawing in character cells: a canvas, and styled lines fitted to a width."""
 
 from __future__ import annotations
 
@@ -22,7 +19,7 @@ from rl_tui.screen.theme.look import Look
 
 
 class Canvas:
-    """Width × height cells, blank at first. Whatever would stand outside is left out."""
+    """Width × height cells, blank at first. Everything outside is clipped."""
 
     def __init__(self, width: int, height: int, style: Style) -> None:
         self.width = width
@@ -46,35 +43,35 @@ class Canvas:
         self._styles[y][x : x + len(cells)] = [style] * len(cells)
 
     def put_cells(self, x: int, y: int, characters: str, styles: Sequence[Style]) -> None:
-        """Write ``characters`` of one cell each, every one in its own of ``styles``."""
+        """Write ``characters`` of one cell each, each in its own style."""
         if inside := self._inside(x, y, len(characters)):
             there, part = slice(inside.start, inside.stop), slice(inside.start - x, inside.stop - x)
             self._characters[y][there], self._styles[y][there] = characters[part], styles[part]
 
     def is_blank(self, x: int, y: int, length: int) -> bool:
-        """Return whether nothing was written yet in ``length`` cells of row ``y`` from column ``x`` on."""
+        """Return True if these cells of row ``y`` are inside and blank."""
         return (
             len(self._inside(x, y, length)) == length
             and self._characters[y][x : x + length] == [" "] * length
         )
 
     def at(self, x: int, y: int) -> str:
-        """Return what stands at column ``x`` of row ``y``, both inside."""
+        """Return the character at column ``x`` of row ``y``, both inside."""
         return self._characters[y][x]
 
     def put_over(self, x: int, y: int, text: str, style: Style) -> None:
-        """Write ``text``, one cell a character, in the styles that are there, each with ``style`` over it."""
+        """Write ``text``, one cell per character, and add ``style`` to the cells' styles."""
         for place in self._inside(x, y, len(text)):
             self.put(place, y, text[place - x], self._styles[y][place] + style)
 
     def put_where_blank(self, x: int, y: int, text: str, style: Style) -> None:
-        """Write those characters of ``text``, one cell each, in whose place nothing was written yet."""
+        """Write the characters of ``text``, one cell each, but only over blanks."""
         for place in self._inside(x, y, len(text)):
             if self._characters[y][place] == " ":
                 self._characters[y][place], self._styles[y][place] = text[place - x], style
 
     def restyle(self, x: int, y: int, length: int, style: Style) -> None:
-        """Lay ``style`` over ``length`` cells of row ``y`` from column ``x`` on."""
+        """Add ``style`` to ``length`` cells of row ``y`` from column ``x`` on."""
         for place in self._inside(x, y, length):
             self._styles[y][place] += style
 
@@ -82,7 +79,7 @@ class Canvas:
         return range(max(0, x), min(x + length, self.width) if 0 <= y < self.height else max(0, x))
 
     def strips(self) -> list[Strip]:
-        """Return the rows, neighbours of one style joined."""
+        """Return the rows as strips, with a segment per style."""
         strips = []
         for characters, styles in zip(self._characters, self._styles, strict=True):
             segments, x = [], 0
@@ -95,7 +92,6 @@ class Canvas:
 
 
 def _cells(text: str) -> list[str]:
-    """Return one string a cell; a character that takes two cells is followed by an empty one."""
     cells: list[str] = []
     for character in text:
         width = cell_len(character)
@@ -106,7 +102,7 @@ def _cells(text: str) -> list[str]:
     return cells
 
 
-Drawn = list[list[Segment]]  # the rows of a piece of a picture, such as a cell of a map
+Drawn = list[list[Segment]]  # rows of a piece of a picture
 
 
 def strips_of_row(cells: Sequence[Drawn], width: int, style: Style) -> tuple[Strip, ...]:
@@ -128,7 +124,7 @@ def _joined(segments: Iterable[Segment]) -> Iterator[Segment]:
 
 
 def shortened(text: str, width: int, ellipsis: str) -> str:
-    """Return ``text``, ended by ``ellipsis`` where it would take more than ``width`` cells."""
+    """Return ``text``, shortened by ``ellipsis`` to ``width`` cells."""
     if cell_len(text) <= width:
         return text
     room = width - cell_len(ellipsis)
@@ -138,7 +134,7 @@ def shortened(text: str, width: int, ellipsis: str) -> str:
 
 
 def centred(text: str, width: int) -> str:
-    """Return ``text`` in the middle of ``width`` cells, rather left than right of it."""
+    """Return ``text`` centred in ``width`` cells, rather left than right."""
     before = max(0, width - len(text)) // 2
     return (" " * before + text).ljust(width)
 
@@ -146,17 +142,17 @@ def centred(text: str, width: int) -> str:
 # Lines of styled pieces
 
 
-KEPT_BLANK: Final = "\x1f"  # in texts to be wrapped: a blank at which no line ends
+KEPT_BLANK: Final = "\x1f"  # a blank in texts to be wrapped at which no line ends
 
 
 def kept(text: str) -> str:
-    """Return ``text`` so that :func:`wrapped` ends no line within it."""
+    """Return ``text`` so that :func:`wrapped` keeps it on one line."""
     return text.replace(" ", KEPT_BLANK)
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A text that is shown whole or not at all; blanks at its start set it off from the one before."""
+    """A text that is shown whole or not at all."""
 
     text: str
     style: Style
@@ -173,12 +169,12 @@ def spelled(line: Line, look: Look) -> list[Piece]:
 
 
 def length(line: Line) -> int:
-    """Return how many cells ``line`` takes."""
+    """Return the number of cells of ``line``."""
     return sum(cell_len(piece.text) for piece in line)
 
 
 def fitted(line: Line, width: int, look: Look) -> list[Piece]:
-    """Return the first pieces of ``line`` that fit into ``width`` cells; the first shortened if need be."""
+    """Return the leading pieces of ``line`` that fit into ``width`` cells."""
     kept: list[Piece] = []
     room = width
     for piece in spelled(line, look):
@@ -192,7 +188,7 @@ def fitted(line: Line, width: int, look: Look) -> list[Piece]:
 
 
 def first_that_fits(forms: Iterable[Line], width: int, look: Look) -> Line:
-    """Return the first of ``forms``, longest first, that fits into ``width`` cells, else the last."""
+    """Return the first of ``forms`` (longest first) that fits, else the last."""
     form: Line = ()
     for form in forms:
         if length(spelled(form, look)) <= width:
@@ -201,7 +197,7 @@ def first_that_fits(forms: Iterable[Line], width: int, look: Look) -> Line:
 
 
 def strips_of(lines: Sequence[Line], width: int, height: int, look: Look) -> list[Strip]:
-    """Return the first ``height`` of ``lines`` as strips, blank ones below them."""
+    """Return the first ``height`` of ``lines`` as strips, padded with blank ones."""
     canvas = Canvas(width, height, look.palette.text)
     for y, line in enumerate(lines[:height]):
         x = 0
@@ -214,10 +210,7 @@ def strips_of(lines: Sequence[Line], width: int, height: int, look: Look) -> lis
 def wrapped(
     text: str, width: int, style: Style, look: Look, first: str = "", rest: str = ""
 ) -> list[list[Piece]]:
-    """Return ``text`` as lines of at most ``width`` cells, broken at blanks but not at KEPT_BLANK.
-
-    ``first`` stands before the first line, ``rest`` before the others.
-    """
+    """Return ``text`` as lines of at most ``width`` cells, after ``first`` or ``rest``."""
     lines: list[str] = []
     current = first
     is_begun = False

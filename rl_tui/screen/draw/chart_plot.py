@@ -1,4 +1,4 @@
-"""Where values and episodes of a chart stand among its cells and dots."""
+"""Conversion of values and episodes to the cells and dots of a chart."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class Plot(NamedTuple):
-    """Where the curves are: from column ``left``, ``columns`` × ``rows`` cells, episodes 0 .. ``right``."""
+    """The area of the curves: first column, size in cells, and episodes 0 .. ``right``."""
 
     left: int
     columns: int
@@ -24,46 +24,46 @@ class Plot(NamedTuple):
 
     @property
     def top(self) -> float:
-        """The value of the uppermost dot; the highest label has the lowest dots of its row."""
+        """The value of the uppermost dot."""
         above = braille.DOTS_DOWN - 1 if self.rows > 1 else 0
         per_dot = (self.scale.high - self.scale.low) / (self.rows * braille.DOTS_DOWN - 1 - above)
         return self.scale.high + above * per_dot
 
     def column(self, episode: float) -> int:
-        """Return the column, from 0, of an episode."""
+        """Return the column of an episode, from 0."""
         return int(episode / self.right * self.columns)
 
     def ends_of_columns(self, finished: float) -> FloatArray:
-        """Return the last whole episode in each column, [columns], of so many; NaN where none begins."""
+        """Return the last episode of each column, [columns], NaN after ``finished``."""
         edges = np.arange(self.columns + 1) * (self.right / self.columns)
         ends = np.clip(np.ceil(edges[1:] - 1e-9), 1.0, max(1.0, finished))
         return np.where(edges[:-1] < finished, ends, np.nan)
 
     def row(self, value: float) -> int:
-        """Return the row of ``value``, the last one for all below the axis."""
+        """Return the row of ``value``, within the chart."""
         last = self.rows * braille.DOTS_DOWN - 1
         dot = round((self.top - max(value, self.scale.low)) / (self.top - self.scale.low) * last)
         return min(max(dot, 0), last) // braille.DOTS_DOWN
 
     def braille_line(self, line: Steps) -> IntArray:
-        """Return the characters of ``line``, [rows, columns], braille.BLANK where it does not go."""
+        """Return the code points of ``line``, [rows, columns]."""
         columns, rows = self.columns * braille.DOTS_ACROSS, self.rows * braille.DOTS_DOWN
         return braille.braille_codes(self.line_dots(line, columns, rows))
 
     def halves(self, line: Steps) -> IntArray:
-        """Return which half of a cell ``line`` takes, [rows, columns]: 1 the upper, 2 the lower, 3 both."""
+        """Return the halves of cells that ``line`` takes, [rows, columns]: 1 upper, 2 lower, 3 both."""
         halves = self.line_dots(line, self.columns, 2 * self.rows).astype(np.int64)
         return halves[::2] + 2 * halves[1::2]
 
     def below(self, line: Steps) -> BoolArray:
-        """Return the columns, [columns], in which ``line`` goes below the axis."""
+        """Return True for each column, [columns], in which ``line`` goes below the axis."""
         if not (line.low < self.scale.low).any():
             return np.zeros(self.columns, dtype=np.bool_)
         rows = self.rows * braille.DOTS_DOWN
         return np.asarray(self._span(line, self.columns, rows).bottom >= rows)
 
     def has_gap(self, line: Steps) -> bool:
-        """Return whether ``line`` is missing in a column between its start and its end."""
+        """Return True if ``line`` has a gap between its start and its end."""
         if not len(line.end):
             return False
         low, high = braille.decimated(line, self.right, self.columns)
@@ -71,11 +71,11 @@ class Plot(NamedTuple):
         return bool((low > high)[self.column(float(line.start[0])) : behind].any())
 
     def line_dots(self, line: Steps, columns: int, rows: int) -> BoolArray:
-        """Return the dots of ``line`` where there are columns × rows of them, [rows, columns]."""
+        """Return the dots of ``line`` on columns × rows dots, as [rows, columns]."""
         return braille.dots_of(braille.joined(self._span(line, columns, rows)), rows)
 
     def filled_dots(self, band: Steps, columns: int, rows: int) -> BoolArray:
-        """Return the dots from the lowest to the highest of ``band``, as :meth:`line_dots` does."""
+        """Return the dots between the bounds of ``band``, as [rows, columns]."""
         return braille.dots_of(self._span(band, columns, rows), rows)
 
     def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:

@@ -1,4 +1,4 @@
-"""How states, actions, pairs, chances and breakpoints are called in running text."""
+"""Names of states, actions, pairs, probabilities and breakpoints in running text."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rl_tui.worlds.drawing import Arms, CellKind, Grid
 from rl_tui.worlds.world import World
 
 LONGEST_NAME: Final = 14
-DEPENDS: Final = "?"  # a probability or reward that depends on the steps before
+DEPENDS: Final = "?"  # a probability or reward that depends on earlier steps
 DEPENDS_IN_FULL: Final = "depends on how you came here"
 _LARGEST_DENOMINATOR: Final = 12
 COUNTED: Final = ", counted from 0"
@@ -27,12 +27,12 @@ def state_name(world: World, state: int, glyphs: Glyphs) -> str:
 
 
 def with_minus(name: str, glyphs: Glyphs) -> str:
-    """Return ``name`` with the minus of other numbers on screen before its own: ``−0.5, 0.01``."""
+    """Return ``name`` with the minus sign of the screen: ``−0.5, 0.01``."""
     return _SIGN.sub(glyphs.minus, name)
 
 
 def action_name(world: World, action: int, glyphs: Glyphs) -> str:
-    """Return the arrow of ``action`` where it is a direction on a grid, its name (shortened) elsewhere."""
+    """Return the arrow of ``action`` on a grid, else its name, shortened."""
     if isinstance(world.drawing, Grid):
         direction = world.drawing.directions[action]
         if direction is not None:
@@ -41,12 +41,12 @@ def action_name(world: World, action: int, glyphs: Glyphs) -> str:
 
 
 def is_direction(world: World, action: int) -> bool:
-    """Return whether ``action`` is a direction on a grid, so that its name is an arrow."""
+    """Return True if the name of ``action`` is an arrow."""
     return isinstance(world.drawing, Grid) and world.drawing.directions[action] is not None
 
 
 def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
-    """Return ``6,←`` for the arguments of Q; an arm of a bandit has no state."""
+    """Return the arguments of Q, such as ``6,←``, or the arm of a bandit."""
     action = action_name(world, int(world.space.pair_action[pair]), glyphs)
     if isinstance(world.drawing, Arms):
         return action
@@ -54,7 +54,7 @@ def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
 
 
 def place(world: World, state: int) -> str:
-    """Return ``row 1, column 2, counted from 0`` on a grid; empty where the state's name says where it is."""
+    """Return ``row 1, column 2, counted from 0`` on a grid of numbered states, else ""."""
     if not isinstance(world.drawing, Grid) or not world.space.state_names[state].isdecimal():
         return ""
     row, column = divmod(world.drawing.cell_of_state[state], world.drawing.columns)
@@ -62,12 +62,12 @@ def place(world: World, state: int) -> str:
 
 
 def is_word(name: str) -> bool:
-    """Return whether the ``name`` of a state is a word: ``lost``."""
+    """Return True if ``name`` is a word, such as ``lost``."""
     return len(name) > 1 and name.isalpha()
 
 
 def landmark(world: World, state: int) -> str:
-    """Return ``hole``, ``cliff`` or ``goal`` where ``state`` is one on a grid; empty elsewhere."""
+    """Return ``hole``, ``cliff`` or ``goal`` if ``state`` is one, else ""."""
     if isinstance(world.drawing, Grid) and not is_word(world.space.state_names[state]):
         kind = world.drawing.kinds[world.drawing.cell_of_state[state]]
         if kind in (CellKind.HOLE, CellKind.CLIFF, CellKind.GOAL):
@@ -87,17 +87,17 @@ def chance(probability: float, glyphs: Glyphs) -> str:
 
 
 def estimate_name(world: World, pair: int, glyphs: Glyphs) -> str:
-    """Return ``Q(6,←)``, of a bandit ``Q(3)``."""
+    """Return ``Q(6,←)``, or ``Q(3)`` for a bandit."""
     return f"Q({pair_name(world, pair, glyphs)})"
 
 
 def pair_in_words(world: World, pair: int, glyphs: Glyphs) -> str:
-    """Return the pair as a place to stop at: ``6,←``; of a bandit ``arm 3``."""
+    """Return the pair as a breakpoint: ``6,←``, or ``arm 3`` for a bandit."""
     name = pair_name(world, pair, glyphs)
     return f"arm {name}" if isinstance(world.drawing, Arms) else name
 
 
 def breakpoint_names(world: World, breakpoints: Breakpoints, glyphs: Glyphs) -> list[str]:
-    """Return what each of the breakpoints is called, states first: ``state 6``, ``4,←``."""
+    """Return the names of the breakpoints, states first: ``state 6``, ``4,←``."""
     names = [f"state {state_name(world, state, glyphs)}" for state in sorted(breakpoints.states)]
     return names + [pair_in_words(world, pair, glyphs) for pair in sorted(breakpoints.pairs)]

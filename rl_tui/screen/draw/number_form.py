@@ -1,7 +1,6 @@
-"""One form for all numbers of a panel: as many decimals as most of them have room for.
+"""One form for all numbers of a panel, with as many decimals as fit most of them.
 
-Numbers too large for it have fewer decimals: ``−1`` and ``1.0`` beside ``.94``. A small number that would
-round to zero is written ``<.01``, or ``0⁺`` without room. Exponents are for panels of small numbers only.
+Larger numbers get fewer decimals. A small one that would round to zero is ``<.01`` or ``0⁺``.
 """
 
 from __future__ import annotations
@@ -17,17 +16,14 @@ from rl_tui.screen.draw.precision import leading_zeros
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
-_BULK: Final = 0.8  # the share of numbers for which decimals must have room; others are written shorter
-_AT_EASE: Final = 1.1  # so many times larger numbers must fit too before a form gets finer again
-_BULK_AT_EASE: Final = 0.9  # and so large a share of them
+_BULK: Final = 0.8  # share of the numbers whose decimals must fit; others are shortened
+_AT_EASE: Final = 1.1  # a form gets finer only if numbers larger by this factor fit too
+_BULK_AT_EASE: Final = 0.9  # and if this share of them fits
 Values = Sequence[float] | FloatArray
 
 
 class NumberForm(NamedTuple):
-    """How the numbers of a panel are written, in at most ``width`` cells each.
-
-    ``cells`` are what the longest number takes, ``marks_by_bound`` says that there is room for ``<.01``.
-    """
+    """How a panel writes its numbers, in at most ``width`` cells each."""
 
     width: int
     decimals: int
@@ -38,11 +34,11 @@ class NumberForm(NamedTuple):
 
     @property
     def fineness(self) -> tuple[bool, int]:
-        """How small a number this form shows, to compare with others."""
+        """A key that compares forms: finer forms show smaller numbers."""
         return self.has_exponent, self.decimals
 
     def text(self, x: float, glyphs: Glyphs = UNICODE) -> str:
-        """Return ``x`` in this form; what is too large for it in the longest form that fits."""
+        """Return ``x`` in this form, or in the longest form that fits."""
         if not math.isfinite(x):
             return numbers.value(x, self.width, glyphs)
         if abs(x) < numbers.NEGLIGIBLE:
@@ -65,7 +61,6 @@ class NumberForm(NamedTuple):
         return f"{glyphs.minus if x < 0.0 else ''}{mantissa}e{int(exponent)}"
 
     def _fraction(self, x: float, glyphs: Glyphs) -> str:
-        """Return a number between −1 and 1 with at least one decimal; shortened it never becomes ±1."""
         text = ""
         for decimals in range(self.shown_decimals, 0, -1):
             nearest = math.copysign(min(abs(x), 1.0 - 10.0**-decimals), x)
@@ -76,7 +71,7 @@ class NumberForm(NamedTuple):
 
     @property
     def shown_decimals(self) -> int:
-        """The decimals of fractions: one among whole numbers too."""
+        """The decimals of fractions: at least one, even among whole numbers."""
         return max(1, self.decimals)
 
     def _tiny(self, x: float, glyphs: Glyphs) -> str:
@@ -88,26 +83,23 @@ class NumberForm(NamedTuple):
 
 
 class SteadyForms:
-    """The forms of a panel, so that its columns do not jump while numbers change.
-
-    A form gets coarser or wider as soon as it must, and finer only where larger numbers fit too.
-    """
+    """The forms of a panel, kept steady so that columns do not jump."""
 
     def __init__(self) -> None:
         self._forms: dict[Hashable, NumberForm] = {}
 
     def clear(self) -> None:
-        """Forget all forms: another run begins."""
+        """Forget all forms, because another run begins."""
         self._forms.clear()
 
     def form(self, key: Hashable, values: Values, width: int, most: int = numbers.DECIMALS) -> NumberForm:
-        """Return what :func:`number_form` does, or the form that was in force under ``key``."""
+        """Return :func:`number_form`, or the earlier form under ``key`` if it still fits."""
         form, before = number_form(values, width, most), self._forms.get(key)
         if before is not None and before.width == width:
             if form.fineness > before.fineness:
                 at_ease = _form(_AT_EASE * np.asarray(values), width, most, _BULK_AT_EASE)
                 form = at_ease if at_ease.fineness > before.fineness else before
-            form = form._replace(cells=max(form.cells, before.cells))  # what took more cells may come again
+            form = form._replace(cells=max(form.cells, before.cells))  # longer numbers may come again
             if form.fineness == before.fineness:
                 form = form._replace(
                     leading_zero=form.leading_zero and before.leading_zero,
@@ -120,8 +112,7 @@ class SteadyForms:
 def number_form(values: Values, width: int, most: int = numbers.DECIMALS) -> NumberForm:
     """Return the form for the finite ``values`` in ``width`` cells.
 
-    It has ``most`` decimals where four of five numbers have room for them, more where all are below .01, and
-    an exponent where the largest would not be seen otherwise.
+    It has ``most`` decimals if they fit four of five numbers, more if all are below .01.
     """
     return _form(np.asarray(values, dtype=np.float64), width, most, _BULK)
 

@@ -1,4 +1,4 @@
-"""Numbers for people: never wider than their room, and never a small number passed off as zero."""
+"""Numbers for people, never wider than their space."""
 
 from __future__ import annotations
 
@@ -9,21 +9,18 @@ from typing import Final
 from rl_tui.screen.theme.glyphs import UNICODE, Glyphs
 
 DECIMALS: Final = 3
-NEGLIGIBLE: Final = 1e-9  # exact answers are good to this, so differences below it say nothing
+NEGLIGIBLE: Final = 1e-9  # precision of the exact answers; smaller differences mean nothing
 ROOM_FOR_ZERO: Final = 5  # from this width on fractions are written 0.54, below it .54
 _COMMA_FROM: Final = 10_000
-_FIGURE_DECIMALS: Final = ((3, 1.0), (2, 100.0), (1, 1_000.0))  # those of figures below that
-_LEAST_FIGURE: Final = 6  # cells of an exact figure in short
-_THOUSANDS_TO: Final = 1e6  # above that exponents are read more easily
+_FIGURE_DECIMALS: Final = ((3, 1.0), (2, 100.0), (1, 1_000.0))  # decimals of metrics below that bound
+_LEAST_FIGURE: Final = 6  # cells of a shortened metric
+_THOUSANDS_TO: Final = 1e6  # larger numbers are easier to read with an exponent
 _DIGITS: Final = frozenset("123456789")
 _SCALES: Final = ((1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"), (1e12, "T"))
 
 
 def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMALS) -> str:
-    """Return ``x`` in at most ``width`` cells, with as many decimals as fit: ``.54``, ``−1.20``, ``1.2e6``.
-
-    A number that would round to zero is written ``4e-4``; where no exponent fits, ``−12k``; else ``###``.
-    """
+    """Return ``x`` in at most ``width`` cells, with the most decimals: ``.54``, ``−1.20``, ``1.2e6``."""
     if not math.isfinite(x):
         text = "nan" if math.isnan(x) else "inf" if x > 0 else f"{glyphs.minus}inf"
         return text if len(text) <= width else "#" * width
@@ -40,12 +37,12 @@ def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMA
 
 
 def missing(glyphs: Glyphs) -> str:
-    """Return what is written in place of a number where there is none."""
+    """Return the dash for a missing number."""
     return "-" if glyphs.name == "ascii" else "–"
 
 
 def figure(x: float, width: int, glyphs: Glyphs = UNICODE) -> str:
-    """Return an exact figure in at most ``width`` cells (6 at least): ``.119``, ``13.00``, ``−1.3e5``."""
+    """Return an exact metric in at most ``width`` cells (6 at least): ``.119``, ``13.00``, ``−1.3e5``."""
     size = abs(x)
     decimals = next((each for each, end in _FIGURE_DECIMALS if round(size, each) < end), 0)
     text = fixed(x, decimals, glyphs, leading_zero=False) if decimals else whole(x, glyphs)
@@ -55,13 +52,13 @@ def figure(x: float, width: int, glyphs: Glyphs = UNICODE) -> str:
 
 
 def whole(x: float, glyphs: Glyphs = UNICODE) -> str:
-    """Return ``x`` without decimals, from 10,000 on with commas: ``−6146``, ``−65,375``."""
+    """Return ``x`` without decimals, with commas from 10,000 on: ``−6146``, ``−65,375``."""
     text = fixed(x, 0, glyphs)
     return f"{x:,.0f}".replace("-", glyphs.minus) if abs(float(f"{x:.0f}")) >= _COMMA_FROM else text
 
 
 def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
-    """Return ``x`` with so many decimals; without ``leading_zero`` fractions are ``.54``. Never ``−0``."""
+    """Return ``x`` with ``decimals`` decimals, as ``.54`` without ``leading_zero``, but never ``−0``."""
     text = f"{x:.{decimals}f}"
     if text.startswith("-"):
         text = f"{glyphs.minus}{text[1:]}" if has_digits(text) else text[1:]
@@ -69,7 +66,7 @@ def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool 
 
 
 def brief(x: float, glyphs: Glyphs = UNICODE, leading_zero: bool = False, decimals: int = 6) -> str:
-    """Return ``x`` with no more decimals than it has, up to ``decimals``: ``−2``, ``.1``, ``.333333``."""
+    """Return ``x`` with the fewest decimals, at most ``decimals``: ``−2``, ``.1``, ``.333333``."""
     if abs(x) >= 1e7 or 0.0 < abs(x) < 10.0**-decimals:
         return scientific(x, 2, glyphs)
     text = fixed(x, decimals, glyphs)
@@ -79,7 +76,7 @@ def brief(x: float, glyphs: Glyphs = UNICODE, leading_zero: bool = False, decima
 
 
 def scientific(x: float, decimals: int, glyphs: Glyphs = UNICODE) -> str:
-    """Return ``x`` with an exponent, its mantissa with at most so many decimals: ``2.73e-5``, ``−3e11``."""
+    """Return ``x`` with an exponent and at most ``decimals`` decimals: ``2.73e-5``, ``−3e11``."""
     mantissa, exponent = f"{x:.{decimals}e}".split("e")
     if "." in mantissa:
         mantissa = mantissa.rstrip("0").rstrip(".")
@@ -87,7 +84,7 @@ def scientific(x: float, decimals: int, glyphs: Glyphs = UNICODE) -> str:
 
 
 def count(n: int, width: int | None = None) -> str:
-    """Return ``n`` (0 or more) with commas; short (``12.3k``) where that is wider than ``width``."""
+    """Return ``n`` (0 or more) with commas, or short (``12.3k``) within ``width``."""
     text = f"{n:,}"
     if width is None or len(text) <= width:
         return text
@@ -96,7 +93,7 @@ def count(n: int, width: int | None = None) -> str:
 
 
 def rate(steps_per_second: float) -> str:
-    """Return a speed in short: ``38 M/s``, ``950/s``."""
+    """Return a short speed: ``38 M/s``, ``950/s``."""
     return f"{_speed(steps_per_second, short=True)}/s"
 
 
@@ -106,7 +103,7 @@ def long_rate(steps_per_second: float) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share (0 to 1) in whole per cent; 0 % and 100 % only where it is exactly that."""
+    """Return a share (0 to 1) in whole per cent, with 0 % and 100 % only if exact."""
     whole = round(100.0 * share)
     if whole == 100 and share < 1.0:
         return ">99 %"
@@ -128,7 +125,7 @@ def _scaled(x: float, decimals: int, gap: str) -> str:
 
 
 def _in_short(x: float, glyphs: Glyphs) -> list[str]:
-    """Return forms of a large ``x``, the longest first; no ``−5e4`` beside ``−47k``."""
+    """Return forms of a large ``x``, the longest first, without ``−5e4`` beside ``−47k``."""
     exponents = _with_exponent(x, glyphs)
     longer = [form for form in exponents if "." in form or abs(x) >= _THOUSANDS_TO]
     shortest = exponents[-1]
@@ -154,5 +151,5 @@ def _widest_that_fits(forms: Iterable[str], width: int) -> str:
 
 
 def has_digits(text: str) -> bool:
-    """Return whether ``text`` shows more than zeros."""
+    """Return True if ``text`` has a digit other than 0."""
     return not _DIGITS.isdisjoint(text)

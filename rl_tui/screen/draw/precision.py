@@ -1,4 +1,4 @@
-"""Numbers of one equation: rounded alike, so that working it out from what is printed gives the same."""
+"""Numbers of one equation, rounded so that it holds as printed."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.theme.glyphs import Glyphs
 
 _LONGEST: Final = 6  # decimals that are always written out
-_SMALL: Final = 1e-3  # from here on further ones are as well, below it only where that is no longer
-_LARGEST: Final = 1e6  # from here on numbers are written with an exponent
-_SLACK: Final = 1e-6  # of a digit: what binary fractions add
+_SMALL: Final = 1e-3  # smaller numbers get more decimals only if that is shorter than an exponent
+_LARGEST: Final = 1e6  # from here on numbers have an exponent
+_SLACK: Final = 1e-6  # of a digit: error of binary fractions
 
 
 def figure(x: float, decimals: int, glyphs: Glyphs, nothing: float = numbers.NEGLIGIBLE) -> str:
     """Return ``x`` rounded to ``decimals`` (−3: to thousands): ``.000130``, ``1.3e-8``, ``−3e11``.
 
-    What is not above ``nothing`` is 0. A number too small for so many decimals keeps three digits.
+    Numbers up to ``nothing`` become 0. Tiny ones keep three digits.
     """
     if not math.isfinite(x):
         return str(x).replace("-", glyphs.minus)
@@ -38,7 +38,7 @@ def figure(x: float, decimals: int, glyphs: Glyphs, nothing: float = numbers.NEG
 
 
 def column_figure(x: float, decimals: int, glyphs: Glyphs) -> str:
-    """Return ``x`` with just so many decimals, to stand above others: ``.542``, ``0``, ``−1.250``."""
+    """Return ``x`` with exactly ``decimals`` decimals, for a column: ``.542``, ``0``, ``−1.250``."""
     if abs(x) < numbers.NEGLIGIBLE:
         return "0"
     if abs(x) >= _LARGEST:
@@ -48,12 +48,12 @@ def column_figure(x: float, decimals: int, glyphs: Glyphs) -> str:
 
 
 def parsed(text: str, glyphs: Glyphs) -> float:
-    """Return the number that ``text`` tells its reader."""
+    """Return the number that a printed ``text`` means."""
     return float(text.replace(glyphs.minus, "-"))
 
 
 def agrees(worked_out: float, shown: str, glyphs: Glyphs, decimals: int, digits: float = 1.0) -> bool:
-    """Return whether ``shown``, of so many decimals, is ``worked_out`` up to ``digits`` of its last digit."""
+    """Return True if ``shown`` is ``worked_out`` up to ``digits`` of its last decimal."""
     known = parsed(shown, glyphs)
     unit = float(10.0**-decimals)
     if 0.0 < abs(known) <= 0.5 * unit:
@@ -63,32 +63,32 @@ def agrees(worked_out: float, shown: str, glyphs: Glyphs, decimals: int, digits:
 
 
 def comes_to(worked_out: float, shown: str, glyphs: Glyphs) -> bool:
-    """Return whether ``worked_out`` is ``shown`` up to the last digit that is printed of it."""
+    """Return True if ``shown`` is ``worked_out`` up to its last printed digit."""
     return abs(worked_out - parsed(shown, glyphs)) <= last_digit(shown)
 
 
 def in_brackets(number: str, glyphs: Glyphs) -> str:
-    """Return ``number``, which follows an operator, in brackets if it starts with a minus."""
+    """Return ``number``, in brackets if it starts with a minus."""
     return f"({number})" if number.startswith(glyphs.minus) else number
 
 
 def magnitude(x: float) -> int:
-    """Return the power of ten that is the first digit's of ``x``, 0 for 0: −3 for .0042."""
+    """Return the power of ten of the first digit of ``x``: −3 for .0042, 0 for 0."""
     return math.floor(math.log10(abs(x))) if x else 0
 
 
 def leading_zeros(*values: float) -> int:
-    """Return how many zeros follow the point of the largest number; below 0 the digits beyond a million."""
+    """Return the zeros after the point of the largest number, negative for large ones."""
     largest = magnitude(max((abs(each) for each in values if math.isfinite(each)), default=0.0))
     return max(0, -1 - largest) if largest < math.log10(_LARGEST) else -largest
 
 
 def last_digit(text: str) -> float:
-    """Return what the last digit of a printed number counts: .01 for ``.36``."""
+    """Return the value of one unit of the last printed digit: .01 for ``.36``."""
     mantissa, _, exponent = text.partition("e")
     return 10.0 ** (int(exponent or "0") - len(mantissa.partition(".")[2]))
 
 
 def fewest_decimals(fewest: int, most: int, is_enough: Callable[[int], bool]) -> int:
-    """Return the fewest decimals that are enough; ``most`` where no fewer are."""
+    """Return the fewest decimals that are enough, or ``most``."""
     return next(filter(is_enough, range(fewest, most)), most)

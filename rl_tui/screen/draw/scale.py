@@ -1,4 +1,4 @@
-"""Axes that stay put: round bounds and labels, which change in steps only."""
+"""Steady axes: round bounds and labels that change in steps only."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from rl_tui.screen.theme.glyphs import Glyphs
 
 FIRST_RANGE: Final = 10.0
 _MOST_TICKS: Final = 4
-_MOST_EMPTY: Final = 0.28  # of the axis, at either end: 0 to .74 has one that ends at 1
-_LEAST_SHARE: Final = 0.5  # of the axis that the data must take more than, else it shrinks
-_SPARE: Final = 0.1  # of the data, at either end, must fit into an axis that has shrunk
+_MOST_EMPTY: Final = 0.28  # of the axis, at either end; 0 to .74 gets an axis that ends at 1
+_LEAST_SHARE: Final = 0.5  # of the axis; it shrinks if data take less
+_SPARE: Final = 0.1  # of the data; a shrunk axis has this margin at either end
 _MOST_STEPS: Final = 10  # of a tight axis
-_MOST_FIXED: Final = 4  # decimals of a label, else it has an exponent
+_MOST_FIXED: Final = 4  # decimals of a label; beyond that it has an exponent
 # Each is at most a quarter more than the one before
 _ROUND: Final = (1.0, 1.2, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """A vertical axis from ``low`` to ``high``, with a label at every multiple of ``step``."""
+    """A vertical axis from ``low`` to ``high`` with labels every ``step``."""
 
     low: float
     high: float
@@ -36,7 +36,7 @@ class Scale:
 
 
 def round_scale(low: float, high: float) -> Scale:
-    """Return an axis with two to four round labels that holds 0 and ``low`` .. ``high`` closely."""
+    """Return a close axis for 0 and ``low`` .. ``high`` with round labels."""
     low, high = min(low, 0.0), max(high, 0.0)
     if high - low < numbers.NEGLIGIBLE:
         return Scale(0.0, 1.0, 1.0)
@@ -54,7 +54,7 @@ def round_scale(low: float, high: float) -> Scale:
 
 
 def tight_scale(low: float, high: float) -> Scale:
-    """Return an axis with round ends that holds ``low`` .. ``high`` closely; 0 is on it only if they meet."""
+    """Return a close axis with round ends for ``low`` .. ``high``, with or without 0."""
     if high - low < numbers.NEGLIGIBLE:
         low, high = min(low, 0.0), max(high, 0.0)
     if high - low < numbers.NEGLIGIBLE:
@@ -65,9 +65,9 @@ def tight_scale(low: float, high: float) -> Scale:
 
 
 def settled(previous: Scale | None, low: float, high: float) -> Scale:
-    """Return ``previous`` as long as ``low`` .. ``high`` fits into it and does not look lost in it."""
+    """Return ``previous`` while ``low`` .. ``high`` suits it, else a new axis."""
     if previous is not None and low >= previous.low and high <= previous.high:
-        # with room to spare, so that values near its end do not make it grow again at once
+        # The margin keeps values near its end from making it grow again at once
         spare = _SPARE * (high - low)
         smaller = tight_scale(low - spare, high + spare)
         is_lost = smaller.high - smaller.low <= _LEAST_SHARE * (previous.high - previous.low)
@@ -76,14 +76,14 @@ def settled(previous: Scale | None, low: float, high: float) -> Scale:
 
 
 def round_range(last: float) -> float:
-    """Return the right end of an axis from 0 to ``last``: 10 or more, and it changes in steps."""
+    """Return the right end of an axis to ``last``, which changes in steps."""
     needed = max(last, FIRST_RANGE)
     power = 10.0 ** math.floor(math.log10(needed))
     return next(power * digit for digit in _ROUND if needed <= power * digit * (1.0 + 1e-12))
 
 
 def round_step(least: float) -> float:
-    """Return the smallest 1, 2 or 5 times a power of ten that reaches ``least`` (> 0)."""
+    """Return the smallest 1, 2 or 5 times a power of ten from ``least`` (> 0) on."""
     power = 10.0 ** math.floor(math.log10(least))
     return next(digit * power for digit in (1.0, 2.0, 5.0, 10.0) if least <= digit * power * (1.0 + 1e-9))
 
@@ -102,6 +102,6 @@ def tick_label(x: float, step: float, glyphs: Glyphs) -> str:
 
 
 def tick_step(right: float, most: int) -> float:
-    """Return the smallest 1, 2 or 5 times a power of ten, at least 1, that fits ``most`` times or less."""
+    """Return the smallest round step, at least 1, with at most ``most`` steps to ``right``."""
     step = 10.0 ** max(0, math.floor(math.log10(max(1.0, right / max(1, most)))))
     return next(step * digit for digit in (1.0, 2.0, 5.0, 10.0) if right / (step * digit) <= max(1, most))

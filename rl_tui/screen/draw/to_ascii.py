@@ -1,4 +1,4 @@
-"""Texts for people in the characters that the terminal has."""
+"""Texts in the characters that the terminal has."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final
 
 from rl_tui.screen.theme.glyphs import Glyphs
 
-# A character, then what is written for it
+# Pairs: a character, then its spelling
 _SPELLINGS: Final = """
 α alpha   γ gamma   ε epsilon   δ delta   θ theta   λ lambda   τ tau   π pi   σ sigma   μ mu   Σ sum
 − -   – -   — -   … ...   · *   × x   ′ '   ’ '   ‘ '   “ "   ” "
@@ -22,14 +22,14 @@ _SPELLINGS: Final = """
 _WORDS: Final = _SPELLINGS.split()
 _SPELLED: Final = dict(zip(_WORDS[::2], _WORDS[1::2], strict=True)) | {"\u0304": "bar"}
 
-# One star is a product; what stands for any action has the name that textbooks give it: max Q(s',a)
+# · alone is a product sign, but after a comma it means any action, as in max Q(s',a)
 _ANY_ACTION: Final = (",·)", ",a)")
-# Spelled out, a letter needs a blank before what it multiplies: gamma V, delta e
+# A spelled-out letter needs a blank before its factor: gamma V, delta e
 _FACTOR: Final = re.compile(r"([αγεδθλτπσμΣ])(?=[A-Za-zα-ω])")
 
 
 def to_ascii(text: str, glyphs: Glyphs) -> str:
-    """Return ``text``, in ASCII where ``glyphs`` is the ASCII set; what has no spelling becomes ``?``."""
+    """Return ``text``, in ASCII if ``glyphs`` is the ASCII set. Unknown characters become ``?``."""
     if glyphs.name != "ascii":
         return text
     apart = _FACTOR.sub(r"\1 ", text.replace(*_ANY_ACTION))
@@ -38,5 +38,5 @@ def to_ascii(text: str, glyphs: Glyphs) -> str:
 
 
 def separated(text: str, glyphs: Glyphs) -> str:
-    """Return ``text`` like :func:`to_ascii`, where a dot between blanks separates parts: no product."""
+    """Return :func:`to_ascii` of ``text``, with a dot between blanks as a separator."""
     return to_ascii(text.replace(" · ", " – "), glyphs) if glyphs.name == "ascii" else text

@@ -1,1 +1,1 @@
-"""What every screen has: keys, hints, arrangement."""
+"""Parts that every screen shares: arrangement, key line, help and hints."""

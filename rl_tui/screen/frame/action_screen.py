@@ -1,4 +1,4 @@
-"""What catalogue and playground share: a place in the registry of actions, a key line, a least size."""
+"""The base of start screen and playground."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 LEAST_WIDTH: Final = 60
 LEAST_HEIGHT: Final = 18
 
-# From which width, or height, on the screen has which class: the style sheets use them
+# Classes that the screen gets from this width or height on; the style sheets use them.
 _WIDTHS: Final = [
     (0, "-too-narrow"),
     (LEAST_WIDTH, "-narrow"),
@@ -52,24 +52,21 @@ Put: TypeAlias = Callable[[float | str], object]
 
 
 class TooSmall(Static):
-    """Says that the terminal is too small, in place of everything else."""
+    """A notice in place of everything else: the terminal is too small."""
 
     def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, markup=False)
         self.look = look
 
     def on_resize(self) -> None:
-        """Name the size there is and the one that is needed."""
+        """Name the actual and the needed size."""
         width, height = self.app.size
         text = f"terminal too small: is {width}×{height}, needs {LEAST_WIDTH}×{LEAST_HEIGHT}"
         self.update(to_ascii(text, self.look.glyphs))
 
 
 class ActionScreen(Screen[None]):
-    """A screen that fills the terminal. Subclasses name their ``place`` and yield their ``content``.
-
-    Its keys are those of its ``actions``: of the registry, and of the ``panels`` that keys open.
-    """
+    """A screen that fills the terminal. Subclasses set ``place`` and yield their ``content``."""
 
     HORIZONTAL_BREAKPOINTS = _WIDTHS
     VERTICAL_BREAKPOINTS = _HEIGHTS
@@ -80,39 +77,39 @@ class ActionScreen(Screen[None]):
         super().__init__()
         self.look = look
         self.panel_rows = panels
-        self.mouse_at_key = Offset(0, 0)  # at the last key that asked nothing: since then it may have moved
+        self.mouse_at_key = Offset(0, 0)  # place at the last key; has it moved since?
 
     @property
     def known_actions(self) -> tuple[Action, ...]:
-        """What a person can do in this place at some time."""
+        """Every action that exists in this place at some time."""
         return actions_of(self.place, self.panel_rows)
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """What a person can do here now: what palette and help list."""
+        """The actions available now, as palette and help list them."""
         return self.listed()
 
     def listed(self, menu: str = "") -> tuple[Action, ...]:
-        """Return what a person can do here now by ``menu``, or by any key."""
+        """Return the actions available now, of one ``menu`` or of all."""
         return tuple(each for each in self.known_actions if not menu or each.menu == menu)
 
     @property
     def settings(self) -> Mapping[str, tuple[Ask, Put]]:
-        """The settings of the agent, by name: what asks for a value, and what sets one."""
+        """Functions that ask for and set a value, by setting."""
         return {}
 
     @property
     def in_kiosk(self) -> bool:
-        """Whether it has no files here; the app says so in its ``place``."""
+        """True if this screen must not touch files."""
         return Place.KIOSK in self.place
 
     def action_do(self, command: str) -> None:
-        """Do what ``command`` says, ``object.method`` or ``object.method(argument)``."""
+        """Run ``command``: ``object.method`` or ``object.method(argument)``."""
         target, method, arguments = parse(command)
         getattr(getattr(self, target), method)(*arguments)
 
     def compose(self) -> ComposeResult:
-        """Yield the content, the key line and what replaces them in a terminal too small."""
+        """Yield the content, the key line and the notice for small terminals."""
         yield from self.content()
         yield KeyLine(self.look, self.known_actions, id="keys")
         yield TooSmall(self.look, id="too-small")
@@ -120,35 +117,35 @@ class ActionScreen(Screen[None]):
     def tell(
         self, message: str, severity: SeverityLevel = "information", timeout: float | None = None
     ) -> None:
-        """Show ``message`` about this moment: it goes with the next key, or after ``timeout`` seconds."""
+        """Show ``message`` until the next key, or for ``timeout`` seconds."""
         tell(self.app, message, severity, timeout)
 
     def refuse(self, why: str) -> None:
-        """Tell ``why`` something cannot be done now, a clause, as a sentence."""
+        """Show the clause ``why`` as a sentence."""
         self.tell(as_sentence(why))
 
     def on_key(self, event: Key) -> None:
-        """Note where the mouse is: what asks is not what moved a cursor."""
+        """Remember the place of the mouse, so that ``?`` knows if it has moved."""
         if event.key != "question_mark":
             self.mouse_at_key = self.app.mouse_position
 
     def action_quit(self) -> None:
-        """Quit."""
+        """Exit the app."""
         self.app.exit()
 
     @cached_property
     def pages(self) -> HelpPages:
-        """The pages of ``?``; they bring widgets that the first paint has no need of."""
+        """The pages of ``?``, which the first paint does not need."""
         from rl_tui.screen.frame.glossary import HelpPages
 
         return HelpPages(self)
 
     def action_help(self) -> None:
-        """Show the keys of this place, or explain what the mouse points at."""
+        """Explain what the mouse points at, or list the keys of this place."""
         self.pages.open()
 
     def help_screen(self) -> Dialog[str]:
-        """Return the pages about panels, planners and the like."""
+        """Return the help pages about panels, planners and other topics."""
         raise NotImplementedError
 
     def content(self) -> Iterable[Widget]:

@@ -1,8 +1,7 @@
-"""The place of every panel: a pure function of the size of the screen, the world's shape and what is open.
+"""The place of every panel, from the size of the screen, the shape of the world and the open panel.
 
-The world is served first: its cells are as large as the least that all else needs allows. Two bands share a
-horizontal line: world and table above, curve and agent below. Regions are counted in characters from the
-upper left corner of the screen, whose first row is the header and whose last one has the keys.
+World and table are in an upper band, curve and agent in a lower one. Regions are in characters from the upper
+left corner. The first row is the header, the last one has the keys.
 """
 
 from __future__ import annotations
@@ -43,30 +42,30 @@ from rl_tui.worlds.drawing import Arms, Axes, Body, Graph, Grid
 _LEAST_BELOW: Final = {MEDIUM: 5, ROOMY: 10}  # rows of the lower band
 _LEAST_BELOW_LANES: Final = 8  # rows of the lower band of medium size: with fewer, lines of runs are a braid
 _LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
-_BESIDE_PAGE: Final = 12  # rows of curve and table, where the page of a lesson has the right column
+_BESIDE_PAGE: Final = 12  # rows of curve and table beside a lesson page at the right
 _AROUND_A_MAP: Final = 15  # rows
-_LEAST_SCROLLING: Final = 5  # rows of the lower band, before a map without an agent that walks scrolls
+_LEAST_SCROLLING: Final = 5  # least rows of the lower band, if a map needs the others
 _BELOW_A_WORLD: Final = 19  # rows of a panel below the world, beside a page of a lesson
-_BELOW_LANES: Final = 18  # rows below the worlds of two lanes, before there are tables
-_UPPER: Final = 16  # rows of the upper band that a table is given beside a low map
+_BELOW_LANES: Final = 18  # rows below the worlds of two runs that leave space for tables
+_UPPER: Final = 16  # rows of the upper band, so that the table beside a low map gets enough
 _MOST_CURVE: Final = 16
-_LAST_STEP: Final = 8  # rows in which it tells all
+_LAST_STEP: Final = 8  # rows of the full text
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
 _LEAST_SETTINGS: Final = 5
 _LEAST_CURVE: Final = 6  # rows with its timeline; with fewer it changes places with the settings
 _CURVE_AT_RIGHT: Final = 11
-_TABLE_KEPT: Final = 12  # rows of the table before others come below it
+_TABLE_KEPT: Final = 12  # rows that the table keeps when others share its column
 _AROUND_A_TABLE: Final = 8  # rows: heads, legend, layers
-_SHARE: Final = 0.235  # of the screen; a map that has less takes rows of the lower band
+_SHARE: Final = 0.235  # of the screen; a smaller map takes rows of the lower band
 _PANEL_COLUMNS: Final = (44, 60)
 _PANEL_SHARE: Final = 0.4
-_PAGE_COLUMNS: Final = 40  # of a lesson, where there is little room for the world
-_BESIDE_A_GRAPH: Final = 36  # columns; with more the boxes of a graph become a list
-_TALLER: Final = 1.5  # times: a wide map lies above all else if its cells get that much higher
-_LARGER: Final = 1.3  # times: two maps lie one above the other if cells get that much larger
+_PAGE_COLUMNS: Final = 40  # of a lesson page, so that the world keeps enough
+_BESIDE_A_GRAPH: Final = 36  # columns; more would turn the boxes of a graph into a list
+_TALLER: Final = 1.5  # times: a wide map goes above all else if its cells get this much higher
+_LARGER: Final = 1.3  # times: two maps are stacked if their cells get this much larger
 _BESIDE_MAPS: Final = 28  # columns
-_TOOLS: Final = 14  # rows of the tools while another panel is open too
+_TOOLS: Final = 14  # rows of the tools beside another open panel
 
 
 def arrange(
@@ -79,9 +78,12 @@ def arrange(
 ) -> Arrangement:
     """Return the place of every panel on a screen of ``size``.
 
-    The panel ``zoomed`` covers all others, a world but for one row of the curve and the caption. The panel
-    ``opened`` by its key has the right column; on roomy screens the lower band, if it asks for ``wide_rows``
-    there.
+    Args:
+        size: Columns and rows.
+        shape: Properties of world and run.
+        opened: Panel opened by its key, for the right column or the lower band.
+        zoomed: Panel in full screen.
+        wide_rows: Rows for ``opened`` in the lower band of a roomy screen, 0 for the right column.
     """
     sheet = ScreenPlan(size, shape)
     if zoomed is not None:
@@ -101,8 +103,6 @@ def arrange(
 
 
 class _Bands:
-    """Puts world and right column into the upper band, curve and agent into the lower one."""
-
     def __init__(self, sheet: ScreenPlan, opened: str | None, wide_rows: int) -> None:
         self.sheet, self.shape, self.room = sheet, sheet.shape, sheet.room
         self.wide, self.wide_rows = opened if wide_rows else None, wide_rows
@@ -110,11 +110,11 @@ class _Bands:
         docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size, self.shape.shown) else None
         tools = DRAW if self.shape.is_drawn and self.room is not SMALL else None
         self.table = DRAW if self.shape.is_drawn and self.room is SMALL else TABLE
-        """The panel at the right of the world."""
+        """The panel to the right of the world."""
         self.below_page = opened or tools if docked else None
-        """The panel below the world, where a page has the right column."""
+        """The panel below the world, if a lesson page has the right column."""
         self.aside = docked or (None if self.wide else opened) or tools
-        """What has the right column in both bands."""
+        """The panel that has the right column in both bands."""
         self.extra_tools = (
             tools if self.aside not in (None, tools) and not docked and self.room is ROOMY else None
         )
@@ -130,7 +130,6 @@ class _Bands:
         self.least, self.most = self._columns()
 
     def _columns(self) -> tuple[int, int]:
-        """Return the least and the most columns at the right."""
         width = self.sheet.size.width
         if self.aside is not None:
             least, most = _PANEL_COLUMNS
@@ -151,7 +150,6 @@ class _Bands:
         return least, max(44, min(most, 46 if width < 150 else 56))
 
     def place(self) -> Arrangement:
-        """Return the regions of all."""
         sheet = self.sheet
         room, below = self._world_room(), self._least_below()
         scale = self._scale_rows(below)
@@ -188,12 +186,11 @@ class _Bands:
         return is_plain and self.aside is None and self.wide is None and sheet.foot - low < _LEAST_CURVE
 
     def _height(self, below: int, extra: int) -> int:
-        """Return the rows for the picture of the world, with ``below`` in the lower band."""
         sheet = self.sheet
         return sheet.foot - sheet.top - below - extra - (sheet.blank if below else 0)
 
     def _cell_and_rows_below(self, room: int, below: int, extra: int) -> tuple[Size, int]:
-        """Return the size of a cell and the least rows of the lower band, of which a small map takes some."""
+        """Return a cell and the rows of the lower band, from which a small map takes some."""
         cell = self._cell(room, self._height(below, extra))
         if not self.is_small(cell) or below != _LEAST_BELOW[self.room]:
             return cell, below
@@ -206,7 +203,7 @@ class _Bands:
         return cell, below
 
     def is_small(self, cell: Size) -> bool:
-        """Return whether a map of such cells, in which one walks, has too little of the screen."""
+        """Return True if a map with such cells is too small."""
         drawing = self.drawing
         if not isinstance(drawing, Grid) or not self.is_place or self.aside or self.wide or self.sheet.lanes:
             return False
@@ -237,7 +234,7 @@ class _Bands:
             return len(self._lines)
         if sheet.lanes and self.room is MEDIUM:
             return _LEAST_BELOW_LANES
-        is_captioned = self.room is MEDIUM and CAPTION in sheet.regions  # else it would cost rows of the map
+        is_captioned = self.room is MEDIUM and CAPTION in sheet.regions  # elsewhere it costs rows of the map
         return _LEAST_BELOW[self.room] - is_captioned
 
     def _world_room(self) -> int:
@@ -250,7 +247,7 @@ class _Bands:
         return sheet.usable - sheet.gap - (self.least if isinstance(self.drawing, Grid) else self.most)
 
     def _scale_rows(self, below: int) -> int:
-        """Return the rows of the scale: none where a small screen has three rows a cell without it only."""
+        """Return 0 where a scale would cost the third row of each cell, else 1."""
         sheet, drawing = self.sheet, self.drawing
         rows = sheet.foot - sheet.top - below
         is_tight = isinstance(drawing, Grid) and drawing.rows * 3 <= rows < drawing.rows * 3 + 1
@@ -262,10 +259,7 @@ class _Bands:
         return map_size(self.drawing, width, height, is_broad=is_broad).cell
 
     def _stacked_cell(self, cell: Size, extra: int) -> Size | None:
-        """Return the cell of a map above all else, if that is much higher than ``cell``; else None.
-
-        A chain lies there too; it has no cells.
-        """
+        """Return the cell of a map above all else if much higher than ``cell``, else None."""
         sheet = self.sheet
         if sheet.lanes or self.aside or self.wide or self.shape.shown is not None:
             return None
@@ -278,12 +272,10 @@ class _Bands:
         return stacked if is_better or (self.is_small(cell) and stacked.area > cell.area) else None
 
     def _rows_on_top(self, extra: int) -> int:
-        """Return the rows for a picture above all other panels."""
         sheet = self.sheet
         return sheet.foot - sheet.top - _LEAST_BELOW_WIDE_MAP[self.room] - extra - 1
 
     def _cell_above_another(self, height: int) -> Size | None:
-        """Return the cell where two maps lie one above the other, None where they may not."""
         drawing = self.drawing
         if not isinstance(drawing, Grid) or not self.is_place or self.aside or not self.sheet.lanes:
             return None
@@ -304,7 +296,7 @@ class _Bands:
                 return Size(room, height)
 
     def _put_world(self, picture: Size, extra: int, left: int, room: int, *, is_over: bool) -> None:
-        """Put the world, its scale below, and the world of a second run; a column before is for the frame."""
+        """Put the world, its scale and a second world, with one more column for a frame."""
         sheet = self.sheet
         x = sheet.margin
         if self.is_alone and self.room is ROOMY and picture.width < left:
@@ -320,7 +312,6 @@ class _Bands:
     # The right column
 
     def _right_columns(self, picture: int) -> int:
-        """Return the columns at the right: what a picture so wide leaves, up to the most of use."""
         sheet = self.sheet
         if self.is_alone or (sheet.lanes and self.aside is None):
             return 0
@@ -329,7 +320,6 @@ class _Bands:
         return max(self.least, min(self.most, sheet.usable - sheet.gap - picture))
 
     def _put_right(self, columns: int, upper: int) -> None:
-        """Put table, last step and budget beside the world, or what has the column in both bands."""
         sheet = self.sheet
         if not columns:
             return
@@ -356,12 +346,12 @@ class _Bands:
             self._put_table(Region(x, sheet.top, columns, bottom - sheet.top))
 
     def _put_table(self, region: Region) -> None:
-        """Put the table there; on roomy screens it ends below its rows and its legend."""
+        """Put the table, which on roomy screens ends below its legend."""
         rows = self.shape.table_rows + _AROUND_A_TABLE if self.room is ROOMY else region.height
         self.sheet.put(self.table, Region(*region[:3], min(region.height, rows)))
 
     def _below_table(self) -> list[tuple[str, tuple[int, ...]]]:
-        """Return the panels that may follow below the table, with their numbers of rows, the most first."""
+        """Return the panels below the table, with their possible rows, most first."""
         panels: list[tuple[str, tuple[int, ...]]] = []
         if self.wide is None and self.room is not SMALL:
             panels.append((LAST_STEP, (_LAST_STEP,) if self.room is ROOMY else (_LAST_STEP, _SHORT_STEP)))
@@ -370,7 +360,7 @@ class _Bands:
         return panels
 
     def _put_tables(self, low: int, room: int) -> int:
-        """Put the tables of two lanes below their worlds, if there is room; return the row below them."""
+        """Put the tables of two runs if they fit. Return the next free row."""
         sheet, least = self.sheet, _BELOW_LANES + min(self.shape.table_rows, 6)
         if sheet.foot - low < least:
             return low
@@ -382,7 +372,6 @@ class _Bands:
     # The lower band
 
     def _put_lower(self, low: int, left: int, columns: int) -> None:
-        """Put curve, timeline and agent below the common line, in the rows that are left."""
         sheet, foot, shape = self.sheet, self.sheet.foot, self.shape
         x = sheet.margin
         if self.wide is not None:
@@ -411,14 +400,13 @@ class _Bands:
             self._put_below_lanes_or_page(low, left)
 
     def _above_settings(self) -> list[tuple[str, int]]:
-        """Return what had no room below the table, and the rows it takes above the settings."""
+        """Return the panels that did not fit below the table, with their rows."""
         taken = self.sheet.regions
         panels = [(LAST_STEP, _LAST_STEP)] if self.sheet.shows(LAST_STEP) else []
         panels += [(BUDGET, _BUDGET)] if isinstance(self.drawing, Arms) else []
         return [each for each in panels if each[0] not in taken]
 
     def _put_below_lanes_or_page(self, low: int, left: int) -> None:
-        """Put the curve, beside it what else has no column at the right, and agent and last step in lines."""
         sheet, foot, x = self.sheet, self.sheet.foot, self.sheet.margin
         width = left
         if sheet.shows(self.shape.settings):
@@ -448,7 +436,7 @@ class _Bands:
         return 4 + 6 * min(self.shape.actions, 4)
 
     def _put_curve(self, low: int, foot: int, width: int, x: int | None = None) -> None:
-        """Put the curve and, directly below it, the timeline with the same first and last column."""
+        """Put the curve, and the timeline directly below it with the same columns."""
         sheet, x = self.sheet, self.sheet.margin if x is None else x
         if not sheet.shows(CURVE):
             return
@@ -458,7 +446,7 @@ class _Bands:
 
     @property
     def _lines(self) -> list[str]:
-        """What has a line each below the world on small screens: curve and timeline share theirs."""
+        """The panels with one line each below the world on small screens."""
         return [each for each in (LAST_STEP, self.shape.settings, CURVE) if self.sheet.shows(each)]
 
     def _put_lines(self) -> None:
@@ -472,7 +460,6 @@ class _Bands:
                 sheet.put(panel, Region(x, y, width, 1))
 
     def _on_top(self, cell: Size, extra: int) -> Arrangement:
-        """Return the place of a wide map above all else: below it the last step, curve and table."""
         sheet, x, foot = self.sheet, self.sheet.margin, self.sheet.foot
         picture = self._picture(cell, sheet.usable, self._rows_on_top(extra))
         sheet.put(WORLD, Region(x - 1, sheet.top, sheet.usable + 1, picture.height + extra))

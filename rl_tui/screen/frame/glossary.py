@@ -1,4 +1,4 @@
-"""The glossary screen (? and /): words at the mouse or the focus first, then all others."""
+"""The glossary screen: words at the mouse or the focus, then all others."""
 
 from __future__ import annotations
 
@@ -45,29 +45,29 @@ if TYPE_CHECKING:
 # The screen
 
 
-NUMBER: Final = "number under the cursor"  # in place of the id of a term
+NUMBER: Final = "number under the cursor"  # takes the place of a term's id
 _LONGEST_LINE: Final = 44  # cells of a word and its other names in the list
 _LONGEST: Final = 40  # characters of a search
 
 
 class GlossarySearch(ListInput):
-    """Takes what is typed but for the question mark, which goes on to the help; pages are the paragraph's."""
+    """A search field without the question mark and page keys."""
 
     def check_consume_key(self, key: str, character: str | None) -> bool:
-        """Return whether ``key`` is typed here rather than a key of the screen."""
+        """Return True if ``key`` is typed here, False for the question mark."""
         return key != "question_mark" and super().check_consume_key(key, character)
 
     def action_move(self, how: str) -> None:
-        """Go to another word of the list, or scroll its paragraph where that is longer than its room."""
+        """Go to another word of the list, or scroll its paragraph."""
         of_list = how.startswith("cursor")
         getattr(self.screen.query_one("#words" if of_list else "#paragraph"), f"action_{how}")()
 
 
 class GlossaryScreen(Dialog[str]):
-    """The terms with the ids ``here``, the first of them shown; all terms where there are none.
+    """The terms ``here``, or all. ``NUMBER`` among them stands for ``number``.
 
-    ``NUMBER`` among them is the ``number`` under the cursor. What is said of a figure has the numbers of
-    ``setting``, where there is a run. What is typed searches all. Answers ``PAGES`` where these are wanted.
+    ``setting`` fills in the current values of the run. The answer is ``PAGES`` if the person asks for the
+    pages.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -102,7 +102,7 @@ class GlossaryScreen(Dialog[str]):
                 yield Static(markup=False)
 
     def on_mount(self) -> None:
-        """Show the words of the place; letters go into the search."""
+        """List the words of the place, and send letters to the search."""
         words = self.query_one(OptionList)
         words.can_focus = False
         self._list(self._here or tuple(glossary()))
@@ -110,7 +110,7 @@ class GlossaryScreen(Dialog[str]):
 
     @on(Input.Changed)
     def find(self, event: Input.Changed) -> None:
-        """List what was searched for; nothing typed: the words of the place again."""
+        """List the matches, or the words of the place without a query."""
         self._list(search(event.value) if event.value else self._here or tuple(glossary()))
 
     @on(OptionList.OptionHighlighted)
@@ -124,7 +124,7 @@ class GlossaryScreen(Dialog[str]):
             self._show(self._paragraph(glossary()[event.option_id]))
 
     def action_pages(self) -> None:
-        """Go on to the pages."""
+        """Close with the answer ``PAGES``."""
         self.dismiss(PAGES)
 
     def _list(self, ids: Sequence[str]) -> None:
@@ -156,7 +156,6 @@ class GlossaryScreen(Dialog[str]):
         return text.append(self._written(book), "italic")
 
     def _figure(self, term: GlossaryTerm) -> str:
-        """Return what is said of a term that names a figure; nothing of others."""
         if term.figure is None:
             return ""
         return self._written(separated(f"{figure_text(term.figure, self._setting)}\n\n", self._look.glyphs))
@@ -180,11 +179,10 @@ def words_here(
     has_number: bool = False,
     is_number_first: bool = False,
 ) -> tuple[str, ...]:
-    """Return the ids of the terms to explain, the one pointed at first; none where nothing is asked about.
+    """Return the ids of the terms to explain, the one pointed at first.
 
-    A word under the mouse comes before what is in focus, and brings those of its panel with it.
-    ``has_number`` says that there is a number, ``NUMBER``, to ask about next; ``is_number_first`` that the
-    mouse is on it. Then a word there comes behind it.
+    A word under the mouse comes before the words in focus. ``has_number`` adds ``NUMBER``, before the word if
+    ``is_number_first``.
     """
     under_mouse, word = _word_under_mouse(screen, rows, glyphs)
     found = [word] if word is not None else []
@@ -197,7 +195,7 @@ def words_here(
 
 
 def number_under_mouse(screen: Screen[None], look: Look) -> NumberHere | None:
-    """Return the number of the cell of world or table that the mouse is on, None where it is on none."""
+    """Return the number of the cell under the mouse, or None."""
     position = screen.app.mouse_position
     if not screen.region.contains_point(position):
         return None
@@ -208,7 +206,7 @@ def number_under_mouse(screen: Screen[None], look: Look) -> NumberHere | None:
 
 
 def setting_here(screen: Screen[None], glyphs: Glyphs) -> FigureSetting | None:
-    """Return what is in force for the figures on ``screen``, None where it shows no run."""
+    """Return the current values of the run on ``screen``, or None."""
     shown = (panel.snapshot for panel in screen.query(Panel) if panel.snapshot is not None)
     snapshot = next(shown, None)
     return None if snapshot is None else figure_setting(snapshot, glyphs)
@@ -246,7 +244,7 @@ def _panels_of(widget: Widget, rows: Mapping[str, PanelRow]) -> Iterator[PanelRo
 
 
 class HelpPages:
-    """Shows the pages about ``screen``, one after the other as ``?`` is pressed."""
+    """The pages about ``screen``, one after the other with each ``?``."""
 
     def __init__(self, screen: ActionScreen) -> None:
         self._screen = screen
@@ -256,7 +254,7 @@ class HelpPages:
         return bool(self._screen.app.mouse_position != self._screen.mouse_at_key)
 
     def open(self) -> None:
-        """Show the keys; where the mouse was moved onto a word or a number, explain that."""
+        """Show the keys, or explain what the mouse was moved to."""
         words, number = self._words_here() if self._is_pointing else ((), None)
         if words:
             self.show_words(words, number)
@@ -271,16 +269,12 @@ class HelpPages:
         screen.app.push_screen(KeySheet(screen.look, screen.actions, focused, name), self._turn)
 
     def show_words(self, here: Sequence[str], number: NumberHere | None = None) -> None:
-        """Show the terms with the ids ``here``, or all; the pages are a key away.
-
-        ``number`` is what is under the cursor, for ``NUMBER`` among the ids.
-        """
+        """Show the terms ``here``, or all. ``NUMBER`` among them stands for ``number``."""
         screen = self._screen
         setting = setting_here(screen, screen.look.glyphs)
         screen.app.push_screen(GlossaryScreen(screen.look, here, number, setting), self._turn)
 
     def _turn(self, page: str | None) -> None:
-        """Go on to another ``page``; None: the one in view was closed."""
         if page == KEYS:
             self._show_keys()
         elif page == WORDS:
@@ -291,10 +285,6 @@ class HelpPages:
             self._screen.call_later(self._screen.app.run_action, "find")
 
     def _words_here(self) -> tuple[Sequence[str], NumberHere | None]:
-        """Return the ids of the terms about what the mouse or the focus is on, and the number there.
-
-        The number under the mouse counts only where that points at something, or nothing has the focus.
-        """
         screen, look = self._screen, self._screen.look
         rows = {name: row for row in screen.panel_rows for name in (row.id, beside(row.id))}
         pointed = number_under_mouse(screen, look) if self._is_pointing or screen.focused is None else None

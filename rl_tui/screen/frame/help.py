@@ -1,4 +1,4 @@
-"""The pages of the help: how to read the panels, and the notes of the scenario."""
+"""The pages about panels, other topics and the scenario."""
 
 from __future__ import annotations
 
@@ -35,17 +35,14 @@ _BOLD: Final = Style(bold=True)
 
 
 class Explanation(NamedTuple):
-    """What ``term`` means; a heading where there is no ``meaning``."""
+    """A ``term`` and its ``meaning``, or a heading without one."""
 
     term: str
     meaning: str = ""
 
 
 class Explained(Widget):
-    """Draws ``rows`` in the characters of ``glyphs``, as high as they come out at its width.
-
-    A line is only made when it is drawn, and nothing but wrapping is needed to know how many there are.
-    """
+    """A widget as high as its ``rows`` need, drawn as they come into view."""
 
     DEFAULT_CSS = """
     Explained {
@@ -64,7 +61,7 @@ class Explained(Widget):
         return len(self._lines(width))
 
     def render_line(self, y: int) -> Strip:
-        """Draw one line."""
+        """Draw line ``y``: the term at the left, its meaning beside it."""
         width, style = self.size.width, self.rich_style
         lines = self._lines(width)
         if y >= len(lines):
@@ -139,10 +136,7 @@ _TOPICS: Final = (
 
 
 class HelpScreen(Dialog[str]):
-    """Everything that is worth knowing about panels and the like, on one page that scrolls, and ``notes``.
-
-    Answers the page of ``?`` that is asked for.
-    """
+    """One page that scrolls, with ``notes`` at the end. The answer is the page of ``?`` to open next."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark,q", "cancel", "back", id="close_help", tooltip="Close the pages."),
@@ -163,14 +157,14 @@ class HelpScreen(Dialog[str]):
         self._notes = notes
 
     def compose(self) -> ComposeResult:
-        """Yield what there is to know."""
+        """Yield the page in a box."""
         with self.box("", "1: keys   2: words   /: find   esc: close", "tall") as box:
             box.border_title = tabs("Pages")
             with VerticalScroll():
                 yield Explained(list(self._explanations()), self._look.glyphs)
 
     def on_mount(self) -> None:
-        """Let the arrows scroll."""
+        """Focus the page, so that the arrows scroll it."""
         page = self.query_one(VerticalScroll)
         page.focus()
         if self._notes:
@@ -179,16 +173,16 @@ class HelpScreen(Dialog[str]):
 
     async def _fill(self) -> None:
         page = self.query_one(VerticalScroll)
-        if page.is_attached and not page.max_scroll_y:  # there is nothing to scroll
+        if page.is_attached and not page.max_scroll_y:  # nothing to scroll, so the notes fit
             await self._add_notes()
 
     async def _add_notes(self) -> None:
-        """Put the notes at the end once the page is scrolled: Markdown is slow to load."""
+        """Put the notes at the end late, because Markdown is slow to load."""
         if not self._notes:
             return
         notes, self._notes = notes_markdown(self._notes, self._look.glyphs), ""
         page = self.query_one(VerticalScroll)
-        # a page that does not scroll yet, or that nobody has scrolled, shows its beginning
+        # Stay at the beginning of a page that was not scrolled to its end
         to_end = 0 < page.max_scroll_y <= page.scroll_target_y
         await page.mount(Static(Text("\nNotes", "bold")), notes)
         if to_end:
@@ -206,8 +200,8 @@ class HelpScreen(Dialog[str]):
 
 
 def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:
-    """Return the widget that draws ``markdown`` in the characters of ``glyphs``; the app shows addresses."""
-    from textual.widgets import Markdown  # its parser is slow to load and must not delay the first paint
+    """Return the widget that draws ``markdown`` in the characters of ``glyphs``."""
+    from textual.widgets import Markdown  # slow to load: must not delay the first paint
 
     widget = Markdown(to_ascii(markdown, glyphs), open_links=True)
     if glyphs.name == "ascii":

@@ -1,4 +1,4 @@
-"""The bottom line: which keys do what, as many as fit."""
+"""The bottom line: keys and what they do, as many as fit."""
 
 from __future__ import annotations
 
@@ -20,14 +20,13 @@ from rl_tui.screen.theme.look import Look
 _GAPS = (3, 2)
 
 Hints = tuple[tuple[str, str], ...]
-"""Keys, and what they do in a word."""
+"""Pairs of a key and its label."""
 
 
 def fitting(actions: Sequence[Action], width: int, glyphs: Glyphs) -> tuple[tuple[Action, ...], int]:
-    """Return those of ``actions`` whose hints fit into ``width`` columns, as shown, and the gap between.
+    """Return the actions whose hints fit into ``width`` columns, and the gap between the hints.
 
-    Entries are dropped whole, those of the highest rank first; the one of the lowest rank (help) stays in any
-    width and stands last. The gap is the wide one where that drops nothing more.
+    Hints of the highest rank are dropped first. The lowest one (help) always comes last.
     """
     ranked = sorted((a for a in actions if a.rank is not None), key=lambda a: a.rank or 0)
     wide, narrow = (_as_many_as_fit(ranked, width, gap, glyphs) for gap in _GAPS)
@@ -48,7 +47,7 @@ def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int, glyphs: Glyp
 
 
 def _columns(action: Action, glyphs: Glyphs) -> int:
-    """Return how wide a hint is at most: what stands behind it does not move when the run begins or ends."""
+    """Return the largest width of a hint, which keeps later hints in place."""
     keys, label = action.key_hint
     widest = max(cell_len(to_ascii(word, glyphs)) for word in (label, action.while_running))
     return cell_len(to_ascii(keys, glyphs)) + 1 + widest
@@ -60,13 +59,10 @@ def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) ->
 
 
 class KeyLine(Widget):
-    """Key hints of ``actions``, those of the screen it stands on; a click on one does it.
+    """The key hints of ``actions``, or of a mode in ``hints``. A click runs the action.
 
-    ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own;
-    ``first`` are ways to write those that stand before them, the longest first, for what is in focus; words
-    without a key say what that is. While the run ``is_running`` some keys do something else; actions whose
-    ids are ``idle`` have nothing to do and are left out. Unless it ``names_all``, only those stand there that
-    one needs first.
+    ``first`` are forms of a hint for the focus, the longest first. ``idle`` are ids of actions to leave out.
+    Without ``names_all`` only the actions that a beginner needs are shown.
     """
 
     hints: reactive[Hints] = reactive(())
@@ -98,27 +94,25 @@ class KeyLine(Widget):
         return strip.apply_style(self.rich_style)
 
     def _hint(self, action: Action) -> tuple[str, str]:
-        """Return the keys of ``action`` and what they do now, as wide as it may be."""
         keys, label = action.key_hint
         word = action.while_running if self.is_running and action.while_running else label
         return keys, word.ljust(max(len(label), len(action.while_running)))
 
     def _fitting_first(self) -> Hints:
-        """Return the longest way to write what stands first that leaves room for the help, else the last."""
+        """Return the longest form of ``first`` that leaves space for help, else the shortest."""
         last = min((a for a in self._actions if a.rank is not None), key=lambda action: action.rank or 0)
         room = self.size.width - _columns(last, self.look.glyphs) - _GAPS[0]
         fitting = (each for each in self.first if _line_columns(each, _GAPS[0], self.look.glyphs) <= room)
         return next(fitting, self.first[-1] if self.first else ())
 
     def _fitting_hints(self) -> list[tuple[str, str]]:
-        """Return the hints of the mode; where not all fit, the last but one goes first."""
         hints = list(self.hints)
         while len(hints) > 1 and _line_columns(hints, _GAPS[1], self.look.glyphs) > self.size.width:
             hints.pop(-2)
         return hints
 
     async def on_click(self, event: events.Click) -> None:
-        """Do what the hint under the pointer says."""
+        """Run the hint under the pointer."""
         offset = event.get_content_offset(self)
         if offset is None:
             return
@@ -135,7 +129,7 @@ class KeyLine(Widget):
             column = end + gap
 
     def _fitting_actions(self) -> tuple[tuple[Action, ...], int]:
-        """Return the actions that fit behind what stands first, but for those whose keys that takes."""
+        """Return the actions that fit after ``first``, without those whose keys it uses."""
         first = self._fitting_first()
         taken = {keys for keys, _ in first}
         actions = [
@@ -151,7 +145,7 @@ class KeyLine(Widget):
         return fitting(actions, room, self.look.glyphs)
 
     def _press_hint(self, hints: Sequence[tuple[str, str]], gap: int, x: int) -> int:
-        """Press the key of the hint in column ``x``, or menu and letter; return where the next one begins."""
+        """Press the keys of the hint in column ``x``. Return the end of the hints."""
         column = 1
         for hint in hints:
             end = column + _line_columns([hint], 0, self.look.glyphs) - 1

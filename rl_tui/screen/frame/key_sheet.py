@@ -1,7 +1,4 @@
-"""All keys of a place on one screen: those of the panel in focus, the single keys, the menus.
-
-It is the first of the three pages that ``?`` turns through: keys, words, pages.
-"""
+"""All keys of a place on one screen, the first page of ``?``."""
 
 from __future__ import annotations
 
@@ -28,7 +25,7 @@ WORDS: Final = "words"
 PAGES: Final = "pages"
 FIND: Final = "find"
 _TABS: Final = ("Keys", "Words", "Pages")
-_ROOMY: Final = (108, 34)  # columns and lines from which each menu is a list of its own
+_ROOMY: Final = (108, 34)  # columns and rows from which each menu is a list
 _MOVING: Final = {
     **dict.fromkeys(("up", "down", "left", "right"), "move"),
     **dict.fromkeys(("page up", "page down"), "page"),
@@ -52,22 +49,18 @@ _SIGNS: Final = {
 
 
 def tabs(current: str) -> Content:
-    """Return the title of a page of ``?``: the names of all three, the ``current`` one marked."""
+    """Return the title of a page of ``?``: all three names, with ``current`` marked."""
     parts = [(f" {name} ", "reverse" if name == current else "not bold") for name in _TABS]
     return Content.assemble(*parts)
 
 
 class _Entry(NamedTuple):
-    """A key, what it does in a word or two, and whether it can do nothing now."""
-
     key: str
     label: str
     is_dim: bool = False
 
 
 class _Page(Widget):
-    """Draws the lines that ``lines`` makes for its width, as high as they come out."""
-
     DEFAULT_CSS = """
     _Page {
         width: 1fr;
@@ -80,18 +73,16 @@ class _Page(Widget):
         self._lines = lines
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return the number of lines at ``width`` columns."""
         return len(self._lines(width))
 
     def render(self) -> Text:
-        """Return all lines."""
         return Text("\n", no_wrap=True, overflow="crop").join(self._lines(self.size.width))
 
 
 class KeySheet(Dialog[str]):
-    """The keys of ``actions`` and of the ``panel`` in focus, which is called ``name``.
+    """The keys of ``actions`` and of the focused ``panel``, called ``name``.
 
-    Answers ``WORDS``, ``PAGES`` or ``FIND`` where one of these is asked for.
+    The answer is ``WORDS``, ``PAGES`` or ``FIND``.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -109,18 +100,17 @@ class KeySheet(Dialog[str]):
         self._name = name
 
     def compose(self) -> ComposeResult:
-        """Yield the page."""
+        """Yield the page in a box."""
         with self.box("", "?: words   /: find   esc: close", "whole") as box:
             box.border_title = tabs("Keys")
             with VerticalScroll():
                 yield _Page(self._page)
 
     def on_mount(self) -> None:
-        """Let the arrows scroll."""
+        """Focus the page, so that the arrows scroll it."""
         self.query_one(VerticalScroll).focus()
 
     def _page(self, width: int) -> list[Text]:
-        """Return the lines of the page at ``width`` columns."""
         room = self.app.size
         return list(self._lines(width, room.width >= _ROOMY[0] and room.height >= _ROOMY[1]))
 
@@ -142,7 +132,7 @@ class KeySheet(Dialog[str]):
             yield group, entries
         rest = (Group.RUN, Group.PROGRAM)
         singles = [each for each in self._actions if not each.menu and each.group in rest]
-        # Menus have a heading of their own, and keys for emergencies are explained by the words
+        # Menus have their own heading; keys for emergencies are explained under words
         listed = [each for each in singles if each.key not in MENUS and not each.everywhere]
         yield "Everywhere", [entry for each in listed if (entry := _entry(each)).key]
 
@@ -155,7 +145,6 @@ class KeySheet(Dialog[str]):
             yield self._joined(self._item(each, column, keys) for each in entries[line::lines])
 
     def _wide_menus(self, width: int) -> Iterator[Text]:
-        """Yield the menus as lists, three side by side."""
         column = width // 3
         menus = self._menus()
         for three in (menus[:3], menus[3:]):
@@ -170,7 +159,6 @@ class KeySheet(Dialog[str]):
             yield Text("")
 
     def _narrow_menus(self, width: int) -> Iterator[Text]:
-        """Yield each menu in as few lines as it takes."""
         palette = self._look.palette
         for key, title, entries in self._menus():
             line = Text(f"{key} ", palette.press).append(f"{title:<8}", palette.strong)
@@ -183,12 +171,10 @@ class KeySheet(Dialog[str]):
             yield line
 
     def _menus(self) -> list[tuple[str, str, list[_Entry]]]:
-        """Return the key, the title and the entries of each menu that has some."""
         menus = [(key, [each for each in self._actions if each.menu == key]) for key in MENUS]
         return [(key, menu_title(key, listed), list(map(_entry, listed))) for key, listed in menus if listed]
 
     def _item(self, entry: _Entry, width: int, keys: int) -> Text:
-        """Return ``entry`` in ``width`` columns, its key at the right of the first ``keys``."""
         palette = self._look.palette
         key, label = self._written(entry.key), self._written(entry.label)
         style: Style = palette.dim if entry.is_dim else palette.text
@@ -209,7 +195,7 @@ def _entry(action: Action) -> _Entry:
 
 
 def _panel_entries(panel: Widget | None, taken: Collection[str]) -> list[_Entry]:
-    """Return the keys that the class of ``panel`` binds, but for those ``taken``; of one meaning together."""
+    """Return the keys that ``panel`` binds, without ``taken``, grouped by meaning."""
     meanings = dict[str, list[str]]()
     for base in type(panel).__mro__ if panel is not None else ():
         for each in Binding.make_bindings(base.__dict__.get("BINDINGS", ())):

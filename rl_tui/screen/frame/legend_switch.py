@@ -1,4 +1,4 @@
-"""Whether panels explain themselves, which are in view, and what cells of maps show, as last chosen."""
+"""Choices that hold for all screens, some of them saved."""
 
 from __future__ import annotations
 
@@ -11,30 +11,26 @@ _ALL_PANELS: Final = ".panels-all"
 
 
 class LegendSwitch:
-    """What a person chose last: whether panels explain their symbols, and whether all panels are in view.
-
-    Legends are on at first, and not all panels are in view. What differs is remembered by a file in
-    ``folder``, which is that of the sessions; without a folder that may be written nothing is remembered.
-    """
+    """Choices of legends and panels, saved as files in ``folder``."""
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
         self.is_on = not self._is_remembered(_LEGENDS_HIDDEN)
         self.shows_all_panels = self._is_remembered(_ALL_PANELS)
         self.names_all_keys = False
-        """Whether the key line names all keys: once a session is kept or a run paused after an episode."""
+        """True if the key line names all keys, for users with some experience."""
         self.numbers_states = False
-        """Whether the cells of maps have the numbers of their states; that is not remembered."""
+        """True if cells of maps show the numbers of their states (not saved)."""
         self.shows_actions = False
-        """Whether these cells show Q of every action in place of V; not remembered either."""
+        """True if these cells show Q rather than V (not saved)."""
 
     def turn(self) -> None:
-        """Hide legends, or show them again."""
+        """Hide or show the legends."""
         self.is_on = not self.is_on
         self._remember(_LEGENDS_HIDDEN, is_there=not self.is_on)
 
     def turn_panels(self) -> None:
-        """Show all panels from now on, or only those that mean something."""
+        """Switch between all panels and the usual ones."""
         self.shows_all_panels = not self.shows_all_panels
         self._remember(_ALL_PANELS, is_there=self.shows_all_panels)
 

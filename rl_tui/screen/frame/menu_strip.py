@@ -1,4 +1,4 @@
-"""A menu over the last rows of the screen: a letter acts at once; arrows, enter and the mouse work too."""
+"""A menu over the last rows of the screen."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.look import Look
 
-_WIDE: Final = 110  # columns from which a line has three rows of a menu, else two
-_BEFORE_LABEL: Final = 5  # columns: the cursor, the letter and the blanks around them
+_WIDE: Final = 110  # columns from which a line holds three entries, else two
+_BEFORE_LABEL: Final = 5  # columns of the cursor, the letter and the blanks around them
 _MOVES: Final = {"down": 1, "j": 1, "tab": 1, "up": -1, "k": -1, "shift+tab": -1}
 LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
-"""Keys that close a menu for something else, with the id of that action."""
+"""Keys that close a menu, with the action to run."""
 
 
 class MenuRow(NamedTuple):
-    """One row: an action, its letter and words, the current value, a sentence; whether it cannot be done."""
+    """One entry of a menu: action, letter, label, current value and help sentence."""
 
     id: str
     letter: str
@@ -39,10 +39,7 @@ class MenuRow(NamedTuple):
 
 
 class MenuRows(Widget):
-    """Draws the title, the rows in columns, and the sentence of the row under the cursor.
-
-    ``at`` is that row; ``unknown`` is a key that was pressed and is none of the menu.
-    """
+    """The title, the entries, and the sentence of the entry with index ``at``."""
 
     at: reactive[int] = reactive(0)
     unknown: reactive[str] = reactive("")
@@ -55,7 +52,7 @@ class MenuRows(Widget):
 
     @property
     def lines(self) -> int:
-        """The number of lines that the rows take; the columns are filled one after the other."""
+        """The number of lines of the entries, which fill column after column."""
         return -(-len(self.rows) // self._columns)
 
     @property
@@ -63,11 +60,11 @@ class MenuRows(Widget):
         return 3 if self.app.size.width >= _WIDE else 2
 
     def on_resize(self) -> None:
-        """Take as many lines as are needed."""
+        """Adapt the height to the new width."""
         self._fit()
 
     def show(self, rows: Sequence[MenuRow]) -> None:
-        """Draw ``rows`` in place of those before."""
+        """Draw ``rows`` in place of the old ones."""
         self.rows = rows
         self.at = min(self.at, len(rows) - 1)
         self._fit()
@@ -79,7 +76,7 @@ class MenuRows(Widget):
         self.styles.height = 1 + self.lines + most
 
     def render_line(self, y: int) -> Strip:
-        """Draw the title, a line of rows, or the sentence."""
+        """Draw the title, a line of entries, or the sentence."""
         width, text = self.size.width, self.look.palette.text
         if y == 0:
             segments = self._title(width)
@@ -121,13 +118,13 @@ class MenuRows(Widget):
         ]
 
     def place_at(self, x: int, y: int) -> int | None:
-        """Return the number of the row drawn at column ``x`` of line ``y``, None beside the rows."""
+        """Return the index of the entry at ``x``, ``y``, or None."""
         place = y - 1 + self.lines * (x // (self.size.width // self._columns))
         return place if 1 <= y <= self.lines and place < len(self.rows) else None
 
 
 class MenuStrip(Dialog[str]):
-    """Answers the id of an action. A row that cannot be done now says why, and the menu stays open."""
+    """A menu that answers the id of an action, and stays open for unavailable ones."""
 
     def __init__(self, look: Look, title: str, rows: Callable[[], Sequence[MenuRow]]) -> None:
         super().__init__()
@@ -135,17 +132,17 @@ class MenuStrip(Dialog[str]):
         self.menu = MenuRows(look, title, rows())
 
     def compose(self) -> ComposeResult:
-        """Yield the rows."""
+        """Yield the entries."""
         yield self.menu
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the current values, and what can be done now."""
+        """Update the current values and the available actions."""
         rows = self._rows_now()
         if rows != self.menu.rows:
             self.menu.show(rows)
 
     def on_key(self, event: events.Key) -> None:
-        """Do what a letter says, or move the cursor; no key reaches the screen below."""
+        """Choose an entry by its letter, or move the cursor."""
         menu, key = self.menu, event.key
         event.stop()
         menu.unknown = ""
@@ -170,7 +167,7 @@ class MenuStrip(Dialog[str]):
             menu.unknown = letter if letter.isprintable() else key
 
     def on_click(self, event: events.Click) -> None:
-        """Do the row that is clicked; a click elsewhere closes the menu."""
+        """Choose the entry under the mouse, or close the menu."""
         region = self.menu.region
         place = None
         if region.contains(event.screen_x, event.screen_y):

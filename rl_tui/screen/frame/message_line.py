@@ -1,7 +1,6 @@
-"""The message line: what was just done, or what went wrong, in rows that hide no panel.
+"""The message line, which hides no panel.
 
-A screen of many rows keeps a free row for it above the key line. On a lower one a message takes the place of
-the key line, but for the hint at its right end.
+High screens keep a free row for it. On lower ones it replaces most of the key line.
 """
 
 from __future__ import annotations
@@ -29,25 +28,25 @@ from rl_tui.screen.theme.look import Look
 
 MOST_ROWS: Final = 3
 CLOSE: Final = "esc: close"
-_FRAME: Final = 3  # cells: the bar at the left, and a blank on either side
+_FRAME: Final = 3  # cells: the bar at the left, and a blank on each side
 _GAP: Final = 2
 
 
 class OfTheMoment(Notification):
-    """A message that counts until the next key or click."""
+    """A message that disappears with the next key or click."""
 
 
 def tell(app: App[Any], message: str, severity: SeverityLevel, timeout: float | None) -> None:
-    """Show ``message`` in place of all others until the next key or click, ``timeout`` seconds at most."""
+    """Replace all messages by ``message`` until a key or click, or for ``timeout`` seconds."""
     app.clear_notifications()
     seconds = app.NOTIFICATION_TIMEOUT if timeout is None else timeout
     app.post_message(Notify(OfTheMoment(message, severity=severity, timeout=seconds)))
 
 
 class Messages:
-    """What is to be read on ``app``, of which the newest is on the screen in front.
+    """The current messages of ``app``, the newest on the front screen.
 
-    A fault stays until escape, or until the screen is left that it is about; everything else for its time.
+    Errors stay until escape, or until their screen is left.
     """
 
     def __init__(self, app: App[Any], look: Callable[[], Look]) -> None:
@@ -58,11 +57,11 @@ class Messages:
 
     @property
     def texts(self) -> list[str]:
-        """What can be read, or is to be read later, the oldest first."""
+        """The texts of all current messages, the oldest first."""
         return [note.message for note, _ in self._told]
 
     def note(self, notification: Notification) -> None:
-        """Show ``notification``, in place of one that says the same."""
+        """Show ``notification``, in place of one with the same text."""
         self._told = [told for told in self._told if told[0].message != notification.message]
         with suppress(ScreenStackError):
             self._told.append((notification, self._app.screen_stack[:2][-1]))
@@ -73,12 +72,12 @@ class Messages:
         self.show()
 
     def end_moment(self) -> None:
-        """Take away the messages of the moment."""
-        if self._told:  # nearly always there is none, and every key comes here
+        """Remove the messages that last until the next key."""
+        if self._told:  # every key comes here, and mostly there are no messages
             self._keep(lambda note: not _is_of_moment(note))
 
     def end_fault(self) -> bool:
-        """Take away the fault that is shown; return whether one was."""
+        """Remove the error on display. Return True if there was one."""
         shown = self._newest()
         is_fault = any(map(_is_fault, shown))
         if is_fault:
@@ -86,17 +85,17 @@ class Messages:
         return is_fault
 
     def clear(self) -> None:
-        """Take everything away but faults."""
+        """Remove everything except errors."""
         self._keep(_is_fault)
 
     def follow(self, _: object) -> None:
-        """Show the message on the screen that is in front now; forget faults of screens that are left."""
+        """Move the message to the front screen, and drop errors of left screens."""
         stack = self._app.screen_stack
         self._told = [(note, of) for note, of in self._told if of in stack or not _is_fault(note)]
         self.show()
 
     def show(self) -> None:
-        """Show the newest message on the screen in front, and on no other."""
+        """Show the newest message on the front screen only."""
         with suppress(ScreenStackError, NoMatches, MountError):
             screen = self._app.screen
             if self._line is not None and (self._line.parent is not screen or not self._line.is_attached):
@@ -111,7 +110,6 @@ class Messages:
                 self._line.show(self._newest())
 
     def _newest(self) -> tuple[Notification, ...]:
-        """Return the newest message, with the others of the same moment."""
         notes = [note for note, _ in self._told]
         is_moment = bool(notes) and _is_of_moment(notes[-1])
         return tuple(filter(_is_of_moment, notes) if is_moment else notes[-1:])
@@ -137,7 +135,7 @@ def _is_fault(notification: Notification) -> bool:
 
 
 class MessageLine(Static):
-    """The rows of one message over the last ones of a screen, hidden while there is none."""
+    """The rows of one message over the last rows of a screen."""
 
     DEFAULT_CLASSES = "-textual-system"
 
@@ -148,25 +146,24 @@ class MessageLine(Static):
         self._messages: tuple[Notification, ...] = ()
 
     def show(self, messages: tuple[Notification, ...]) -> None:
-        """Show ``messages`` one behind the other, or hide."""
+        """Show ``messages`` one after the other, or hide if there are none."""
         self._messages = messages
         self.display = bool(messages)
         self._fit()
 
     def on_mount(self) -> None:
-        """Draw the messages that came before it did."""
+        """Draw the messages that came before the mount."""
         self._fit()
 
     def on_resize(self) -> None:
-        """Break the lines anew."""
+        """Wrap the text again."""
         self._fit()
 
     def on_click(self) -> None:
-        """Take a fault away; every other message has gone already."""
+        """Close an error."""
         self.app.simulate_key("escape")
 
     def _fit(self) -> None:
-        """Break the message into as few rows as it needs, with the hint at the end of the last one."""
         if not self._messages or not self.is_attached:
             return
         look, severities = self._look(), {each.severity for each in self._messages}
@@ -187,14 +184,12 @@ class MessageLine(Static):
 
     @property
     def _first_hint(self) -> str:
-        """The hint that a key line has in any width."""
         actions: tuple[Action, ...] = getattr(self.screen, "known_actions", ())
         ranked = [action for action in actions if action.rank is not None]
         return " ".join(min(ranked, key=lambda action: action.rank or 0).key_hint) if ranked else ""
 
 
 def _lines(text: str, width: int, look: Look) -> list[str]:
-    """Return ``text`` in as many rows as a message may have, the last one cut where that is too few."""
     lines = ["".join(piece.text for piece in line) for line in wrapped(text, width, Style.null(), look)]
     rows = lines[: MOST_ROWS - 1]
     if len(lines) > len(rows):

@@ -1,4 +1,4 @@
-"""What the number under the cursor of world or table is, with its pair, its visits and the exact one."""
+"""The number under the cursor of world or table, explained."""
 
 from __future__ import annotations
 
@@ -30,10 +30,7 @@ _NO_VALUE: Final = "may never end, and rewards go on without a discount: there i
 
 
 class NumberHere(NamedTuple):
-    """A number on screen: ``name`` as ``Q(6,↓) = .942``, and what it means in a paragraph.
-
-    ``term`` is the id of what the glossary says of such figures.
-    """
+    """A number on screen: ``name``, such as ``Q(6,↓) = .942``, ``meaning`` and glossary ``term``."""
 
     name: str
     meaning: str
@@ -41,11 +38,7 @@ class NumberHere(NamedTuple):
 
 
 def number_here(panel: Widget | None, look: Look, at: Offset | None = None) -> NumberHere | None:
-    """Return the number of ``panel`` under its cursor, None where there is none.
-
-    With ``at``, counted from the corner of what the panel draws, it is the number of the cell drawn there.
-    Of several lanes it says whose number it is.
-    """
+    """Return the number of ``panel`` under its cursor or at offset ``at``, or None."""
     if not isinstance(panel, QTable | WorldView) or panel.snapshot is None:
         return None
     number = _of_table(panel, look, at) if isinstance(panel, QTable) else _of_world(panel, look, at)
@@ -77,26 +70,20 @@ def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | No
 
 
 def number_of_pair(snapshot: Snapshot, pair: int, layer: Layer, look: Look) -> NumberHere | None:
-    """Return the number of ``pair`` in ``layer`` of the table; None where the snapshot does not hold it.
-
-    None as well where it is one of an estimate, and none is known.
-    """
+    """Return the number of ``pair`` in ``layer``, or None if unknown."""
     is_known = has_estimates(snapshot) or layer in (Layer.VISITS, Layer.POLICY)
     return _Teller(snapshot, look).of_pair(pair, layer) if is_known and snapshot.agent.holds(pair) else None
 
 
 def number_of_state(snapshot: Snapshot, state: int, look: Look, layer: Layer = Layer.Q) -> NumberHere | None:
-    """Return the number of ``state`` in ``layer``, V in most; None where the snapshot does not hold it.
-
-    None as well where it is one of an estimate, and none is known.
-    """
+    """Return the number of ``state`` in ``layer`` (mostly V), or None if unknown."""
     pairs, is_known = snapshot.world.space.pairs_of(state), has_estimates(snapshot) or layer is Layer.VISITS
     held = not pairs or (is_known and snapshot.agent.holds(pairs.start))
     return _Teller(snapshot, look).of_state(state, layer) if held else None
 
 
 def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Look) -> NumberHere:
-    """Return V of ``state`` under the policy ``kind``, which ``snapshot`` shows in place of the agent's."""
+    """Return V of ``state`` under the policy ``kind``, which ``snapshot`` shows."""
     name = names.state_name(snapshot.world, state, look.glyphs)
     value = float(snapshot.agent.values[state])
     if math.isnan(value):
@@ -113,8 +100,6 @@ def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Loo
 
 
 class _Teller:
-    """Tells of the numbers of one snapshot."""
-
     def __init__(self, snapshot: Snapshot, look: Look) -> None:
         self._snapshot = snapshot
         self._world = snapshot.world
@@ -123,7 +108,6 @@ class _Teller:
         self._is_bandit = isinstance(snapshot.world.drawing, Arms)
 
     def of_pair(self, pair: int, layer: Layer) -> NumberHere:
-        """Return the number of ``pair`` in a layer of the table."""
         agent = self._snapshot.agent
         name = names.pair_name(self._world, pair, self._look.glyphs)
         q, exact = float(agent.q[pair]), None if self._exact is None else float(self._exact[0][pair])
@@ -174,7 +158,6 @@ class _Teller:
         )
 
     def of_state(self, state: int, layer: Layer = Layer.Q) -> NumberHere:
-        """Return the number of ``state`` in a layer of the world."""
         agent, glyphs = self._snapshot.agent, self._look.glyphs
         pairs = self._world.space.pairs_of(state)
         name = names.state_name(self._world, state, glyphs)
@@ -213,7 +196,6 @@ class _Teller:
     def _compared_state(
         name: str, layer: Layer, value: str, optimum: str, error: str, learned: str
     ) -> NumberHere:
-        """Return the exact value of a state, or how far its estimated ``value`` is from that."""
         if layer is Layer.OPTIMAL:
             return NumberHere(
                 f"V*({name}) = {optimum}",
@@ -229,7 +211,6 @@ class _Teller:
         )
 
     def _written(self, *values: float | None) -> tuple[str, ...]:
-        """Return numbers in one form, empty where one is not known."""
         form = number_form([each for each in values if each is not None], _COLUMNS)
         return tuple("" if each is None else form.text(each, self._look.glyphs) for each in values)
 
@@ -262,7 +243,6 @@ class _Teller:
         return f"learned from {counted(visits, 'pull' if self._is_bandit else 'visit')}"
 
     def _truth(self, optimum: str, symbol: str = "Q*") -> str:
-        """Return the exact value beside an estimate, or why it is not told."""
         if optimum:
             return f"The exact {symbol} here is {optimum}."
         if hides_means(self._snapshot):

@@ -1,4 +1,4 @@
-"""What decides an arrangement: the size of the screen, the shape of the world, and the cells of a map."""
+"""The inputs of an arrangement, and the cells of a map."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from rl_tui.worlds.sections.schema import WorldSection
 ROOMY_WIDTH: Final = 100
 ROOMY_HEIGHT: Final = 36
 MESSAGE_HEIGHT: Final = 30
-"""Rows from which on a message has a row of its own above the keys."""
+"""Rows from which a message has its own row above the keys."""
 MEDIUM_WIDTH: Final = 76
 MEDIUM_HEIGHT: Final = 22
 
@@ -37,13 +37,11 @@ MEDIUM_HEIGHT: Final = 22
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What the arrangement depends on, apart from the size and what is open.
+    """Everything but the size and the open panel that affects the arrangement.
 
-    ``actions`` is the greatest number of a state, ``table_rows`` what the whole table takes. With ``lanes``
-    two runs are to stand side by side. Of a program that is watched there is nothing to set. With
-    ``has_lesson`` a page stands beside the world; where there is no room for both, ``reads`` says that the
-    page has it. While a person draws the world, it ``is_drawn``: then there is a panel of tools. ``shown``
-    are the ids of the panels in view, None: all but the caption.
+    ``actions`` is the largest number of actions of a state. ``lanes`` asks for two runs side by side.
+    ``reads`` gives the screen to the lesson page if there is no space for both. ``shown`` are the ids of the
+    panels in view, None for all.
     """
 
     drawing: Drawing | None = None
@@ -58,7 +56,7 @@ class Shape:
 
     @property
     def settings(self) -> str:
-        """The id of the panel that says by what the agent learns."""
+        """The id of the panel about the agent: settings, or the watched program."""
         return PROGRAM if self.is_program else CONTROLS
 
 
@@ -70,7 +68,7 @@ def expected_shape(
     has_lesson: bool,
     shown: frozenset[str] | None,
 ) -> Shape:
-    """Return what is known of the shape before the world of ``section`` is built."""
+    """Return the shape as far as ``section`` gives it, before its world is built."""
     return Shape(
         drawing=section.sketch(),
         lanes=lanes,
@@ -82,7 +80,7 @@ def expected_shape(
 
 
 class SizeClass(IntEnum):
-    """How much room a screen has."""
+    """Size class of a screen."""
 
     SMALL = 0
     MEDIUM = 1
@@ -101,7 +99,7 @@ def size_class(size: Size) -> SizeClass:
 
 
 def docks_lesson(size: Size, shown: Collection[str] | None) -> bool:
-    """Return whether there is room for a page of a lesson beside the world and all else that is ``shown``."""
+    """Return True if a lesson page fits beside the panels ``shown``."""
     room = size_class(size)
     return room is ROOMY or (room is MEDIUM and shown is not None and not _AT_THE_RIGHT.intersection(shown))
 
@@ -112,18 +110,17 @@ def docks_lesson(size: Size, shown: Collection[str] | None) -> bool:
 _MOST_HEIGHT: Final = 12  # of a cell
 _LOW: Final = {1: (1, 7), 2: (3, 8)}  # rows of a cell: its least and most columns
 _ODD_FROM: Final = 5  # columns: an odd number has a middle
-_HUGE: Final = Size(80, 40)  # cells: a map that is larger scrolls at a size that can be read
+_HUGE: Final = Size(80, 40)  # cells: a larger map scrolls at a readable size
 _READABLE: Final = 3  # columns
 
 
 def cell_size(
     rows: int, columns: int, width: int, height: int, *, is_broad: bool = False, fills: bool = False
 ) -> Size:
-    """Return the tallest cell of which rows × columns fit into width × height, and of these the widest.
+    """Return the tallest, then widest cell of which rows × columns fit into width × height.
 
-    A cell is as wide on the screen as it is high, or up to half as much again, twice if it ``is_broad``.
-    Where the map ``fills`` the screen, it may be a quarter narrower and of an even width.
-    Where not even the smallest one fits, the map scrolls.
+    On screen a cell is 1 to 1.5 times as wide as high, or up to 2 times if it ``is_broad``. If the map
+    ``fills`` the screen, a cell may be a quarter narrower and of even width. If none fits, the map scrolls.
     """
     for tall in range(min(_MOST_HEIGHT, height // rows), 0, -1):
         narrowest, widest = 3 * tall // 2 if fills else 2 * tall - 1, (4 if is_broad else 3) * tall - 1
@@ -137,17 +134,14 @@ def cell_size(
 
 
 class MapSize(NamedTuple):
-    """The size of a ``cell`` of a map, and of the whole ``picture`` with what is around the map."""
+    """The size of a map's ``cell``, and of the map with margins."""
 
     cell: Size
     picture: Size
 
 
 def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False, fills: bool = False) -> MapSize:
-    """Return the size of ``grid`` in width × height characters, see :func:`cell_size`.
-
-    A map goes without its labels where they would have it scroll, or make narrower what scrolls anyway.
-    """
+    """Return the size of ``grid`` in width × height, without labels if it would scroll."""
     margins = wanted_margins(grid, height)
     left, above = margins.left, margins.above
     cell = cell_size(grid.rows, grid.columns, width - left, height - above, is_broad=is_broad, fills=fills)
@@ -170,14 +164,11 @@ def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False, fil
 
 
 WORLDS: Final = (WORLD, beside(WORLD))
-"""The ids of the worlds, of which one alone is shown as large as it goes."""
+"""The ids of the worlds, which fill the screen in full screen."""
 
 
 class Arrangement(NamedTuple):
-    """The ``regions`` of the panels in view, by id, and the size of a ``cell`` of the map.
-
-    Without a map, or with none in view, that is 0 × 0.
-    """
+    """The ``regions`` of panels by id, and the size of a map's ``cell``."""
 
     regions: dict[str, Region]
     cell: Size
@@ -185,7 +176,7 @@ class Arrangement(NamedTuple):
 
 @dataclass
 class ScreenPlan:
-    """A screen on which regions are put: its class, its margins and the rows from ``top`` to ``foot``."""
+    """The regions put so far, and the measures of the screen."""
 
     size: Size
     shape: Shape
@@ -203,21 +194,21 @@ class ScreenPlan:
             self.put_caption(CAPTION)
 
     def shows(self, panel: str) -> bool:
-        """Return whether ``panel`` is to be in view; that of a program is where the settings are."""
+        """Return True if ``panel`` should be in view."""
         return self.shape.shown is None or {PROGRAM: CONTROLS}.get(panel, panel) in self.shape.shown
 
     def put(self, panel: str, region: Region) -> None:
-        """Put ``panel`` there, if that is anywhere."""
+        """Put ``panel`` there, unless the region is empty."""
         if region.width > 0 and region.height > 0:
             self.regions[panel] = region
 
     def put_caption(self, panel: str) -> None:
-        """Put ``panel`` into the row above the keys, which is that of messages where they have one."""
+        """Put ``panel`` into the row above the keys, where high screens show messages."""
         self.foot = self.size.height - 2
         self.put(panel, Region(self.margin, self.foot, self.usable, 1))
 
     def alone(self, panel: str) -> Arrangement:
-        """Return the place of ``panel`` on all of the screen; curve and timeline come together."""
+        """Return the arrangement of ``panel``, with curve and timeline as one."""
         if panel in WORLDS:
             return self._big(panel)
         body = Region(self.margin, 1, self.usable, self.foot - 1)
@@ -229,10 +220,6 @@ class ScreenPlan:
         return Arrangement(self.regions, Size(0, 0))
 
     def _big(self, world: str) -> Arrangement:
-        """Return the place of ``world`` as large as it goes, without the header.
-
-        Below its scale are the curve in one row and a caption: what happens, or the page of a lesson.
-        """
         self.put_caption(LESSON if self.shape.has_lesson else CAPTION)
         self.foot -= 1
         if self.shows(CURVE):

@@ -1,1 +1,1 @@
-"""The words of the program, each with its meaning, its equation and where the book has it."""
+"""The glossary."""

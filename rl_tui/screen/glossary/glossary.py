@@ -1,7 +1,4 @@
-"""The glossary: its terms, the search in them, and the term at a place on the screen.
-
-Terms come from `glossary.toml`, and those that name a number say how it comes about.
-"""
+"""The terms of the glossary, and their search."""
 
 from __future__ import annotations
 
@@ -31,7 +28,7 @@ _FILE: Final = Path(__file__).with_name("glossary.toml")
 
 
 class FigureKind(StrEnum):
-    """How a figure on screen comes about."""
+    """Origin of a metric on screen."""
 
     EXACT = "exact"
     SAMPLED = "sampled"
@@ -40,21 +37,18 @@ class FigureKind(StrEnum):
 
 
 class FigureLimit(StrEnum):
-    """Within what a figure counts."""
+    """Scope of a metric."""
 
     EPISODE = "episode"  # an episode, up to the time limit
     NONE = "none"  # no limit
     STEP = "step"  # one step
     RUN = "run"  # all of the run so far
-    MOMENT = "moment"  # the last moments on the clock
+    MOMENT = "moment"  # the last moments of real time
 
 
 @dataclass(frozen=True, slots=True)
 class FigureFacts:
-    """What must be known of a figure before it is compared: ``discounted`` is None where that means nothing.
-
-    ``episodes`` is over how many of the last ones it is a mean, None where it is of one.
-    """
+    """Facts that matter when metrics are compared, None if they do not apply."""
 
     kind: FigureKind
     discounted: bool | None
@@ -65,7 +59,7 @@ class FigureFacts:
 
 @dataclass(frozen=True, slots=True)
 class GlossaryTerm:
-    """One ``word``, ``also`` written otherwise; ``figure`` is set where it names a number on screen."""
+    """A ``word`` with other forms in ``also``. ``figure`` is set if it names a metric."""
 
     id: str
     word: str
@@ -77,18 +71,18 @@ class GlossaryTerm:
 
     @property
     def is_elsewhere(self) -> bool:
-        """Whether it is not from Sutton & Barto."""
+        """True if it is not from Sutton & Barto."""
         return self.book.startswith(_ELSEWHERE)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The word and all other ways to write it."""
+        """The word and all other forms."""
         return (self.word, *self.also)
 
 
 @cache
 def glossary() -> Mapping[str, GlossaryTerm]:
-    """Return all terms by their ids, in the order in which they build on one another."""
+    """Return all terms by id, each after those it builds on."""
     rows = tomllib.loads(_FILE.read_text(encoding="utf-8"))["term"]
     terms = (
         GlossaryTerm(
@@ -113,15 +107,15 @@ def _figure(row: Mapping[str, Any]) -> FigureFacts | None:
 
 
 def terms_called(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the ids of the terms that have one of ``names``, in the order of ``names``."""
+    """Return the ids of the terms with one of ``names``."""
     ids = {name: term.id for term in glossary().values() for name in term.names}
     return tuple(dict.fromkeys(ids[name] for name in names if name in ids))
 
 
 def term_at(text: str, column: int, glyphs: Glyphs, about: Collection[str] | None = None) -> str | None:
-    """Return the id of the longest term written at ``column`` of ``text``; None if none is.
+    """Return the id of the longest term at ``column`` of ``text``, or None.
 
-    A sign such as ● is a term only ``about`` these ids, since panels use it differently; None: everywhere.
+    Panels use symbols differently, so a symbol counts only if its id is in ``about`` (None allows all).
     """
     pattern, ids, signs = _written(glyphs is ASCII)
     for match in _TINY.finditer(text):
@@ -139,10 +133,7 @@ def term_at(text: str, column: int, glyphs: Glyphs, about: Collection[str] | Non
 
 @cache
 def _written(in_ascii: bool) -> tuple[re.Pattern[str], Mapping[str, str], frozenset[str]]:
-    """Return what finds the names of terms in a line, the ids of what it finds, and which of it are signs.
-
-    A single small letter, mostly a key, is a word only before an equals sign.
-    """
+    """Return a pattern for the names of terms, their ids, and the symbols."""
     ids: dict[str, str] = {}
     signs = set[str]()
     for term in glossary().values():
@@ -160,7 +151,7 @@ def _key(name: str) -> str:
 
 
 def _pattern(name: str) -> str:
-    """Return what matches ``name``, not within a longer word, and no sign within a thin line."""
+    """Return a pattern for ``name``, not within a longer word or a thin line."""
     before = r"(?<!\w)" if name[0].isalnum() else _NO_LINE_BEFORE
     after = r"(?!\w)" if name[-1].isalnum() else _NO_LINE_AFTER
     if len(name) == 1 and name.isascii() and name.islower():
@@ -169,7 +160,7 @@ def _pattern(name: str) -> str:
 
 
 def search(query: str) -> tuple[str, ...]:
-    """Return the ids of the terms that ``query`` finds: by a word that begins so, a name, or the text."""
+    """Return the ids of the terms for ``query``, best first."""
     wanted = query.strip().lstrip("/").casefold()
     ranked = ((rank, term.id) for term in glossary().values() if (rank := _rank(term, wanted)) is not None)
     return tuple(id_ for _, id_ in sorted(ranked, key=lambda each: each[0]))
@@ -184,7 +175,7 @@ def _rank(term: GlossaryTerm, wanted: str) -> int | None:
     return 2 if wanted in term.text.casefold() else None
 
 
-# How a number comes about
+# The explanation of a number
 
 
 _KINDS: Final = {
@@ -204,18 +195,18 @@ _LIMITS: Final = {
 
 
 class FigureSetting(NamedTuple):
-    """What is in force where a figure is asked about."""
+    """Current values of the run that a metric is about."""
 
     gamma: str  # γ as the screen writes it
-    time_limit: int  # steps after which an episode is cut off; 0: none
+    time_limit: int  # steps until an episode is truncated; 0: none
     steps: int  # steps taken so far
-    episodes: int  # episodes that have ended
-    is_bandit: bool = False  # whether each pull is an episode
-    budget: int | None = None  # pulls that a bandit may take
+    episodes: int  # finished episodes
+    is_bandit: bool = False  # True if each pull is an episode
+    budget: int | None = None  # most pulls of a bandit
 
 
 def figure_text(facts: FigureFacts, now: FigureSetting | None = None) -> str:
-    """Return a line about a figure, with the numbers of ``now`` where that is known."""
+    """Return a line about a metric, with the numbers of ``now`` if known."""
     kind = _OF_SEEDS if facts.over_seeds else _KINDS[facts.kind]
     parts = [kind, _discounted(facts, now), _limit(facts.limit, now), _mean(facts, now)]
     return " · ".join(filter(None, parts))

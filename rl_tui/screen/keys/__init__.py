@@ -1,1 +1,1 @@
-"""What a person can do, once: keys, palette, help and key line derive from it."""
+"""All actions, from which keys, palette, help and key line derive."""

@@ -1,4 +1,4 @@
-"""What one thing is that a person can do, where, and with which keys."""
+"""An action: what it does, where, and with which keys."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ MENUS: Final = {"a": "Agent", "w": "World", "t": "Tools", "c": "Compare", "m": "
 
 
 class Place(Flag):
-    """The screens on which an action applies; KIOSK beside one says that it has no files there."""
+    """The screens of an action, plus KIOSK for one without files."""
 
     CATALOGUE = auto()
     LESSONS = auto()
@@ -22,7 +22,7 @@ class Place(Flag):
 
 
 class Group(StrEnum):
-    """The heading of keys that are in no menu, in the order of the pages."""
+    """The headings of keys outside menus, in the order of the help."""
 
     LISTS = "Lists"
     LESSON = "Lesson"
@@ -32,7 +32,7 @@ class Group(StrEnum):
 
 
 def menu_title(key: str, listed: Iterable[Action]) -> str:
-    """Return the title of the menu of ``key``, which lists these actions: tools while a person draws."""
+    """Return the title of the menu of ``key``, which may list drawing tools."""
     return "Draw" if any(each.group is Group.DRAWING for each in listed) else MENUS[key]
 
 
@@ -40,33 +40,20 @@ def menu_title(key: str, listed: Iterable[Action]) -> str:
 class Action:
     """One thing a person can do.
 
-    Keys
-        ``key`` is Textual's name of the key, of several with commas between them, or the key of a menu and a
-        letter there (``t p``). ``symbol`` is how people see it where that is otherwise. ``old`` is a key that
-        did the same before there were menus: it still does it and names the new one; with ``old_only_tells``
-        it names the new one and does nothing.
-    Words
-        ``label`` has at most two words, ``help`` is one sentence. ``rank`` orders the key line (a lower one
-        is kept longer where it is narrow; None: not on it), and ``hint`` replaces key and label there, for
-        two actions that share an entry; ``entry`` does so on the page of all keys, where it is empty for
-        those that stand in the entry of another. What ``is_first`` is on the key line from the start, before
-        a person has done anything. While the run goes on, ``while_running`` is the word there.
-        ``aliases`` are other words by which it is found.
-    Command
-        ``command`` does it; the default is the ``id``. ``object.method`` is a method of an object that the
-        screen has under that name, ``app.…`` an action of the app, and a bare name a method ``action_…`` of
-        the screen.
-    Where
-        What is ``for_the_owner`` of the machine is not for a kiosk; what ``needs_world`` waits until there is
-        one; what counts ``everywhere`` does so in dialogs too. What ``leaves`` a panel, a screen or the
-        program does not wait for a flood of other keys. ``not_for_program`` is why it cannot be done to a
-        watched program, and what to do instead, with ``{file}`` for the program's file, ``not_in_lesson`` the
-        same for a lesson. What is ``of_program`` is for such a program only, what is ``of_lesson`` for a
-        lesson. What ``takes_steps``, of this run or another, waits while a prediction is open; what a page
-        may keep back of what it would show is in ``shows``. What ``keeps_page`` leaves a page in view where
-        that takes turns with the world. ``refused`` is why it can do nothing now; what ``stays`` is on the
-        key line all the same, since the next step may change that. What is ``unfocused`` counts while no
-        panel has the focus. ``value`` is the current value of a tool of drawing, for its row in a menu.
+    * ``key``: Textual's name, several with commas, or a menu key and a letter (``t p``).
+    * ``symbol``: the key as people see it, if different.
+    * ``old``: the key from before there were menus, which names the new one and still works, unless
+      ``old_only_tells``.
+    * ``rank``: order on the key line; the highest is dropped first, None is never shown.
+    * ``hint``, ``entry``: key and label on the key line and on the page of all keys.
+    * ``is_first``: on the key line from the start. ``while_running``: label while the run goes on.
+    * ``command``: method ``object.method`` of the screen, ``app.…`` or ``action_…``; default ``id``.
+    * ``for_the_owner``: not in a kiosk. ``everywhere``: also in dialogs.
+    * ``leaves``: does not wait for other queued keys. ``unfocused``: only without a panel in focus.
+    * ``not_for_program``, ``not_in_lesson``: reason, with ``{file}`` for the program's file.
+    * ``takes_steps``: waits while a prediction is open. ``shows``: parts that a lesson may hide.
+    * ``keeps_page``: leaves the lesson page in view. ``value``: current value, for a menu.
+    * ``refused``: reason why it can do nothing now. ``stays``: on the key line even then.
     """
 
     id: str
@@ -103,12 +90,12 @@ class Action:
 
     @property
     def menu(self) -> str:
-        """The key of the menu that lists it; empty where a single key does it."""
+        """The key of the menu that lists it, or empty."""
         return self.key[0] if " " in self.key else ""
 
     @property
     def letter(self) -> str:
-        """Its letter in the menu."""
+        """The letter in the menu, or empty."""
         return self.key[-1] if self.menu else ""
 
     @property
@@ -118,23 +105,23 @@ class Action:
 
     @property
     def keys(self) -> list[str]:
-        """Textual's names of the single keys that do it, the old one included."""
+        """Textual's names of its single keys, including the old one."""
         single = "" if self.menu else self.key
         return [key for key in (*single.split(","), *self.old.split(",")) if key]
 
     @property
     def shown(self) -> str:
-        """How people see the key."""
+        """The key as people see it."""
         return self.symbol or self.key
 
     @property
     def sentence(self) -> str:
-        """What it does, or why it can do nothing now."""
+        """The help, or the reason why it can do nothing now."""
         return f"Not here: {self.refused}." if self.refused else self.help
 
     @property
     def textual_action(self) -> str:
-        """The action for Textual, which knows screen and app, but not the objects of a screen."""
+        """The action for Textual, which does not know the objects of a screen."""
         command = self.command or self.id
         target, dot, _ = command.partition(".")
         verb = "do_unfocused" if self.unfocused else "do"
@@ -142,5 +129,5 @@ class Action:
 
     @property
     def key_hint(self) -> tuple[str, str]:
-        """The keys and the word on the key line."""
+        """The keys and the label on the key line."""
         return self.hint or (self.shown, self.label)

@@ -11,20 +11,17 @@ from rl_tui.screen.keys.registry import ACTIONS
 
 
 def bindings_everywhere() -> list[BindingType]:
-    """Return the key bindings of the app that count before those of any screen, dialogs included."""
+    """Return the app's key bindings that precede those of any screen, including dialogs."""
     return bindings_of((action for action in ACTIONS if action.everywhere), priority=True)
 
 
 def stopping_keys() -> frozenset[str]:
-    """Return the keys that leave something: a panel, a screen or the program."""
+    """Return the keys that leave a panel, a screen or the program."""
     return frozenset(key for action in ACTIONS if action.leaves for key in action.keys)
 
 
 def bindings_of(actions: Iterable[Action], *, priority: bool = False) -> list[BindingType]:
-    """Return the key bindings of ``actions``; with ``priority`` they count before all others.
-
-    What is in a menu has none but that of its old key.
-    """
+    """Return the key bindings of ``actions``, in a menu only of old keys."""
     return [
         Binding(
             key,

@@ -1,7 +1,4 @@
-"""What a person can do to a run and to the sight of it, a row each.
-
-The rows of a menu stand in the order in which the menu lists them.
-"""
+"""The actions on a run and its view, in the order of the menus."""
 
 from __future__ import annotations
 
@@ -14,7 +11,7 @@ ORDINALS: Final = ("first", "second", "third", "fourth")
 DRAW_PATH: Final = ("w", "d")
 
 DECIDES: Final = "your program sets this. Edit {file} and save: it restarts"
-"""Why no setting of a watched program can be changed; ``{file}`` is its file."""
+"""Why a watched program's settings cannot be changed."""
 _NO_ENTRY: Final = ("", "")
 _STAYS: Final = "esc leaves the lesson. Its progress is kept"
 _ITS_SEED: Final = "the seed is set at the start: rl-tui watch {file} --seed N"
@@ -489,4 +486,4 @@ _AGAIN: Final[tuple[Action, ...]] = (
 
 BEFORE_PANELS: Final = (*LESSON_ACTIONS, *_RUN, *_AGENT, *_WORLD)
 AFTER_PANELS: Final = (*_SIGHT, *_TOOLS, *_COMPARE, *_MORE, *_AGAIN)
-"""Between the two stand the keys that open panels."""
+"""The keys that open panels come between these two."""

@@ -1,7 +1,4 @@
-"""Everything a person can do, once: bindings, palette, help panel and key line derive from this list.
-
-The keys that open panels come from the table of panels.
-"""
+"""All actions, from which bindings, palette, help and key line derive."""
 
 from __future__ import annotations
 
@@ -215,7 +212,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
 
 
 def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
-    """Return every action, those that open ``panels`` included."""
+    """Return every action, including those that open ``panels``."""
     opening = (
         Action(
             f"board.{row.id}",

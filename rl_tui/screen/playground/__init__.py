@@ -1,1 +1,1 @@
-"""The screen on which runs are watched."""
+"""The playground: the screen of a run."""

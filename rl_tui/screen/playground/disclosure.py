@@ -1,4 +1,4 @@
-"""Which panels are in view: all, those that a page of a lesson names, or those that mean something so far."""
+"""The choice of the panels in view."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from rl_tui.screen.kit.row import BUDGET, CAPTION, CONTROLS, CURVE, LAST_STEP, T
 from rl_tui.screen.kit.snapshot_facts import has_optimal_policy
 
 _CHANGES_AGENT: Final = ("agent", "menus.open('a')")
-"""What the commands begin with after which the settings are in view."""
+"""Starts of the commands that bring the settings into view."""
 FIRST_PANELS: Final = frozenset({WORLD, CAPTION})
-"""With these a run begins whose panels come one by one."""
+"""The first panels of a run whose panels appear one by one."""
 _LATER: Final = frozenset({TABLE, CURVE, TIMELINE, BUDGET, LAST_STEP, CONTROLS})
 _ONCE_LEARNED: Final = frozenset({TABLE, LAST_STEP})
 
@@ -24,7 +24,7 @@ _ONCE_LEARNED: Final = frozenset({TABLE, LAST_STEP})
 def panels_in_view(
     lesson: LessonRecord | None, so_far: frozenset[str] | None, *, shows_all: bool
 ) -> frozenset[str] | None:
-    """Return the ids of the panels in view, of the open page of ``lesson`` or those ``so_far``; None: all."""
+    """Return the ids of the panels in view (None for all)."""
     if shows_all:
         return None
     return so_far if lesson is None else lesson.lesson.panels_of(lesson.page)
@@ -32,28 +32,24 @@ def panels_in_view(
 
 @dataclass(eq=False)
 class Disclosure(Subject):
-    """Has the panels ``so_far`` in view, None: all; more where they come to mean something. None goes again.
-
-    A run that ``is_gradual`` adds panels by itself. The panels in view are a function of what was run and
-    done. A person may ask for all of them.
-    """
+    """The panels ``so_far`` in view (None: all), and more as they get a meaning."""
 
     so_far: frozenset[str] | None
     is_gradual: bool
 
     @property
     def in_view(self) -> frozenset[str] | None:
-        """The ids of the panels in view, None: all."""
+        """The ids of the panels in view, None for all."""
         shows_all = self.board.legends.shows_all_panels
         return panels_in_view(self.link.wanted.lesson, self.so_far, shows_all=shows_all)
 
     @property
     def hides_some(self) -> bool:
-        """Whether a panel is out of view that is there in a run of all panels."""
+        """True if a panel that usually is in view is not."""
         return self.in_view is not None and not self.in_view >= _LATER
 
     def follow(self, snapshot: Snapshot) -> None:
-        """Bring into view what means something in ``snapshot``."""
+        """Add the panels that have a meaning in ``snapshot``."""
         if self.is_gradual and self.so_far is not None:
             self.so_far |= self._meaningful(snapshot, self.so_far)
         self.board.reshape(shown=self.in_view)
@@ -72,13 +68,13 @@ class Disclosure(Subject):
         return frozenset(found)
 
     def note(self, command: str) -> None:
-        """Bring the settings into view before ``command`` goes to them."""
+        """Show the settings before ``command`` changes one."""
         if command.startswith(_CHANGES_AGENT):
             self.so_far = None if self.so_far is None else self.so_far | {CONTROLS}
             self.board.reshape(shown=self.in_view)
 
     def turn(self) -> None:
-        """Show all panels from now on, or again only those that mean something."""
+        """Switch between all panels and those with a meaning so far."""
         self.board.legends.turn_panels()
         is_all = self.board.legends.shows_all_panels
         self.screen.tell("All panels." if is_all else "Only panels that mean something so far. m p: all.")

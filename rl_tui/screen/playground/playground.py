@@ -1,4 +1,4 @@
-"""The playground: one run on screen. It draws what the player publishes and sends it commands."""
+"""The playground, which draws snapshots of a run and sends commands."""
 
 from __future__ import annotations
 
@@ -73,13 +73,11 @@ _CHECKS_ENVIRONMENT: Final = 0.5  # seconds
 
 
 class Playground(ActionScreen):
-    """One run: what it looks like and what may be done with it.
+    """The screen of one run.
 
-    What may be done is with the objects made in the constructor, one for each subject: a row of the registry
-    names one of them and its method. What is kept besides the newest snapshot is all in ``wanted``. Where it
-    ``watches``, the run begins by itself, at a speed that goes by what is learned. It begins with the panels
-    ``so_far``, None: all; where it ``is_gradual`` the others come once they mean something. ``is_big``: the
-    world has the whole screen at first.
+    The actions are methods of the objects made in the constructor, one per subject. All state besides the
+    newest snapshot is in ``wanted``. With ``watches`` the run starts automatically. ``so_far`` are the first
+    panels. With ``is_gradual`` others appear as they get a meaning.
     """
 
     CSS_PATH = "playground.tcss"
@@ -92,28 +90,28 @@ class Playground(ActionScreen):
 
     @dataclass
     class Left(Message):
-        """The user goes back to the catalogue, or a fault ended the run."""
+        """The user leaves, or an error ended the run."""
 
         recipe: Recipe
         fault: UserError | None = None
 
     @dataclass
     class NeighbourWanted(Message):
-        """The user wants the scenario that stands ``offset`` places further in the catalogue."""
+        """The user wants the scenario ``offset`` places further in the list."""
 
         recipe: Recipe
         offset: int
 
     @dataclass
     class Reopened(Message):
-        """The user wants a run of ``recipe``, whose scenario is another, in place of this one; as fast."""
+        """The user wants a run of another scenario at the same speed."""
 
         recipe: Recipe
         speed: float | None
 
     @dataclass
     class SetupWanted(Message):
-        """The learner turns to a page of a lesson whose run has another setup."""
+        """The learner turns to a lesson page whose run has another setup."""
 
         record: LessonRecord
 
@@ -186,7 +184,7 @@ class Playground(ActionScreen):
 
     @classmethod
     def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:
-        """Return the class with the keys that open ``panels``: Textual binds keys class by class."""
+        """Return a class with the keys of ``panels``: Textual binds keys per class."""
         if panels is PANELS:
             return cls
         keys = bindings_of(actions_of(cls.place, panels))
@@ -198,10 +196,7 @@ class Playground(ActionScreen):
         return self.link.snapshot
 
     def listed(self, menu: str = "") -> tuple[Action, ...]:
-        """Return what a person can do here now; what is of a lesson, or of a program, only with one.
-
-        What a mode has comes first, and hides what has its keys.
-        """
+        """Return the available actions, those of a mode first."""
         lesson, program, own = self.wanted.lesson, self.program.program, self.modes.actions
         taken = {key for each in own for key in (each.menu or each.key).split(",")}
         usual = (
@@ -214,7 +209,7 @@ class Playground(ActionScreen):
         return *(replace(each, refused=each.refused or self.why_not(each)) for each in own), *usual
 
     def why_not(self, action: Action) -> str:
-        """Return why ``action`` can do nothing now, as a clause; empty where it can."""
+        """Return why ``action`` can do nothing now, or ""."""
         target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self, target, None)
         ends_mode = deed == "toggle" and subject is self.modes.current
@@ -226,7 +221,7 @@ class Playground(ActionScreen):
 
     @property
     def settings(self) -> Mapping[str, tuple[Ask, Put]]:
-        """The settings that count for the agent; none of a program, which sets them itself."""
+        """The settings that count for the agent, none for a program."""
         if self.program.program is not None:
             return {}
         names = parameters_of(self.recipe.algorithm, self.recipe.hyperparameters.policy)
@@ -235,11 +230,11 @@ class Playground(ActionScreen):
 
     @property
     def recipe(self) -> Recipe:
-        """What a restart would start from."""
+        """The recipe that a restart would use."""
         return self.wanted.recipe
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Leave arrows, digits and the like to the panels unless a mode takes them."""
+        """Leave arrows, digits and other keys to the panels unless a mode takes them."""
         if action == "do_unfocused":
             return self.focused is None
         if action == "do" and str(parameters[0]).startswith("lesson.") and self.wanted.lesson is None:
@@ -249,7 +244,7 @@ class Playground(ActionScreen):
         return super().check_action(action, parameters)
 
     def action_do(self, command: str) -> None:
-        """Do what ``command`` says, or say why not."""
+        """Run ``command``, or show why it is not possible."""
         action = self._by_command.get(command)
         refused = "" if action is None else self.why_not(action)
         if refused:
@@ -261,13 +256,13 @@ class Playground(ActionScreen):
                 self.panels.note(command)
             super().action_do(command)
 
-    action_do_unfocused = action_do  # of a moving key, while no panel has the focus
+    action_do_unfocused = action_do  # for moving keys, while no panel has the focus
 
     async def action_old_key(self, id_: str) -> None:
-        """Name the key that the action ``id_`` has now, once, and do it; or only name it."""
+        """Name the new key of the action ``id_`` once, and run it if possible."""
         action = next((each for each in self.actions if each.id == id_), None)
         if action is None:
-            return  # of a lesson or a program, or of a file in a kiosk
+            return  # of a lesson, a program, or a file in a kiosk
         if not action.refused and (action.old_only_tells or id_ not in self._told_keys):
             self._told_keys.add(id_)
             self.tell(f"The key is now {action.shown}: {action.label.rstrip('…')}.")
@@ -275,35 +270,35 @@ class Playground(ActionScreen):
             await self.run_action(action.textual_action)
 
     def action_mode_key(self, key: str) -> None:
-        """Do what ``key`` means in the mode that is on."""
+        """Do what ``key`` means in the active mode."""
         if self.modes.current is not self.manual or key == LEAVE or not self.kept_back.refuses_to_act():
             self.modes.press(key)
 
     @on(Touched)
     def tell_mode(self, event: Touched) -> None:
-        """Let the mode that is on know what is pointed at, or drawn."""
+        """Pass an event of the pointer to the active mode."""
         self.modes.point(event, self.snapshot)
 
     @on(Slider.Changed)
     def set_parameter(self, event: Slider.Changed) -> None:
-        """Set the hyper-parameter of the slider in the running learner, or the number in the world."""
+        """Set the number of a slider."""
         if not self.editing.set_number(event.name, event.value):
             self.agent.set_parameter(event.name, event.value)
 
     @on(DiscountPanel.GammaWanted)
     def set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
-        """Set γ on the other side of a flip, where that is ours to set."""
+        """Set γ beyond a flip point, unless a program sets it."""
         if not self.program.sets_itself():
             self.agent.set_parameter("gamma", event.gamma)
 
     @on(Slider.Refused)
     def tell_refusal(self, event: Slider.Refused) -> None:
-        """Say why what was typed on a slider is no value."""
+        """Show why a typed value is not valid."""
         self.tell(event.reason, severity="warning")
 
     @on(Slider.Released)
     def leave_slider(self) -> None:
-        """Give the focus back to the board."""
+        """Return the focus to the board."""
         self.board.leave_slider()
 
     @on(Slider.TypingChanged)
@@ -312,7 +307,7 @@ class Playground(ActionScreen):
     @on(Board.Toggled)
     @on(LessonPanel.Offered)
     def show_key_hints(self) -> None:
-        """Show on the key line what keys do now: those of a mode, else first those of the slider in focus."""
+        """Show the current keys on the key line."""
         snapshot = self.snapshot
         if snapshot is not None:
             self.modes.show(snapshot)
@@ -327,7 +322,6 @@ class Playground(ActionScreen):
         keys.idle = self.lesson.idle_keys.union(refused, hidden)
 
     def _moment_of(self, snapshot: Snapshot) -> object:
-        """Return what decides, apart from the focus, which keys do something and if flips are asked for."""
         answers, wanted = snapshot.answers, self.wanted
         return (
             *(snapshot.playback.phase, snapshot.world, snapshot.program is None, snapshot.agent.algorithm),
@@ -338,24 +332,24 @@ class Playground(ActionScreen):
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
-        """Have the marks on the slider of γ worked out, where it has the focus."""
+        """Ask for flip points if the slider of γ has the focus."""
         self.view.follow_flips()
 
     @on(PolicyChosen)
     def study(self, event: PolicyChosen) -> None:
-        """Study the policy that was clicked."""
+        """Show the policy that was clicked."""
         self.policies.study(event.kind)
 
     @on(TimelineBar.Sought)
     @on(FindingsPanel.StepWanted)
     def seek(self, event: TimelineBar.Sought | FindingsPanel.StepWanted) -> None:
-        """Go where the timeline was pointed at, or where a finding was first seen."""
+        """Go to the step chosen on the timeline or in a finding."""
         self.time.seek(event.step)
 
     @on(QTable.CursorMoved)
     @on(Pointed)
     def follow_cursor(self, event: QTable.CursorMoved | Pointed) -> None:
-        """Show under the microscope the cell that a cursor went to."""
+        """Show the cell under the cursor in the microscope."""
         if isinstance(event, QTable.CursorMoved) or event.panel is self.board.world:
             self.microscope.follow_cursor(of_world=isinstance(event, Pointed))
 
@@ -373,7 +367,7 @@ class Playground(ActionScreen):
         self.post_message(self.Reopened(recipe, self.wanted.speed))
 
     def on_mount(self) -> None:
-        """Draw whatever the player publishes; it starts to load once the first paint is done."""
+        """Start to draw snapshots after the first paint."""
         self.show_key_hints()
         self.call_after_refresh(self._start_to_follow)
         self.set_interval(_CHECKS_ENVIRONMENT, self._show_unanswered)
@@ -386,12 +380,12 @@ class Playground(ActionScreen):
             line.show_unanswered(self.player.unanswered)
 
     def on_unmount(self) -> None:
-        """Let the player's thread end, without waiting for it."""
+        """End the player's thread without waiting for it."""
         self.player.close()
         self._settling.end()
 
     def send(self, command: Command) -> None:
-        """Ask the player for something; its answer is drawn without waiting for the next frame."""
+        """Send ``command``. Its result is drawn without waiting for the next frame."""
         self.link.send(command)
 
     def _note_sent(self, command: Command) -> None:
@@ -430,7 +424,7 @@ class Playground(ActionScreen):
 
     @on(Board.Toggled)
     def follow_panels(self) -> None:
-        """Ask for what the opened panel is about, and no more once it is closed."""
+        """Start what opened panels need, and end it when they close."""
         if self.snapshot is not None:
             self.microscope.follow_update()
             self.seeds.follow_panel()
@@ -439,7 +433,7 @@ class Playground(ActionScreen):
 
     @on(Board.Toggled)
     def redraw(self) -> None:
-        """Draw the newest snapshot on every panel; each refreshes only what came out different."""
+        """Draw the newest snapshot on every panel."""
         snapshot = self.snapshot
         if snapshot is None:
             return
@@ -464,37 +458,37 @@ class Playground(ActionScreen):
                     dialog.show(snapshot)
 
     def on_scrolled(self) -> None:
-        """Have the parts of a large world copied that are in view now."""
+        """Ask for a copy of the parts of a large world in view."""
         self.view.look_at()
 
     async def settled(self) -> None:
-        """Wait until all that was asked for is done and on screen, the exact answer included."""
+        """Wait until everything asked for is done and on screen, including exact values."""
         await self._settling.settled()
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """The order of the tab key: that of the panels in view, wherever they stand."""
+        """The order of the tab key: the panels in view."""
         panels = [panel.id for panel in self.board.children]
         seen = [each for each in super().focus_chain if self.board.shows(self.board.panel_of(each))]
         return sorted(seen, key=lambda widget: panels.index(self.board.panel_of(widget)))
 
     def on_key(self, event: Key) -> None:
-        """Hold back what needs a world; let a second escape leave only if nothing came between."""
+        """Hold early keys that need a world, and reset the question before leaving."""
         if self.early_keys.take(event):
             event.stop()
         if event.key not in LEAVING_KEYS:
             self.leaving.asked = None
 
     def on_mouse_down(self) -> None:
-        """Let a click come between them too."""
+        """Reset the question before leaving."""
         self.leaving.asked = None
 
     def help_screen(self) -> HelpScreen:
-        """Return the pages of the help, with the notes of the scenario, which tell answers."""
+        """Return the help pages."""
         panels = self.lesson.rows(tuple(self.program.in_order_of_help(self.panel_rows)))
         notes = self.kept_back.notes or self.recipe.scenario.notes
         return HelpScreen(self.look, panels, notes)
 
     def action_quit(self) -> None:
-        """Close what is open, or quit, asking first where something was done."""
+        """Close what is open, or quit."""
         self.leaving.quit()

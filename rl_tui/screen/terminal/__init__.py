@@ -1,1 +1,1 @@
-"""Between Textual and the terminal: what is read, what is written, and how fast."""
+"""The layer between Textual and the terminal: input, output and their speed."""

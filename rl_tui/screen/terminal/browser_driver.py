@@ -1,4 +1,4 @@
-"""The driver of an app that is shown in a browser: pipes to the server that started it, not a terminal."""
+"""The driver of an app in a browser."""
 
 from __future__ import annotations
 
@@ -18,16 +18,15 @@ from textual.theme import Theme
 from rl_tui.screen.terminal.ending import end_at_last, end_with
 from rl_tui.screen.terminal.input_parser import InputParser
 
-MOST_WAITING: Final = 100  # messages that the app has not come to
+MOST_WAITING: Final = 100  # messages in the queue of the app
 _LOOK_AGAIN: Final = 0.01  # seconds
 _ENDED_BY_SIGTERM: Final = 128 + signal.SIGTERM
 
 
 class BrowserDriver(WebDriver):
-    """Textual's web driver that ends the program when the server at the other end of the pipes is gone.
+    """Textual's web driver, which also ends the program when the server is gone.
 
-    The server says when the browser has left; one that was killed cannot, and its apps must not stay. What
-    comes faster than the app can take it in is not read: the pipe fills up, and the sender has to wait.
+    Input that the app cannot handle yet is not read, so that the sender waits.
     """
 
     def __init__(
@@ -39,23 +38,22 @@ class BrowserDriver(WebDriver):
         size: tuple[int, int] | None = None,
     ) -> None:
         super().__init__(app, debug=debug, mouse=mouse, size=size)
-        # Textual's as well, but under names of its own
+        # copies of Textual's private attributes
         self._app, self._debug, self._mouse = app, debug, mouse
         self._write = self._write_whole  # type: ignore[assignment]
 
     def start_application_mode(self) -> None:
-        """Take the browser's terminal, whose background shows where no whole cell fits into the window."""
+        """Start, and colour the background of the browser's terminal."""
         super().start_application_mode()
         self._app.theme_changed_signal.subscribe(self._app, self._tint)
         self._tint(self._app.current_theme)
 
     def _tint(self, _: Theme) -> None:
-        """Give the terminal's background the colour of the app's."""
         background = Color.parse(self._app.theme_variables["background"])
         self.write(f"\x1b]11;{background.hex6.lower()}\x07" if background.ansi is None else "\x1b]111\x07")
 
     def run_input_thread(self) -> None:
-        """Read what the browser sends until the app ends or nothing more can come."""
+        """Read from the browser until the app ends or the pipe closes."""
         if not hasattr(self, "_input_reader"):
             return super().run_input_thread()
         parser, stream = InputParser(debug=self._debug), ByteStream()
@@ -83,12 +81,12 @@ class BrowserDriver(WebDriver):
             self.process_message(message)
 
     def process_message(self, message: Message) -> None:
-        """Hand on what was read from the browser's terminal."""
+        """Hand on input of the browser's terminal."""
         self._wait_for_app()
         super().process_message(message)
 
     def on_meta(self, packet_type: str, payload: dict[str, object]) -> None:
-        """Hand on what the server says of the browser."""
+        """Hand on messages of the server about the browser."""
         self._wait_for_app()
         super().on_meta(packet_type, payload)
 
@@ -101,7 +99,7 @@ class BrowserDriver(WebDriver):
             super()._enable_mouse_support()
 
     def _write_whole(self, packet: bytes) -> int:
-        """Write all of ``packet``: a signal may cut a write short, and half of one spoils all that follow."""
+        """Write all of ``packet``, even if a signal cuts a write short."""
         rest = memoryview(packet)
         try:
             while rest:
@@ -111,5 +109,5 @@ class BrowserDriver(WebDriver):
         return len(packet)
 
     def _end(self) -> None:
-        end_at_last(_ENDED_BY_SIGTERM)  # whatever keeps the app from hearing of it
-        os.kill(os.getpid(), signal.SIGTERM)  # handled as any order to end is: what was done is kept first
+        end_at_last(_ENDED_BY_SIGTERM)  # even if the app never handles the signal
+        os.kill(os.getpid(), signal.SIGTERM)  # handled like any order to end: the session is saved first

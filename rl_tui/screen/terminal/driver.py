@@ -1,4 +1,4 @@
-"""The terminal's life: taken, lent back to the shell while the program is stopped, slow, or gone."""
+"""The driver for terminals, even slow, stopped or lost ones."""
 
 from __future__ import annotations
 
@@ -26,47 +26,46 @@ from rl_tui.screen.terminal.output import SYNC_END
 from rl_tui.screen.terminal.writer import TerminalWriter
 
 LONGEST_FAREWELL: Final = 3.0  # seconds
-MOST_WAITING: Final = 1_000  # keys and the like that the app has not come to
-_LAST_WORDS: Final = 0.5  # seconds for what puts the terminal in order at the last moment
-# As Textual's farewell: no brackets around a paste, lines wrapped, no news of size, mouse and focus, the
-# usual keyboard and screen, the cursor shown. Before it, the end of a sequence and of a frame cut off
+MOST_WAITING: Final = 1_000  # keys and other input in the queue of the app
+_LAST_WORDS: Final = 0.5  # seconds to put the terminal in order at the end
+# Like Textual's farewell: no bracketed paste, line wrap, no reports of size, mouse and focus, normal
+# keyboard, screen and cursor. First the end of an unfinished sequence or frame
 _IN_ORDER: Final = (
     f"\x18{SYNC_END}\x1b[?2004l\x1b[?7h\x1b[?2048l\x1b[?1000l\x1b[?1003l\x1b[?1015l\x1b[?1006l\x1b[?1004l"
     "\x1b[<u\x1b[?1049l\x1b[?25h"
 )
-_TICK: Final = 0.1  # seconds after which it is seen that nothing followed an escape
+_TICK: Final = 0.1  # seconds until an escape counts as a key
 _AT_ONCE: Final = 4096  # bytes read
 
 
 class TerminalDriver(LinuxDriver):
-    """Textual's driver for Unix, for terminals that do not read, come and go.
+    """Textual's driver for Unix, extended for slow, stopped and lost terminals.
 
-    ``write`` never waits; ``waiting`` says whether the terminal keeps up. Where it is gone, the
-    app gets the message ``Lost``, and the process ends some seconds later in any case. After it was stopped,
-    the screen is drawn anew, and the app's ``app_resume_signal`` says so.
+    ``write`` never waits. If the terminal is gone, the app gets ``Lost``, and the process ends seconds later
+    at the latest.
     """
 
     class Lost(Message):
-        """There is no terminal any more."""
+        """The terminal is gone."""
 
     def __init__(
         self, app: App[Any], *, debug: bool = False, mouse: bool = True, size: tuple[int, int] | None = None
     ) -> None:
         may_stop = signal.getsignal(signal.SIGTSTP) is not signal.SIG_IGN
         super().__init__(app, debug=debug, mouse=mouse, size=size)
-        if not may_stop:  # a shell that knows no jobs could not bring it back
+        if not may_stop:  # a shell without job control could not resume it
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
-        # Textual's as well, but under names of its own
+        # copies of Textual's private attributes
         self._app, self._debug, self._loop = app, debug, asyncio.get_running_loop()
         self._may_stop = may_stop
-        # not to where errors go, as Textual does: they may be on their way into a file
+        # Textual writes to stderr, which may be redirected to a file
         output = sys.__stdout__ or sys.stdout
         self._encoding = output.encoding
         self._output = TerminalWriter(output.fileno(), self._lose)
         self._is_lost = False
         self._is_away = False
         self._has_terminal = False
-        self._sent = self._arrived = 0  # messages for the app: by the thread that reads, by the event loop
+        self._sent = self._arrived = 0  # messages for the app: counted by the reader, by the event loop
         self._continued = 0
         self._shall_stop = False
         with suppress(ValueError):
@@ -76,7 +75,7 @@ class TerminalDriver(LinuxDriver):
     # Writing
 
     def write(self, data: str) -> None:
-        """Put ``data`` on its way."""
+        """Queue ``data`` for the terminal."""
         self._output.write(data.encode(self._encoding, "replace"))
 
     @property
@@ -84,10 +83,10 @@ class TerminalDriver(LinuxDriver):
         """Bytes that the system has not taken yet."""
         return self._output.waiting
 
-    # Beginning and end
+    # Start and end
 
     def start_application_mode(self) -> None:
-        """Take the terminal."""
+        """Take over the terminal."""
         self._has_terminal = True
         super().start_application_mode()  # type: ignore[no-untyped-call]
         if (textuals := getattr(self, "_writer_thread", None)) is not None:  # it has nothing to write
@@ -95,16 +94,16 @@ class TerminalDriver(LinuxDriver):
             self._writer_thread = None
 
     def stop_application_mode(self) -> None:
-        """Give the terminal back as it was; pictures that are still on their way are dropped."""
+        """Restore the terminal, and drop pictures still waiting."""
         self._output.forget()
         if isinstance(self._app, LinkedApp) and self._app.synchronises:
-            self.write(SYNC_END)  # the one that was on its way is among them
+            self.write(SYNC_END)  # the dropped bytes may hold the end of a synchronised frame
         super().stop_application_mode()
         self._output.drain(LONGEST_FAREWELL)
         self._has_terminal = False
 
     def give_back(self) -> None:
-        """Put the terminal in order right before the process ends, whatever the app is doing; never waits."""
+        """Restore the terminal right before the process ends, in any state of the app."""
         if not self._has_terminal:
             return
         self._output.forget()
@@ -116,13 +115,13 @@ class TerminalDriver(LinuxDriver):
         last.join(_LAST_WORDS)
 
     def close(self) -> None:
-        """End what writes."""
+        """End the writer."""
         super().close()
         if not self._is_away:
             self._output.close(LONGEST_FAREWELL)
 
     def _get_terminal_size(self) -> tuple[int, int]:
-        # the environment may say how large some other terminal was
+        # the environment may hold the size of another terminal
         with suppress(OSError):
             size = os.get_terminal_size(self.fileno)
             if size.columns and size.lines:
@@ -132,25 +131,25 @@ class TerminalDriver(LinuxDriver):
     # Reading
 
     def process_message(self, message: Message) -> None:
-        """Hand on what was read, unless so much waits already that no person can have typed it."""
+        """Hand on input, unless more waits than a person can type."""
         waiting = self._sent - self._arrived + self._app.message_queue_size
         stops = (
             isinstance(self._app, LinkedApp) and isinstance(message, Key) and message.key in self._app.stops
         )
-        most = 2 * MOST_WAITING if stops else MOST_WAITING  # what stops a flood is not lost in it
+        most = 2 * MOST_WAITING if stops else MOST_WAITING  # stop keys are not lost in a flood
         if waiting < most or not isinstance(message, InputEvent):
             super().process_message(message)
 
     def send_message(self, message: Message) -> None:
-        """Put ``message`` into the queue of the app; from the thread that reads."""
+        """Queue ``message`` for the app, from the reader thread."""
         self._sent += 1
-        self._soon(self._arrive, message)  # Textual makes a task of each, of some kilobytes
+        self._soon(self._arrive, message)  # Textual would make a task of some kilobytes for each
 
     def _arrive(self, message: Message) -> None:
         self._arrived += 1
         self._app.post_message(message)
 
-    # Losing it
+    # Losing the terminal
 
     def _run_input_thread(self) -> None:
         try:
@@ -168,32 +167,31 @@ class TerminalDriver(LinuxDriver):
             self._soon(self._app.post_message, self.Lost())
 
     def _soon(self, do: Callable[..., object], *args: object) -> None:
-        """Have something done in the event loop, from any thread or signal handler."""
         with suppress(RuntimeError):  # the loop has ended, and the program is about to
             self._loop.call_soon_threadsafe(do, *args)
 
-    # Being stopped
+    # Stop and resume
 
     @property
     def can_suspend(self) -> bool:
-        """Whether there is a shell that can bring the program back after ctrl+z."""
+        """True if a shell can resume the program after ctrl+z."""
         with suppress(OSError):
-            parent = os.getppid()  # 0 where it lives in another container
+            parent = os.getppid()  # 0 if it is in another container
             return self._may_stop and parent > 0 and os.getsid(parent) == os.getsid(0)
         return False
 
     async def suspend(self) -> bool:
-        """Give the terminal back and stop, together with what was started along, until the shell says go on.
+        """Give the terminal back and stop until the shell resumes the program.
 
-        Where no shell looks after the program it goes on at once, and this is False.
+        Returns False if no shell controls it, so that it goes on at once.
         """
         before = self._continued
         await self._leave(_stop_group)
         return self._continued != before
 
     def _sigtstp_application(self, *_: object) -> None:
-        # another process asked for it, and can also let the program go on
-        pass  # it counts when it is heard, in its place among the others
+        # sent by another process, which can also resume the program
+        pass  # :func:`hear` handles the signal, in order with the others
 
     def _on_stop(self, _: int) -> None:
         self._shall_stop = True
@@ -209,8 +207,8 @@ class TerminalDriver(LinuxDriver):
 
     def _sigcont_application(self, *_: object) -> None:
         self._continued += 1
-        if not self._is_away:  # stopped without being asked: another program may have used the terminal
-            self._soon(self._pause, lambda: None)  # it need not stop
+        if not self._is_away:  # stopped without warning: another program may have used the terminal
+            self._soon(self._pause, lambda: None)  # already stopped
 
     async def _leave(self, stop: Callable[[], None]) -> None:
         if isinstance(self._app, LinkedApp) and not self._is_away:
@@ -226,7 +224,7 @@ class TerminalDriver(LinuxDriver):
         while self._is_in_background():
             before = self._continued
             os.killpg(0, signal.SIGTTIN)
-            if self._continued == before:  # no shell is there to bring it to the foreground
+            if self._continued == before:  # no shell can bring it to the foreground
                 break
         self._is_away = False
         self.resume_application_mode()
@@ -235,7 +233,7 @@ class TerminalDriver(LinuxDriver):
     def _is_in_background(self) -> bool:
         try:
             return os.tcgetpgrp(self.fileno) != os.getpgrp()
-        except OSError:  # the terminal is gone; the next read will say so
+        except OSError:  # the terminal is gone; the next read reports it
             return False
 
     def _draw_anew(self) -> None:
@@ -249,7 +247,7 @@ def _write_at_last(fileno: int, data: bytes) -> None:
 
 
 def _stop_group() -> None:
-    """Stop as the terminal itself would do it: not where no shell could continue the processes."""
+    """Stop the process group, but not if no shell could resume it."""
     ours = signal.signal(signal.SIGTSTP, signal.SIG_DFL)
     try:
         os.killpg(0, signal.SIGTSTP)
@@ -258,10 +256,10 @@ def _stop_group() -> None:
 
 
 def messages_from(fileno: int, ended: Event, *, debug: bool = False) -> Iterator[Message]:
-    """Yield what comes from the terminal until ``ended`` is set.
+    """Yield the messages of the terminal until ``ended`` is set.
 
-    Bytes that mean nothing, as a bad line or a paste may bring, are passed over. Raises EOFError or OSError
-    where the terminal is gone.
+    Raises:
+        EOFError, OSError: The terminal is gone.
     """
     parser = InputParser(debug=debug)
     decode = getincrementaldecoder("utf-8")("replace").decode
@@ -271,14 +269,14 @@ def messages_from(fileno: int, ended: Event, *, debug: bool = False) -> Iterator
             if selector.select(_TICK):
                 yield from parser.feed(decode(_read(fileno)))
             yield from parser.tick()
-        if selector.select(_TICK):  # an answer, or a movement of the mouse, that was on its way
+        if selector.select(_TICK):  # drop a late answer or mouse movement
             _read(fileno)
 
 
 def _read(fileno: int) -> bytes:
     try:
         data = os.read(fileno, _AT_ONCE)
-    except BlockingIOError:  # another program that shares the terminal has set it so, and was quicker
+    except BlockingIOError:  # another program shares the terminal, has made it non-blocking, and was quicker
         return b""
     if not data:
         raise EOFError

@@ -1,4 +1,4 @@
-"""Which driver stands between the app and the terminal."""
+"""The choice of the driver between app and terminal."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from rl_tui.common.findings import one_line
 if TYPE_CHECKING:
     from textual.driver import Driver
 
-# TEXTUAL_DRIVER of what the server starts
+# TEXTUAL_DRIVER of processes that the server starts
 IN_BROWSER: Final = "rl_tui.screen.terminal.browser_driver:BrowserDriver"
 _LONGEST_SHOWN: Final = 60
 
 
 def in_browser() -> bool:
-    """Return whether this process is served to a browser, where others than its owner may sit."""
+    """Return True if this process is served to a browser, maybe for others."""
     return os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER
 
 
 def driver_class() -> type[Driver] | None:
-    """Return ours for a terminal of Unix and for a browser, None for whatever Textual takes.
+    """Return our driver for a Unix terminal or a browser, or None for Textual's choice.
 
-    Ours are made with private names of Textual. Where one is missing, Textual's own driver serves. Raises
-    UserError where ``TEXTUAL_DRIVER`` names something else than a driver, which Textual would fail at.
+    Raises:
+        UserError: ``TEXTUAL_DRIVER`` does not name a driver.
     """
     wanted = os.environ.get("TEXTUAL_DRIVER")
     if wanted and wanted != IN_BROWSER:
@@ -55,7 +55,7 @@ def _check_driver(named: str) -> None:
     module, _, name = named.partition(":")
     try:
         found = getattr(import_module(module), name, None)
-    except Exception:  # a module of somebody else may raise anything
+    except Exception:  # a foreign module may raise anything
         found = None
     if not (isinstance(found, type) and issubclass(found, Driver)):
         raise UserError(

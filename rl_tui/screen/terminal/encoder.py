@@ -1,12 +1,8 @@
-"""Changed cells as the shortest text that makes a terminal show them.
+"""Encodes changed cells as the shortest text for the terminal.
 
-A pen is set once a frame and writes all its cells then, wherever they stand: to go to another line takes less
-than to set the pen there again.
-
-Only what every terminal knows is used: to go to a line and column, to go right, colours and attributes, and
-to erase the rest of a line. That erases with the background that is set in xterm, tmux and the Linux console,
-and with the terminal's own in screen: it is used for the terminal's own only, where they agree. Characters
-that repeat are written out, for the Linux console and screen do not know how to repeat them.
+Each pen is set once per frame, because moving the cursor is shorter than setting the pen again. Only
+sequences that every terminal knows are used. Erasing a line uses only the terminal's own background, because
+terminals disagree about others.
 """
 
 from __future__ import annotations
@@ -21,20 +17,20 @@ from rl_tui.screen.terminal.pens import RESET, Pen, Pens
 from rl_tui.screen.terminal.screen_buffer import Cutter, Line
 
 _ERASE_REST: Final = "\x1b[K"
-_WORTH_ERASING: Final = 4  # so many blanks are longer than the sequence
+_WORTH_ERASING: Final = 4  # more blanks are longer than the sequence
 _JUMP: Final = 8  # characters of a cursor movement
 _COLOURS: Final = 4  # characters around the colours of a pen
 
 
 def move_to(x: int, y: int) -> str:
-    """Return the sequence that puts the cursor into column ``x`` of line ``y``, both counted from 0."""
+    """Return the sequence that moves the cursor to ``x``, ``y`` (from 0)."""
     if x:
         return f"\x1b[{y + 1};{x + 1}H"
     return f"\x1b[{y + 1}H" if y else "\x1b[H"
 
 
 class _Run(NamedTuple):
-    """Columns of line ``y`` that one pen writes, or from whose first the rest of the line ``erases``."""
+    """Columns of line ``y`` for one pen, or the rest of the line if it ``erases``."""
 
     y: int
     line: Line
@@ -43,7 +39,7 @@ class _Run(NamedTuple):
 
 
 class Encoder:
-    """Writes changed lines for a terminal that does not wrap lines."""
+    """An encoder of changed lines for a terminal that does not wrap lines."""
 
     def __init__(self, pens: Pens, cutter: Cutter) -> None:
         self._pens = pens
@@ -52,9 +48,8 @@ class Encoder:
     def frame(self, changed: Iterable[tuple[int, Line, list[int]]], size: float = inf) -> str:
         """Return the text of a frame, empty if nothing has changed.
 
-        With the line that makes it longer than about ``size`` characters it is full, and asks no more. It
-        begins and ends with the terminal's own colours, so that whatever is written between frames, or after
-        the last, has them too.
+        It stops after the line that exceeds about ``size`` characters. It starts and ends with the terminal's
+        own colours, for text between frames.
         """
         runs, length = dict[Pen, list[_Run]](), 0
         for y, line, columns in changed:
@@ -69,7 +64,6 @@ class Encoder:
         return self._written(runs)
 
     def _runs(self, y: int, line: Line, columns: list[int]) -> Iterator[tuple[Pen, _Run]]:
-        """Yield what writes ``columns`` of ``line``, from left to right."""
         erased = self._erased_from(line, columns)
         kept = columns[: bisect_left(columns, erased)]
         pens = iter(_pens_of(line, kept, self._pens.plain))
@@ -79,7 +73,6 @@ class Encoder:
             yield self._pens.plain, _Run(y, line, [erased], erases=True)
 
     def _written(self, runs: dict[Pen, list[_Run]]) -> str:
-        """Write the runs of each pen: ground by ground, last the terminal's own, which has to be set then."""
         plain, change, narrow = self._pens.plain, self._pens.change, self._cutter.narrow
         written: list[str] = []
         write = written.append
@@ -104,7 +97,7 @@ class Encoder:
         return "".join(written)
 
     def _way(self, at: int, x: int, line: Line, pen: Pen) -> str:
-        """Return the shortest way from column ``at`` to ``x``: writing again what stands between is one."""
+        """Return the shortest way to column ``x``, which may write cells again."""
         step = f"\x1b[{x - at}C" if x - at > 1 else "\x1b[C"
         if x - at <= len(step):
             between = "".join(line.cells[at:x])
@@ -115,7 +108,6 @@ class Encoder:
         return step
 
     def _erased_from(self, line: Line, columns: list[int]) -> int:
-        """Return the column from which on the line is erased, its width if it is not."""
         plain, width = self._pens.plain, len(line.cells)
         start = width
         while start and line.cells[start - 1] == " " and line.pens[start - 1].blank is plain:
@@ -125,7 +117,7 @@ class Encoder:
 
 
 def _pens_of(line: Line, columns: list[int], pen: Pen) -> list[Pen]:
-    """Return the pen that writes each of ``columns`` after ``pen``: for a blank there is a choice."""
+    """Return the pen for each of ``columns``. Blanks may take any that looks the same."""
     pens = []
     for number, x in enumerate(columns):
         wanted = line.pens[x]
@@ -138,7 +130,7 @@ def _pens_of(line: Line, columns: list[int], pen: Pen) -> list[Pen]:
 
 
 def _pen_ahead(line: Line, columns: list[int], number: int) -> Pen:
-    """Return the pen for a blank: that of the next character, if the blank looks the same with it."""
+    """Return the pen of the next character if the blank looks the same with it."""
     blank = line.pens[columns[number]].blank
     x = columns[number]
     for other in columns[number:]:

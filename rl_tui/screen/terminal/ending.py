@@ -1,8 +1,7 @@
-"""Signals, and ending from outside: the terminal is closed, the machine shuts down.
+"""Signals, and orders to end from outside: a closed terminal or a shutdown.
 
-Python calls the handlers of signals from the main thread only, those that came together by their numbers, and
-asyncio once its loop comes round to it: a loop that is kept busy would keep the program alive. Here a thread
-of its own hears of every signal at once, in the order in which they came.
+Python and asyncio call signal handlers late or never if the main thread is busy. Here a separate thread
+receives every signal at once and in order.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 
 LONGEST: Final = 6.0
 HUNG_UP: Final = 129  # the exit status of a program whose terminal was closed
-_SIGNALS: Final = ("SIGTERM", "SIGHUP", "SIGINT", "SIGQUIT")  # Windows does not know all of them
+_SIGNALS: Final = ("SIGTERM", "SIGHUP", "SIGINT", "SIGQUIT")  # some do not exist on Windows
 
 
 def _nothing() -> None:
@@ -29,10 +28,9 @@ def _nothing() -> None:
 
 
 def end_at_last(status: int, give_back: Callable[[], object] = _nothing) -> None:
-    """Let the process be gone with ``status`` some seconds later, whatever it waits for.
+    """End the process with ``status`` after some seconds, even if it hangs.
 
-    A terminal that is gone may keep the farewell waiting for ever. ``give_back`` is called right before, from
-    another thread.
+    ``give_back`` is called right before, from another thread.
     """
 
     def leave() -> None:
@@ -47,7 +45,7 @@ def end_at_last(status: int, give_back: Callable[[], object] = _nothing) -> None
 
 
 def end_with(app: App[Any], fault: Exception) -> None:
-    """Have ``app`` end and say why; from any thread."""
+    """Make ``app`` fail with ``fault``, from any thread."""
 
     def fail() -> None:
         raise fault
@@ -56,16 +54,15 @@ def end_with(app: App[Any], fault: Exception) -> None:
 
 
 def end_on_signal(end: Callable[[int], None], give_back: Callable[[], object] = _nothing) -> None:
-    """Have the running event loop call ``end`` with the exit status when a signal ends the program.
+    """Make the running event loop call ``end`` with the exit status when a signal ends the program.
 
-    The process is gone some seconds later, whatever the loop does; ``give_back``, called from another thread,
-    then leaves the terminal in order. What is ignored, as nohup does, stays ignored. Nothing happens where
-    signals cannot be awaited.
+    The process ends some seconds later in any case, after ``give_back`` from another thread. Ignored signals
+    (nohup) stay ignored.
     """
     loop = asyncio.get_running_loop()
 
     def on_signal(number: int) -> None:
-        status = 128 + number  # as shells say it
+        status = 128 + number  # as in shells
         end_at_last(status, give_back)
         with suppress(RuntimeError):  # the loop has ended, and the program is about to
             loop.call_soon_threadsafe(end, status)
@@ -79,7 +76,7 @@ def end_on_signal(end: Callable[[int], None], give_back: Callable[[], object] = 
 
 
 def on_signals(names: Iterable[str], do: Callable[[int], object]) -> None:
-    """Have the running event loop call ``do`` with the number of each signal that comes, if not ignored."""
+    """Make the event loop call ``do`` with each of these signals, if not ignored."""
     loop = asyncio.get_running_loop()
     for name in names:
         number = getattr(signal, name, None)
@@ -89,10 +86,13 @@ def on_signals(names: Iterable[str], do: Callable[[int], object]) -> None:
 
 
 def hear(number: int, do: Callable[[int], object]) -> None:
-    """Have ``do`` called, in a thread, with the ``number`` of that signal whenever it comes.
+    """Call ``do`` in a thread with the ``number`` of a signal whenever it comes, in order.
 
-    Signals are heard in the order in which they came. The signal needs a handler of Python as well, be it one
-    that does nothing. Raises ValueError outside of the main thread, NotImplementedError on Windows.
+    The signal also needs a Python handler.
+
+    Raises:
+        ValueError: Called outside the main thread.
+        NotImplementedError: Windows does not support it.
     """
     if sys.platform == "win32":
         raise NotImplementedError
@@ -101,14 +101,13 @@ def hear(number: int, do: Callable[[int], object]) -> None:
 
 
 class _Ears:
-    """The thread that hears of signals, and the pipe into which the interpreter puts their numbers."""
+    """The thread that receives signals, and the pipe for their numbers."""
 
     def __init__(self) -> None:
         self.calls: dict[int, Callable[[int], object]] = {}
         self._pipe: tuple[int, int] | None = None
 
     def listen(self) -> None:
-        """Begin to; or again, where something else has had the interpreter put the numbers elsewhere."""
         if self._pipe is None:
             reading, writing = os.pipe()
             os.set_blocking(writing, False)

@@ -1,8 +1,7 @@
-"""What the text that a terminal sends means: keys, pastes, the mouse, answers.
+"""Parses terminal input into keys, pastes, mouse events and answers.
 
-Textual's parser gets one whole sequence at a time. By itself it would take escape and a key right after it
-for that key with alt, or leave the escape out; look for the rest of what it does not know in the keys that
-follow; take an escape in a paste for its end; and keep all of a paste that has none.
+Textual's parser gets one whole sequence at a time. On its own it confuses escape and a quick key with alt,
+searches later keys for the rest of a sequence, and ends a paste at an escape.
 """
 
 from __future__ import annotations
@@ -20,14 +19,13 @@ from textual.message import Message
 
 from rl_tui.screen.terminal.key_queue import EscapeOrAlt
 
-MOST_PASTED: Final = 1_000_000  # characters that are kept of one paste
-ESCAPE_DELAY: Final = 0.1  # seconds after which an escape that nothing follows is the key of that name
+MOST_PASTED: Final = 1_000_000  # characters of one paste that are kept
+ESCAPE_DELAY: Final = 0.1  # seconds until a lone escape counts as a key
 _ESCAPE: Final = "\x1b"
 _PASTE_BEGINS, _PASTE_ENDS = "\x1b[200~", "\x1b[201~"
 _LONGEST: Final = 32  # characters of a sequence; Textual takes longer ones for keys
-# Sequences as the Linux console, the oldest mice, rxvt, mice that may be left of the window, and all others
-# have them; escape, and the key after it; keys. What begins like a sequence, but goes on like none, is escape
-# and a key
+# Sequences of the Linux console, the oldest mice, rxvt, mice left of the window, and all others; escape and
+# the next key; keys. An incomplete sequence of another form is escape and a key
 _PIECE: Final = re.compile(
     r"\x1b(?:\[(?:\[.|M...|\d+\$|\?[\d;]{0,80}\$y|<[-0-?]{0,80}[Mm]"
     r"|[0-?]{1,80}M|[0-?]{0,80}[@-LN-Z^-~]|[0-?]{1,80}[ -/]{1,4}[@-~])|O[ -~])"
@@ -41,11 +39,7 @@ _UNFINISHED: Final = re.compile(
 
 
 class InputParser:
-    """Turns text into messages; ``clock`` tells seconds.
-
-    A bracketed paste is text, whatever is in it. Of one that is longer than ``most`` characters the rest is
-    dropped until it ends.
-    """
+    """A parser from text to messages, which cuts pastes after ``most`` characters."""
 
     def __init__(
         self, *, debug: bool = False, most: int = MOST_PASTED, clock: Callable[[], float] = monotonic
@@ -53,13 +47,13 @@ class InputParser:
         self._sequences = _Sequences(debug)
         self._most = most
         self._clock = clock
-        self._rest = ""  # a sequence that has no end yet, or in a paste what may be the beginning of its end
+        self._rest = ""  # an unfinished sequence, or in a paste the possible start of its end
         self._since = 0.0
-        self._pasted: list[str] | None = None  # None: nothing is being pasted
+        self._pasted: list[str] | None = None  # None outside a paste
         self._room = 0
 
     def feed(self, text: str) -> list[Message]:
-        """Return what ``text`` means, together with what was unfinished before."""
+        """Return the messages of the unfinished text and ``text``."""
         text, self._rest = self._rest + text, ""
         self._since = self._clock()
         messages: list[Message] = []
@@ -68,15 +62,15 @@ class InputParser:
         return messages
 
     def tick(self) -> list[Message]:
-        """Return what is unfinished if nothing has followed for a while; to be called now and then."""
+        """Return the unfinished text as keys if nothing has followed for a while."""
         if not self._rest or self._pasted is not None or self._clock() - self._since < ESCAPE_DELAY:
             return []
         rest, self._rest = self._rest, ""
-        is_typed = not rest[2:].strip("[")  # of a sequence that was cut off nothing is typed
+        is_typed = not rest[2:].strip("[")  # a sequence that was cut off is not typed text
         return list(self._keys(rest)) if is_typed else []
 
     def _type(self, text: str, messages: list[Message]) -> str:
-        """Add the keys of ``text`` up to a paste; return what is left."""
+        """Add the keys of ``text`` up to a paste. Return the rest."""
         text, pastes, left = text.partition(_PASTE_BEGINS)
         if pastes:
             self._pasted, self._room = [], self._most
@@ -87,7 +81,7 @@ class InputParser:
         return left
 
     def _paste(self, text: str, messages: list[Message]) -> str:
-        """Keep ``text`` up to the end of the paste, and add that if it is there; return what is left."""
+        """Collect ``text`` up to the end of the paste. Return the rest."""
         assert self._pasted is not None
         text, ends, left = text.partition(_PASTE_ENDS)
         if not ends:
@@ -119,22 +113,19 @@ class InputParser:
 
 
 class _Sequences(XTermParser):
-    """Knows sequences and keys one by one."""
-
     def take(self, piece: str) -> list[Message]:
-        """Return what ``piece`` means, nothing if that is not known."""
         messages: list[Message] = []
-        if not piece:  # for Textual the end of it all
+        if not piece:  # an empty text means the end to Textual
             return messages
-        with suppress(Exception):  # it takes for granted that there are numbers where they should be
+        with suppress(Exception):  # it assumes numbers at certain places
             messages += self.feed(piece)
-            if self._awaiting.timeout is None:  # it does not wait for more
+            if self._awaiting.timeout is None:  # it waits for no more
                 return messages
-        super(XTermParser, self).__init__()  # from the beginning, but for what is known of the mouse
+        super(XTermParser, self).__init__()  # restart, but keep the state of the mouse
         return messages
 
 
 def _beginning_of_end(text: str) -> str:
-    """Return the end of ``text`` that the end of a paste may begin with, empty if there is none."""
+    """Return the end of ``text`` that may start the end of a paste, or ""."""
     at = text.rfind(_ESCAPE, -len(_PASTE_ENDS))
     return text[at:] if at >= 0 and _PASTE_ENDS.startswith(text[at:]) else ""

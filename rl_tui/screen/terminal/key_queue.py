@@ -1,9 +1,7 @@
-"""Keys one at a time: what a key does is done, its dialog open and in focus, before the next one counts.
+"""Keys one at a time: the effect of a key is complete before the next one counts.
 
-Textual hands a key to the widget in focus, from which it rises through the queues of all that is around it.
-Only then are the bindings looked up, and a screen that an action opens takes its time to come. A key typed
-meanwhile would go to whatever was in focus before. So keys are held back until nothing of the last one is on
-its way.
+In Textual a key passes several queues before bindings are looked up, and new screens need time to open. A key
+typed meanwhile would reach the old focus.
 """
 
 from __future__ import annotations
@@ -22,14 +20,14 @@ from textual.dom import DOMNode
 from textual.events import Event, Key, Paste
 from textual.message import Message
 
-PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
-MOST_HELD: Final = 1_000  # keys: no person types so far ahead, and a flood of keys must take no memory
-FLOOD: Final = 20  # times the same key: it is held down, or something lies on it
-_LOOK_AGAIN: Final = 0.1  # seconds: what is removed meanwhile does not answer
+PATIENCE: Final = 5.0  # seconds: a widget that hangs must not block the keyboard for ever
+MOST_HELD: Final = 1_000  # keys: more than a person types ahead; limits the memory
+FLOOD: Final = 20  # equal keys: it is held down, or something lies on it
+_LOOK_AGAIN: Final = 0.1  # seconds: removed widgets do not answer
 
 
 class EscapeOrAlt(Key):
-    """Escape and the key ``typed``, or a key of its own: terminals send both alike."""
+    """Escape and the key ``typed``, or a key with alt, for which terminals send the same."""
 
     def __init__(self, name: str, typed: Key) -> None:
         super().__init__(name, None)
@@ -37,10 +35,7 @@ class EscapeOrAlt(Key):
 
 
 class TypeFirst(Message):
-    """Asks the app to take the ``keys`` as typed before all that waits.
-
-    They are asked for once no key is on its way, so that until then more of them can be held.
-    """
+    """A message that asks the app to type ``keys`` before all that wait."""
 
     def __init__(self, keys: Callable[[], Sequence[Key]]) -> None:
         super().__init__()
@@ -48,11 +43,10 @@ class TypeFirst(Message):
 
 
 class KeyQueue:
-    """Lets ``handle``, which is Textual's own way, have the keys and pastes of ``app`` one at a time.
+    """A queue that gives keys and pastes of ``app`` to Textual's ``handle`` one at a time.
 
-    Of those that come meanwhile ``most`` are held back, a paste counting by its characters; more are lost,
-    which ``tell_of_loss`` is called for once. One of the keys ``stops`` does not wait for a flood of keys
-    before it: what is left of that is lost.
+    Up to ``most`` are held meanwhile, then ``tell_of_loss`` is called once. A key of ``stops`` discards a
+    flood before it.
     """
 
     def __init__(
@@ -76,11 +70,11 @@ class KeyQueue:
         self._has_rest.set()
 
     async def rest(self) -> None:
-        """Wait until all that was typed is done."""
+        """Wait until all keys are done."""
         await self._has_rest.wait()
 
     async def take(self, event: Event) -> None:
-        """Handle ``event`` now, or once all that was typed before it is done."""
+        """Handle ``event`` when all earlier keys are done."""
         if self._settling is None:
             await self._type(event)
             return
@@ -94,19 +88,18 @@ class KeyQueue:
             tell()
 
     def take_first(self, keys: Callable[[], Sequence[Key]]) -> None:
-        """Do as :class:`TypeFirst` asks."""
+        """Handle a :class:`TypeFirst` message."""
         self._first.append(keys)
         if self._settling is None:
             self._has_rest.clear()
             self._settling = asyncio.create_task(self._settle(self._in_focus()), name="key-queue")
 
     def _hold(self, keys: Sequence[Key]) -> None:
-        """Have ``keys`` typed next, as if they had come from the terminal."""
         self._held.extendleft(each.set_sender(self._app) for each in reversed(keys))
         self._held_size += len(keys)
 
     def _end_flood(self) -> None:
-        """Forget what is held: all of it where it is full, else a last key that was typed many times."""
+        """Drop all held keys if full, else a last key that was typed many times."""
         if self._held_size >= self._most:
             self._held.clear()
             self._held_size = 0
@@ -125,14 +118,13 @@ class KeyQueue:
         self._settling = asyncio.create_task(self._settle(aim), name="key-queue")
 
     def _first_of(self, event: EscapeOrAlt) -> Key:
-        """Return the key that ``event`` is where that does something, else escape, with the other next."""
+        """Return the key with alt if it has a binding, else escape."""
         if event.key in self._app.active_bindings:
             return Key(event.key, event.character)
         self._hold([event.typed])
         return Key("escape", "\x1b")
 
     async def _settle(self, aim: DOMNode) -> None:
-        """Wait until nothing of the last key is on its way, then let the next one through."""
         with suppress(TimeoutError, ScreenStackError):  # no screen: the program is ending
             async with asyncio.timeout(PATIENCE):
                 await self._pass_through(aim)
@@ -140,7 +132,7 @@ class KeyQueue:
                 if self._held and _is_key("enter", self._held[0]):
                     await self._find_entries()
         while self._first:
-            self._hold(self._first.pop()())  # those that came first are in front in the end
+            self._hold(self._first.pop()())  # the earliest end up in front
         if not (self._held and self._app.call_later(self._type_next)):
             self._settling = None
             self._has_rest.set()
@@ -151,14 +143,14 @@ class KeyQueue:
         await self._type(event)
 
     async def _follow_focus(self) -> None:
-        """Wait for what the key's action has sent on, and for the screen that it has opened."""
+        """Wait for messages of the key's action, and for a new screen."""
         before = None
         while (now := self._in_focus()) is not before:
             before = now
             await self._pass_through(now)
 
     async def _pass_through(self, node: DOMNode) -> None:
-        """Wait until ``node`` and all that is around it have dealt with what was sent to them until now."""
+        """Wait until ``node`` and its ancestors have handled all messages so far."""
         for each in node.ancestors_with_self:
             is_done = asyncio.Event()
             is_sent = each.call_later(is_done.set)
@@ -168,7 +160,7 @@ class KeyQueue:
                         await is_done.wait()
 
     async def _find_entries(self) -> None:
-        """Wait until a list has found what was typed: enter is for the best of it."""
+        """Wait until a search is complete, because enter opens the best match."""
         screen = self._app.screen
         if isinstance(screen, CommandPalette) or getattr(screen, "is_searching", False):
             looking = [worker.wait() for worker in self._app.workers if worker.node is screen]
@@ -187,11 +179,11 @@ def _is_key(key: str, event: Event) -> bool:
     return isinstance(event, Key) and event.key == key
 
 
-_MOST: Final = 100  # keys: who types more than that ahead is not a person
+_MOST: Final = 100  # keys: more than a person types ahead
 
 
 class EarlyKeys:
-    """Holds keys back from the first one on that is among ``waiting``, until they are released."""
+    """Keys held from the first one in ``waiting`` on, until they are released."""
 
     def __init__(self, waiting: Iterable[str]) -> None:
         self._waiting = frozenset(waiting)
@@ -203,7 +195,7 @@ class EarlyKeys:
         self._held.append(Key(key, None))
 
     def take(self, event: Key) -> bool:
-        """Hold ``event`` back, if it has to wait; escape does not, and ends the waiting."""
+        """Return True if ``event`` has to wait, and hold it. Escape ends the waiting."""
         if event.key == "escape" or event.key.startswith("ctrl+"):
             self._held.clear()
             return False
@@ -214,10 +206,7 @@ class EarlyKeys:
         return True
 
     def release(self, app: App[Any]) -> None:
-        """Let ``app`` have the keys again, now that what they are for is there.
-
-        Those already on their way are held as well, or they would come first.
-        """
+        """Type the held keys in ``app``, before those already on their way."""
         if not self._is_released:
             self._is_released = True
             app.post_message(TypeFirst(self._end))

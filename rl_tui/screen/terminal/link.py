@@ -1,8 +1,8 @@
-"""The way to the terminal: one frame is on it at a time, as far as the terminal tells when it has arrived.
+"""The link to the terminal: one frame at a time, if the terminal reports arrival.
 
-After a frame the terminal is asked where its cursor is. It answers in order, so that the answer means that
-everything before has been drawn, whatever buffers lie between. The cursor is put into the second line for it
-(in the first, ``ESC[1;2R`` would also be a key: shift+F3), and into a column that tells which frame is meant.
+After a frame the terminal is asked for its cursor position. The answer means that everything before is drawn.
+The cursor is in the second line, because in the first the answer may also be shift+F3. Its column identifies
+the frame.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from typing import Final, NamedTuple
 
 ANSWER_LINE: Final = 1  # counted from 0
 _COLUMNS: Final = 60
-_SLOWEST: Final = 4_000.0  # bytes/s: a slower link than this is taken for a terminal that does not answer
+_SLOWEST: Final = 4_000.0  # bytes/s: on a slower link the terminal counts as silent
 _LEAST_WAIT, _MOST_WAIT = 1.0, 5.0  # seconds
-_SILENT_FRAMES: Final = 4  # not one of so many was answered, since so many seconds:
+_SILENT_FRAMES: Final = 4  # frames without an answer, and the seconds since the first:
 _SILENT_SECONDS: Final = 5.0
 _ASK_AGAIN: Final = 1.0  # seconds between two questions to a silent terminal
 _MEMORY: Final = 0.7  # weight of the past in the running mean
 _LONGEST_FRAME: Final = 0.2  # seconds on its way
 _LEAST_ROOM: Final = 1_000.0  # bytes
 _SLOW: Final = 50_000.0  # bytes/s
-_TELLING: Final = 500  # bytes of a frame from which on its time tells something of the link
+_TELLING: Final = 500  # bytes of a frame that is large enough to measure the link
 
 
 class _Frame(NamedTuple):
@@ -34,10 +34,9 @@ class _Frame(NamedTuple):
 
 
 class Link:
-    """Tells when the next frame may be sent. ``clock`` tells seconds.
+    """The state of the link, which decides when the next frame may be sent.
 
-    A terminal that answers late is waited for, though not for ever; one that has never answered is soon sent
-    frame after frame, as fast as they are drawn, until an answer comes after all.
+    A terminal that has never answered gets frames without any wait.
     """
 
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:
@@ -53,12 +52,12 @@ class Link:
 
     @property
     def is_idle(self) -> bool:
-        """Whether no answer is to be expected."""
+        """True if no answer is expected."""
         return not self._under_way or self.is_silent
 
     @property
     def wait(self) -> float:
-        """Seconds after which a frame may be sent, if no answer comes before."""
+        """Seconds until a frame may be sent without an answer."""
         if self.is_idle:
             return 0.0
         size = sum(frame.size for frame in self._under_way)
@@ -67,7 +66,7 @@ class Link:
 
     @property
     def is_silent(self) -> bool:
-        """Whether this is taken for a terminal that never answers."""
+        """True if the terminal seems never to answer."""
         return (
             not self._has_answered
             and self._unanswered >= _SILENT_FRAMES
@@ -77,24 +76,24 @@ class Link:
 
     @property
     def room(self) -> float:
-        """How many bytes the next frame should have at most: a key may be pressed while it is on its way."""
+        """The most bytes of the next frame, so that keys do not wait long."""
         if not self._seconds_a_byte:
             return inf
         return max(_LEAST_ROOM, _LONGEST_FRAME / self._seconds_a_byte)
 
     @property
     def is_slow(self) -> bool:
-        """Whether a screen full of text takes so long that the wait is noticed."""
+        """True if a screen full of text takes noticeable time."""
         return self._seconds_a_byte > 1.0 / _SLOW
 
     def hurry(self) -> None:
-        """Do not wait for long with the next frame: a key was pressed."""
+        """Shorten the wait for the next frame, because a key was pressed."""
         self._hurries = True
 
     def send(self, size: int, width: int) -> int | None:
-        """Note that a frame of ``size`` bytes is sent to a terminal of ``width`` columns.
+        """Record a frame of ``size`` bytes to a terminal of ``width`` columns.
 
-        Returns the column, counted from 0, in which the cursor shall be asked for; None for not to ask.
+        Returns the column (from 0) in which to ask for the cursor, or None.
         """
         now = self._clock()
         self._hurries = False
@@ -111,7 +110,7 @@ class Link:
         return self._number
 
     def answer(self, column: int, line: int) -> bool:
-        """Take the place of a cursor, counted from 0; False if no frame was asked about with it."""
+        """Take a cursor position (from 0). Return False if it was not asked for."""
         if line != ANSWER_LINE or column not in [frame.column for frame in self._under_way]:
             return False
         size = 0
@@ -126,7 +125,7 @@ class Link:
         return True
 
     def restart(self) -> None:
-        """Begin anew: what was under way may be lost, and this may be another terminal now."""
+        """Start again, maybe with another terminal."""
         self._under_way.clear()
         self._first_asked, self._unanswered = None, 0
 

@@ -1,4 +1,4 @@
-"""An app that sends its terminal differences only, and no more than arrives."""
+"""An app that sends only differences, and only as fast as they arrive."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from textual.timer import Timer
 from rl_tui.common.limits import LARGEST_SCREEN
 from rl_tui.screen.terminal.output import Output
 
-_ARRANGING: Final = 0.1  # seconds after a change of size in which panels find their places
+_ARRANGING: Final = 0.1  # seconds after a change of size until the panels are arranged
 ReturnType = TypeVar("ReturnType")
 
 
 @runtime_checkable
 class _Lines(Protocol):
-    """What Textual draws of a region: the strips of each of its lines."""
+    """A region as Textual draws it: the strips of each line."""
 
     strips: list[Iterable[Strip]]
     region: Region
@@ -36,7 +36,7 @@ class _Lines(Protocol):
 
 @runtime_checkable
 class _Pieces(Protocol):
-    """What Textual draws where little has changed: by line, strips by the columns they begin in."""
+    """A small update as Textual draws it: per line, strips by start column."""
 
     chops: Sequence[Mapping[int, Strip | None]]
     chop_ends: list[list[int]]
@@ -44,34 +44,31 @@ class _Pieces(Protocol):
 
 
 class LinkedApp(App[ReturnType]):
-    """Puts an :class:`Output` between the compositor and the driver, if that leads to a terminal.
+    """An app with an :class:`Output` between compositor and driver, if there is a terminal.
 
-    Of a terminal that says it is larger than any screen only a part is drawn on, and beside it is said so.
-    What stands between them has private names in Textual. One that draws in a way that is not known here
-    draws by itself: a method that it does not call is not missed.
+    It uses private names of Textual. A version that draws differently then draws on its own.
     """
 
     def __init__(self, driver_class: type[Driver] | None = None, *, ansi_color: bool = False) -> None:
         super().__init__(driver_class, ansi_color=ansi_color)
         self.stops: Collection[str] = ()
-        """The keys that end something, and so count in a flood of others."""
+        """Keys that end something, which count in a flood of others."""
         self.synchronises = False
-        """Whether the terminal can hold back what is unfinished."""
+        """True if the terminal supports synchronised output."""
         self.ticks = 0.0
-        """How often a second a moving picture is drawn; 0: no picture moves."""
+        """Frames per second of a moving picture, 0 for none."""
         self._output: Output | None = None
-        self._claimed = Size(0, 0)  # what the terminal says it is
+        self._claimed = Size(0, 0)  # size that the terminal reports
         self._draws = True
         self._arranging: Timer | None = None
         self._drawn: Screen[object] | None = None
-        self._in_front = range(0)  # the lines of the dialog that was open when it was drawn
+        self._in_front = range(0)  # lines of the dialog that was drawn last
         self._painted = asyncio.Event()
 
     def set_timer(self, delay: float, callback: Callable[[], object] | None = None, **options: Any) -> Timer:
-        """Have ``callback`` called once after ``delay`` seconds, or later where the machine is busy.
+        """Call ``callback`` once after ``delay`` seconds, or later if the machine is busy.
 
-        Textual leaves out what comes too late, be it all that there is: a change of size that it held back
-        for milliseconds could be lost, and every later one then waited for it.
+        Textual skips late timers, which could lose a resize and block all later ones.
         """
         timer = super().set_timer(delay, callback, **options)
         timer._skip = False
@@ -84,51 +81,48 @@ class LinkedApp(App[ReturnType]):
 
     @property
     def has_slow_link(self) -> bool:
-        """Whether what changes on screen takes its time to arrive, so that it should be little."""
+        """True if changes take noticeable time to arrive."""
         return self._output is not None and self._output.link.is_slow
 
     @property
     def keeps_up(self) -> bool:
-        """Whether a moving picture arrives in time."""
+        """True if a moving picture arrives in time."""
         return self._output is None or self._output.keeps_up
 
     async def painted(self) -> None:
-        """Wait until something was drawn, where there is a terminal: what is slow begins after that.
-
-        Textual's ``call_after_refresh`` comes before it where widgets are still being mounted.
-        """
+        """Wait for the first drawing on a terminal, after which slow work starts."""
         if self._draws and not self.is_headless and not self.is_inline:
             await self._painted.wait()
 
     async def arrived(self) -> None:
-        """Wait until the terminal shows what was drawn until now."""
+        """Wait until the terminal shows everything drawn so far."""
         if self._output is not None:
             await self._output.arrived()
 
     async def rest(self) -> None:
-        """Draw nothing more until the terminal is taken again, and wait for its last answer."""
+        """Draw nothing until the terminal is taken again."""
         if self._output is not None:
             await self._output.rest()
 
     async def go_to_shell(self) -> bool:
-        """Stop until the shell says go on; False where there is no shell to go to."""
+        """Stop until the shell resumes the program. Return False without a shell."""
         driver = self._terminal
         suspend = getattr(driver, "suspend", None)
         return driver is not None and suspend is not None and driver.can_suspend and bool(await suspend())
 
     def give_back_terminal(self) -> None:
-        """Leave the terminal in order right before the process ends; from any thread."""
+        """Restore the terminal right before the process ends, from any thread."""
         give_back = getattr(self._terminal, "give_back", None)
         if give_back is not None:
             give_back()
 
     def action_redraw(self) -> None:
-        """Draw everything again: something else may have written over it."""
+        """Draw everything again, because another program may have written over it."""
         if self._output is not None:
             self._output.draw_again()
 
     def on_resize(self, event: events.Resize) -> None:
-        """Draw everything again: after a change of size, or a pause, the terminal may show anything."""
+        """Draw everything again after a resize or a pause."""
         if self._output is not None:
             self._output.resize(*event.size)
             self._tell_of_rest(self._output)
@@ -137,7 +131,7 @@ class LinkedApp(App[ReturnType]):
             self._arranging = self.set_timer(_ARRANGING, self._output.wake)
 
     def on_terminal_supports_synchronized_output(self) -> None:
-        """Have unfinished frames held back from now on."""
+        """Use synchronised output from now on."""
         self.synchronises = True
 
     def _display(self, screen: Screen[object], renderable: RenderableType | None) -> None:
@@ -148,7 +142,7 @@ class LinkedApp(App[ReturnType]):
                     self._draw_on(self._output_of(driver), screen, renderable)
                 self.post_display_hook()
                 return
-            self._draws = False  # this Textual draws in another way, and then has to draw everything
+            self._draws = False  # an unknown way of drawing: Textual has to draw everything
             self._painted.set()
             if self._output is not None:
                 self._output.stop()
@@ -171,7 +165,6 @@ class LinkedApp(App[ReturnType]):
         return self._output
 
     def _tell_of_rest(self, output: Output) -> None:
-        """Say below what is drawn, or right of it, that the terminal is larger than that."""
         (width, height), claimed = _bounded(self._claimed), self._claimed
         words = f"no more than {width} columns and {height} lines are drawn"
         if claimed.height > height:
@@ -181,7 +174,7 @@ class LinkedApp(App[ReturnType]):
 
     def _draw_on(self, output: Output, screen: Screen[object], update: _Lines | _Pieces) -> None:
         buffer, lines = output.buffer, _lines_of_dialog(screen)
-        if screen is not self._drawn:  # a dialog has come or gone: that is what was asked for
+        if screen is not self._drawn:  # a dialog has opened or closed: send it first
             buffer.begin_with(lines or self._in_front)
         self._drawn, self._in_front = screen, lines
         output.synchronises = self.synchronises
@@ -191,7 +184,7 @@ class LinkedApp(App[ReturnType]):
                 buffer.put(update.region.x, y, (segment for strip in strips for segment in strip))
         else:
             for y, start, end in update.spans:
-                # what Textual would write: pieces that begin in the span, cut at its end
+                # like Textual: pieces that start in the span, cut at its end
                 for (x, strip), piece_end in zip(update.chops[y].items(), update.chop_ends[y], strict=True):
                     if strip is not None and x <= end and piece_end > start:
                         is_inside = start <= x and piece_end <= end
@@ -200,14 +193,14 @@ class LinkedApp(App[ReturnType]):
         self._painted.set()
 
     def post_message(self, message: Message) -> bool:
-        """Put ``message`` into the queue, unless it is an answer of the terminal."""
+        """Queue ``message``, unless it is an answer of the terminal."""
         if isinstance(message, events.Resize):
             self._claimed = message.size
             if (size := _bounded(message.size)) != message.size:
                 message = events.Resize(size, size)
         if self._output is not None:
             if isinstance(message, events.CursorPosition):
-                # not one more message in the queue: others need not wait to be dealt with
+                # handled at once: other messages need not wait
                 self._output.answer(message.x, message.y)
                 return True
             if isinstance(message, events.Key | events.MouseDown):
@@ -227,7 +220,7 @@ def _bounded(size: Size) -> Size:
 
 
 def _lines_of_dialog(screen: Screen[object]) -> range:
-    """Return the lines of the box that lies over another screen, none of a screen that fills the terminal."""
+    """Return the lines of a dialog's box, or none for a full screen."""
     if not screen.is_modal:
         return range(0)
     box = Region.from_union([child.region for child in screen.children] or [Region()])
@@ -235,12 +228,11 @@ def _lines_of_dialog(screen: Screen[object]) -> range:
 
 
 def forget_left_screens(_: object) -> None:
-    """Forget the lines of widgets that are gone; to be called whenever another screen is in front.
+    """Free the cached lines of removed widgets, whenever another screen is in front.
 
-    A cache of colours has the lines of whole widgets in its keys, 1,024 of them, so that each dialog that
-    was opened took a third of a megabyte with it (Textualize/textual #6665).
+    Textual's cache would keep a third of a megabyte per opened dialog (Textualize/textual #6665).
     """
-    with suppress(ImportError, AttributeError):  # another Textual may keep no such lines
+    with suppress(ImportError, AttributeError):  # another version of Textual may have no such cache
         from textual._styles_cache import StylesCache
 
         StylesCache.get_inner_outer.cache_clear()

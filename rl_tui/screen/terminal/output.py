@@ -1,4 +1,4 @@
-"""What is drawn goes out a frame at a time: all that has changed since the last one arrived."""
+"""Sends the drawing frame by frame: all changes since the last frame arrived."""
 
 from __future__ import annotations
 
@@ -17,17 +17,13 @@ from rl_tui.screen.terminal.screen_buffer import Cutter, ScreenBuffer
 
 _ASK: Final = "\x1b[6n"
 _ERASE_ALL: Final = "\x1b[2J"
-SYNC_BEGIN, SYNC_END = "\x1b[?2026h", "\x1b[?2026l"  # the terminal holds back what is unfinished
+SYNC_BEGIN, SYNC_END = "\x1b[?2026h", "\x1b[?2026l"  # the terminal shows nothing until the end
 _LOOK_AGAIN: Final = 0.02  # seconds
-_LONGEST_FAREWELL: Final = 2.0  # seconds that the last answer is waited for
+_LONGEST_FAREWELL: Final = 2.0  # seconds to wait for the last answer
 
 
 class Output:
-    """Draws for a terminal with the colours of ``system``.
-
-    ``write`` takes what is to be sent, and ``waiting`` tells how many bytes of it have not left the program
-    yet. Needs a running event loop.
-    """
+    """A drawing on a terminal with the colours of ``system``, which needs a running event loop."""
 
     def __init__(
         self,
@@ -39,9 +35,9 @@ class Output:
         pens, cutter = Pens(system), Cutter()
         self.link = Link(clock)
         self.buffer = ScreenBuffer(pens, cutter)
-        """Where it is drawn what is to be sent."""
+        """The contents to send."""
         self.cursor = (0, 0)
-        """Where the cursor, which is hidden, belongs: input methods show there what is typed."""
+        """The place of the hidden cursor, where input methods show typed text."""
         self.synchronises = False
         self._write = write
         self._waiting = waiting
@@ -49,24 +45,21 @@ class Output:
         self._timer: asyncio.TimerHandle | None = None
         self._arrived = asyncio.Event()
         self._rests = False
-        self._beside = ""  # what is said where nothing is drawn
+        self._beside = ""  # text where nothing is drawn
         self._erases = False
 
     @property
     def keeps_up(self) -> bool:
-        """Whether the link is fast and nothing drawn waits for a frame to arrive."""
+        """True if the link is fast and no drawing waits."""
         return not (self.link.is_slow or self.buffer.is_touched)
 
     def write_beside(self, x: int, y: int, words: str) -> None:
-        """Say ``words`` at column ``x`` of line ``y``, where nothing is ever drawn; what stood there goes."""
+        """Write ``words`` at ``x``, ``y``, outside the drawing, instead of earlier ones."""
         self._erases = bool(words or self._beside)
         self._beside = f"{move_to(x, y)}{words}" if words else ""
 
     def resize(self, width: int, height: int) -> None:
-        """Begin anew on a terminal of ``width`` × ``height``, of whose contents nothing is known.
-
-        If that is the size it had, all that was drawn will be sent again. Nothing is until :meth:`wake`.
-        """
+        """Start again on an unknown terminal of ``width`` × ``height``, but wait for :meth:`wake`."""
         self._rests = True
         if (width, height) == (self.buffer.width, self.buffer.height):
             self.buffer.forget()
@@ -79,17 +72,17 @@ class Output:
         self._rests = True
 
     def wake(self) -> None:
-        """Send what was drawn since the resize, and what is drawn from now on."""
+        """Send everything drawn since the resize, and go on sending."""
         self._rests = False
         self.send()
 
     def draw_again(self) -> None:
-        """Send all that was drawn, whatever the terminal shows."""
+        """Send everything again."""
         self.buffer.forget()
         self.send()
 
     def send(self) -> None:
-        """Send what has changed, now or when the frame before has arrived."""
+        """Send the changes, now or when the last frame has arrived."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -100,28 +93,25 @@ class Output:
             if text := self._encoder.frame(self.buffer.changed(), self.link.room):
                 if self._erases:
                     text, self._erases = f"{_ERASE_ALL}{text}", False
-                # with every frame: to erase the rest of a line reaches as far as that
+                # with every frame, because erasing the rest of a line erases this too
                 self._write(self._framed(text + self._beside))
 
     def answer(self, column: int, line: int) -> None:
-        """Take the place of the cursor, counted from 0, that the terminal has answered with."""
+        """Take the cursor position (from 0) that the terminal has answered."""
         if self.link.answer(column, line):
             self.send()
             self._arrived.set()
             self._arrived = asyncio.Event()
 
     async def arrived(self) -> None:
-        """Wait until the terminal shows what was drawn until now, or is no longer waited for."""
+        """Wait until the terminal shows everything drawn, or has not answered in time."""
         self.send()
         while (wait := self._wait) > 0.0:
             await self._answered(wait)
             self.send()
 
     async def rest(self) -> None:
-        """Send nothing until :meth:`wake`, and wait until the terminal has answered.
-
-        The next program that reads its input shall not find the answer there.
-        """
+        """Send nothing until :meth:`wake`, and wait for the last answer."""
         self._rests = True
         loop = asyncio.get_running_loop()
         deadline = loop.time() + _LONGEST_FAREWELL
@@ -130,7 +120,7 @@ class Output:
 
     @property
     def _wait(self) -> float:
-        """Seconds after which to send, or to look again, if no answer comes before."""
+        """Seconds until sending or checking again, if no answer comes."""
         wait = self.link.wait
         return wait if wait > 0.0 or not self._waiting() else _LOOK_AGAIN
 

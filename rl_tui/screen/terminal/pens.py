@@ -1,4 +1,4 @@
-"""How cells are written: the pen of a style, and the shortest way from one pen to another."""
+"""Pens for the styles of cells, and changes between pens."""
 
 from __future__ import annotations
 
@@ -12,16 +12,15 @@ from rich.style import Style
 # double underline, frame, encircle, overline
 _ON: Final = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "21", "51", "52", "53")
 _OFF: Final = ("22", "22", "23", "24", "25", "25", "27", "28", "29", "24", "54", "54", "55")
-_UNSEEN_ON_BLANKS: Final = 0b111  # bold, dim, italic; the others show where there is no character too
+_UNSEEN_ON_BLANKS: Final = 0b111  # bold, dim, italic; the others also show on blanks
 MOST_KEPT: Final = 20_000  # styles, and changes from one pen to another
 RESET: Final = "\x1b[m"
 
 
 class Pen:
-    """Attributes, foreground and background as they are sent to the terminal; equal pens are one object.
+    """Attributes, foreground and background in the terminal's codes, one object per pen.
 
-    ``foreground`` and ``background`` are SGR parameters, empty for the terminal's own. ``blank`` is the pen
-    with which a space looks the same.
+    ``blank`` is the pen with which a space looks the same.
     """
 
     __slots__ = ("__weakref__", "attributes", "background", "blank", "foreground")
@@ -34,7 +33,7 @@ class Pen:
 
     @property
     def order(self) -> tuple[str, str, int]:
-        """What sorts pens so that there is little between one and the next."""
+        """A sort key that keeps changes between neighbours short."""
         return self.background, self.foreground, self.attributes
 
 
@@ -44,23 +43,23 @@ class Pens:
     def __init__(self, system: ColorSystem) -> None:
         self._system = system
         self._of_style: dict[Style | None, Pen] = {}
-        # those that no cell has any more are forgotten: pens are compared by identity, so that one that is
-        # in use must not be made a second time
+        # Weak, so that unused pens disappear; a pen in use must not be made twice, because pens are compared
+        # by identity
         self._known: WeakValueDictionary[tuple[int, str, str], Pen] = WeakValueDictionary()
         self._changes: dict[tuple[Pen, Pen], str] = {}
         self.plain = self._pen(0, "", "")
 
     def of(self, style: Style | None) -> Pen:
-        """Return the pen that writes in ``style``; where a link leads is not sent to the terminal."""
+        """Return the pen for ``style``, without its link."""
         pen = self._of_style.get(style)
         if pen is None:
-            if len(self._of_style) > MOST_KEPT:  # colours that fade make new styles without end
+            if len(self._of_style) > MOST_KEPT:  # fading colours make ever new styles
                 self._of_style.clear()
             pen = self._of_style[style] = self._made(style)
         return pen
 
     def change(self, before: Pen, after: Pen) -> str:
-        """Return the shortest sequence that makes the terminal write with ``after`` instead of ``before``."""
+        """Return the shortest sequence that changes the pen from ``before`` to ``after``."""
         if before is after:
             return ""
         change = self._changes.get((before, after))
@@ -94,7 +93,7 @@ class Pens:
 def _change(before: Pen, after: Pen) -> str:
     if not (after.attributes or after.foreground or after.background):
         return RESET
-    # 22 ends bold and dim both, 24 and 25 also two each: what shall stay of them is set again
+    # 22 ends both bold and dim, 24 and 25 also end two each: those that stay are set again
     ends = {_OFF[bit] for bit in _bits(before.attributes & ~after.attributes)}
     kept = [bit for bit in _bits(after.attributes & before.attributes) if _OFF[bit] in ends]
     begun = _bits(after.attributes & ~before.attributes)

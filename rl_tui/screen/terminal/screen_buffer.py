@@ -1,4 +1,4 @@
-"""What the screen should show, and what was sent to the terminal last."""
+"""The wanted contents of the screen, and those last sent to the terminal."""
 
 from __future__ import annotations
 
@@ -12,24 +12,18 @@ from rich.segment import Segment
 
 from rl_tui.screen.terminal.pens import Pen, Pens
 
-UNKNOWN = "\0"  # it is not known what stands in such a cell
+UNKNOWN = "\0"  # contents of a cell that are not known
 
 
 class Cutter:
-    """Cuts texts into cells, as they were counted when the screen was laid out.
-
-    A cell is one character with what combines with it; of a wide one, the second cell is the empty text.
-    """
+    """A cutter of texts into cells: a character with its combining ones, then "" if it is wide."""
 
     def __init__(self) -> None:
         self.narrow = {chr(code) for code in range(0x20, 0x7F)}
-        """Characters known to fill one cell, as every terminal has it."""
+        """Characters that are known to fill one cell in every terminal."""
 
     def cells(self, text: str) -> list[str]:
-        """Return the cells of ``text``, a sequence as long as the text is wide.
-
-        Control characters have no width, and would steer the terminal: they are left out.
-        """
+        """Return the cells of ``text``, without control characters, which would control the terminal."""
         cells: list[str] = []
         text = "".join(character for character in text if category(character) != "Cc")
         for start, end, width in split_graphemes(text)[0]:
@@ -44,7 +38,7 @@ class Cutter:
 
 
 class Line:
-    """The cells of one line: what stands in them, and the pen of each."""
+    """The characters and pens of one line."""
 
     __slots__ = ("cells", "pens")
 
@@ -53,16 +47,13 @@ class Line:
         self.pens = [pen] * width
 
     def copy_from(self, other: Line) -> None:
-        """Become like ``other``."""
+        """Copy the cells of ``other``."""
         self.cells[:] = other.cells
         self.pens[:] = other.pens
 
 
 class ScreenBuffer:
-    """Gathers what is drawn, until it is sent to the terminal.
-
-    Cells that were not drawn yet are unknown, and are not sent.
-    """
+    """Drawing to be sent. Cells not drawn yet are unknown, and are not sent."""
 
     def __init__(self, pens: Pens, cutter: Cutter) -> None:
         self._pens = pens
@@ -81,26 +72,26 @@ class ScreenBuffer:
 
     @property
     def is_touched(self) -> bool:
-        """Whether something was drawn since it was sent last; it may be what stood there before."""
+        """True if something was drawn since the last sending, even without a change."""
         return bool(self._touched)
 
     def resize(self, width: int, height: int) -> None:
-        """Begin with an empty screen of ``width`` × ``height``, of which nothing is known."""
+        """Start with an empty screen of ``width`` × ``height`` and unknown contents."""
         self.width = width
         self._wanted = [Line(width, self._pens.plain) for _ in range(height)]
         self.forget()
 
     def forget(self) -> None:
-        """Take what the terminal shows for unknown: all that is wanted has to be sent again."""
+        """Treat the contents of the terminal as unknown."""
         self._sent = [Line(self.width, self._pens.plain) for _ in self._wanted]
         self._touched = set(range(len(self._wanted)))
 
     def put(self, x: int, y: int, segments: Iterable[Segment]) -> None:
-        """Draw ``segments`` from column ``x`` of line ``y`` on; what lies outside is cut off."""
+        """Draw ``segments`` from column ``x`` of line ``y`` on, clipped at the edges."""
         if not 0 <= y < len(self._wanted) or not 0 <= x < self.width:
             return
         line = self._wanted[y]
-        if line.cells[x] == "":  # the second half of a wide character, whose first stays alone
+        if line.cells[x] == "":  # half of a wide character is overwritten
             line.cells[x - 1] = " "
         pen_of, cells_of, width = self._pens.of, self._cutter.cells, self.width
         is_narrow = self._cutter.narrow.issuperset
@@ -127,10 +118,9 @@ class ScreenBuffer:
         self._first = lines
 
     def changed(self) -> Iterator[tuple[int, Line, list[int]]]:
-        """Yield each line that differs from what was sent: its number, itself, and its columns that differ.
+        """Yield each changed line: its number, the line, and its changed columns.
 
-        With each that has been asked for, the line counts as sent. If not all were, the next time begins with
-        those that are left.
+        A yielded line counts as sent. Lines not asked for come first next time.
         """
         from_here = sorted(self._touched, key=lambda y: (y not in self._first, y < self._next, y))
         for y in from_here:
@@ -150,7 +140,7 @@ class ScreenBuffer:
 
 def _columns(wanted: Line, sent: Line) -> list[int]:
     cells, old, pens, before = wanted.cells, sent.cells, wanted.pens, sent.pens
-    # what differs in any way is found without a loop of our own: in most lines that is little
+    # a fast search without a Python loop, because few columns of a line change
     differ = map(or_, map(ne, cells, old), map(is_not, pens, before))
     columns = [
         x
@@ -158,6 +148,6 @@ def _columns(wanted: Line, sent: Line) -> list[int]:
         if (cells[x] != old[x] or cells[x] != " " or pens[x].blank is not before[x].blank)
         and cells[x] != UNKNOWN
     ]
-    if any(cells[x] == "" for x in columns):  # of a wide character both halves are written, or none
+    if any(cells[x] == "" for x in columns):  # both halves of a wide character are written, or none
         return sorted({x - 1 if cells[x] == "" else x for x in columns})
     return columns

@@ -1,4 +1,4 @@
-"""What is on its way to the terminal: the program never waits for one that does not read, or is gone."""
+"""Output on its way to the terminal, which never blocks the program."""
 
 from __future__ import annotations
 
@@ -10,16 +10,15 @@ from collections.abc import Callable
 from time import monotonic
 from typing import Final
 
-_AT_ONCE: Final = 4096  # bytes: small pieces go together, large ones alone
-_SLICE: Final = 2048  # bytes: a terminal takes all or nothing, and a slow one some time for it
-_PATIENCE: Final = 1.0  # seconds without a byte going out, after which a farewell is given up
+_AT_ONCE: Final = 4096  # bytes: joins small pieces; larger ones go alone
+_SLICE: Final = 2048  # bytes: a terminal takes all or nothing, and a slow one needs time
+_PATIENCE: Final = 1.0  # seconds without progress until a farewell is given up
 
 
 class TerminalWriter:
-    """Writes to the file descriptor of a terminal from a thread of its own.
+    """A thread that writes to the file descriptor of a terminal.
 
-    ``on_lost`` is called from that thread, once, when nothing can be written any more. A terminal that does
-    not read holds up the thread only.
+    ``on_lost`` is called once from that thread when writing has become impossible.
     """
 
     def __init__(self, fileno: int, on_lost: Callable[[], None]) -> None:
@@ -30,14 +29,14 @@ class TerminalWriter:
         self._pieces: deque[bytes] = deque()
         self.waiting = 0
         """Bytes that the system has not taken yet."""
-        self._leaving = 0  # of those waiting: bytes that the thread has taken
+        self._leaving = 0  # part of ``waiting`` that the thread has taken
         self._closing = False
         self._lost = False
         self._thread = threading.Thread(target=self._live, name="terminal-output", daemon=True)
         self._thread.start()
 
     def write(self, data: bytes) -> None:
-        """Put ``data`` behind what is waiting; never waits itself."""
+        """Queue ``data`` without waiting."""
         with self._changed:
             if data and not self._lost:
                 self._pieces.append(data)
@@ -45,14 +44,14 @@ class TerminalWriter:
                 self._changed.notify_all()
 
     def forget(self) -> None:
-        """Drop what is waiting, but for what has begun to leave."""
+        """Drop waiting bytes, except those that have started to leave."""
         with self._changed:
             self._pieces.clear()
             self.waiting = self._leaving
             self._changed.notify_all()
 
     def drain(self, seconds: float) -> bool:
-        """Wait until all is written, ``seconds`` at most and while some of it leaves; tell if it is."""
+        """Wait up to ``seconds`` while bytes leave. Return True if all are written."""
         deadline = monotonic() + seconds
         before = -1
         with self._changed:
@@ -65,7 +64,7 @@ class TerminalWriter:
             return not self._lost
 
     def close(self, seconds: float) -> None:
-        """Write what is waiting, for ``seconds`` at most, and end the thread where that is possible."""
+        """Write for up to ``seconds``, then end the thread if possible."""
         drained = self.drain(seconds)
         with self._changed:
             self._closing = True
@@ -104,7 +103,7 @@ class TerminalWriter:
         while left:
             try:
                 written = os.write(self.fileno, left[:_SLICE])
-            except BlockingIOError:  # another program that shares the terminal has set it so
+            except BlockingIOError:  # another program that shares the terminal has made it non-blocking
                 select.select([], [self.fileno], [])
                 continue
             left = left[written:]

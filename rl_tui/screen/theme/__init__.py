@@ -1,1 +1,1 @@
-"""Palettes by colour depth and glyph sets."""
+"""Colours by colour depth, and sets of characters."""

@@ -1,4 +1,4 @@
-"""The two sets of characters the screens are drawn with, and which of them a terminal takes."""
+"""The two sets of characters for drawing, and the choice between them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def _in(unicode: Any, ascii: Any) -> Any:  # noqa: A002
 
 @dataclass(frozen=True, slots=True)
 class Glyphs:
-    """Every special character of a widget; one column wide, unless a comment says otherwise."""
+    """Special characters, one column wide unless a comment says otherwise."""
 
     name: str = _in("unicode", "ascii")
     left: str = _in("←", "<")
@@ -23,7 +23,7 @@ class Glyphs:
     # up left, up right, down left, down right; two columns in ASCII
     diagonals: tuple[str, str, str, str] = _in(("↖", "↗", "↙", "↘"), ("^<", "^>", "v<", "v>"))
     stay: str = _in("▫", ".")
-    untried: str = _in("·", ".")  # in place of a number or an arrow where nothing is known, or all is as good
+    untried: str = _in("·", ".")  # in place of a number or an arrow: unknown, or all actions equal
     agent: str = _in("◉", "@")
     hole: str = _in("●", "O")
     cliff: str = _in("╱", "%")
@@ -32,35 +32,35 @@ class Glyphs:
     wall: str = _in("█", "#")
     mark_left: str = _in("▌", "[")  # frames the greedy cell of a table
     mark_right: str = _in("▐", "]")
-    mark_after: str = _in("▌", "]")  # follows the greedy number in place of a frame
+    mark_after: str = _in("▌", "]")  # after the greedy number, in place of a frame
     lit: str = _in("▐", "{")  # before the cell of a table that was just updated
-    moved: str = _in("▾▴", "-+")  # behind its number: it fell, it rose
+    moved: str = _in("▾▴", "-+")  # after its number: it fell, it rose
     cursor: str = _in("▸", ">")
     breakpoint: str = _in("!", "!")
-    trail: str = _in("•", "=")  # on a map: left not long ago, left long ago
+    trail: str = _in("•", "=")  # on a map: recent and older steps
     trail_old: str = _in("◦", ",")
     seams: str = _in("▕▁", "|_")  # between the cells of a map: at the right, below
     frame: str = _in("▌▐▔▁", "[]--")  # around a cell: left, right, above, below
     lit_edge: str = _in("▔", "#")  # of a wall
-    unreached: str = _in("░", ":")  # fills a cell that no way leads to
-    one_way: str = _in("«»∧∨", "<>^v")  # cells that are left in one direction only: left, right, up, down
+    unreached: str = _in("░", ":")  # fills an unreachable cell
+    one_way: str = _in("«»∧∨", "<>^v")  # cells with one way out: left, right, up, down
     no_room: str = _in("▪", "#")  # in place of a number that does not fit
-    beyond: str = _in("‹›", "<>")  # a value below the scale, above it
-    differs: str = _in("◤", "x")  # greedy actions that are others in the lane beside
-    turned: str = _in("↻", "T")  # the last edit turned the best actions of a state
-    endless: str = _in("∞", "&")  # no way leads from a state to an end
+    beyond: str = _in("‹›", "<>")  # a value below or above the scale
+    differs: str = _in("◤", "x")  # greedy actions that differ from those of the run beside
+    turned: str = _in("↻", "T")  # the last edit changed the best actions of a state
+    endless: str = _in("∞", "&")  # a state from which the episode may never end
     drafted: str = _in("╱", "/")  # fills a cell that is edited but not active
     track_done: str = _in("━", "=")  # slider
     track_rest: str = _in("─", "-")
     thumb: str = _in("●", "o")
-    flip: str = _in("┃", "|")  # on a track: the way from the start turns, only other states do
+    flip: str = _in("┃", "|")  # on a slider: a flip point from the start, or of other states only
     side_flip: str = _in("│", ":")
     change_mark: str = _in("◆", "+")  # on a chart: one of many changes
     policy_mark: str = _in("┃", "|")  # timeline: the greedy policy changed, the world, a setting
     world_mark: str = _in("◆", "+")
     setting_mark: str = _in("▾", "v")
-    progress: str = _in("◔◑●", ".o*")  # a world in the list: opened, run on, its greedy policy is optimal
-    manual_mark: str = _in("╍", ":")  # steps were taken by hand, the branch begins
+    progress: str = _in("◔◑●", ".o*")  # a world in the list: opened, run, with an optimal greedy policy
+    manual_mark: str = _in("╍", ":")  # timeline: steps by hand, start of the branch
     fork_mark: str = _in("┆", "Y")
     running: str = _in("▶", ">")  # status
     paused: str = _in("❚❚", "||")
@@ -73,11 +73,11 @@ class Glyphs:
     axis_horizontal: str = _in("─", "-")
     axis_corner: str = _in("└", "+")
     axis_tick: str = _in("┤", "+")
-    off_axis: str = _in("▾▴", "v^")  # what is below an axis, above it
+    off_axis: str = _in("▾▴", "v^")  # values below or above an axis
     level: str = _in("┈", ".")  # the horizontal line of an optimum
-    dashes: str = _in("╌", "-")  # of a policy
+    dashes: str = _in("╌", "-")  # the line of a policy
     whisker: str = _in("━", "-")  # error bars
-    bar_end: str = _in("┃", "|")  # where a bar ends, on its error bar
+    bar_end: str = _in("┃", "|")  # end of a bar, on its error bar
     estimate: str = _in("●", "o")
     zero_line: str = _in("┊", ":")
     thin: str = _in("─", "-")  # graph edges: horizontal, vertical, then the four corners of rounded boxes
@@ -91,19 +91,19 @@ class Glyphs:
     head_up: str = _in("▲", "^")
     head_down: str = _in("▼", "v")
     ellipsis: str = _in("…", "~")
-    holds: str = _in("✓", "v")  # a condition does, does not yet; an answer is wrong
+    holds: str = _in("✓", "v")  # a condition holds, does not hold yet; an answer is wrong
     open: str = _in("○", "o")
     fails: str = _in("✗", "x")
-    arrow_update: str = _in("←", "<-")  # ← of an assignment
+    arrow_update: str = _in("←", "<-")  # assignment
     times: str = _in("·", "*")
     minus: str = _in("−", "-")
-    state_node: str = _in("○", "o")  # backup diagrams: a state, an action taken in it, and where lines part
+    state_node: str = _in("○", "o")  # backup diagrams: a state, an action, and a fork of lines
     action_node: str = _in("●", "x")
     fork: str = _in("├", "+")
     braille: bool = _in(True, False)  # curves in braille dots; otherwise in . : ' and *
 
     def direction(self, step: tuple[int, int]) -> str:
-        """Return the arrow for a step (rows down, columns right), one of a king's moves or none."""
+        """Return the arrow for a step (rows down, columns right), or the sign for staying."""
         rows, columns = step
         if rows and columns:
             return self.diagonals[2 * (rows > 0) + (columns > 0)]
@@ -125,8 +125,7 @@ _PUT_THERE_BY_PYTHON: Final = "C.UTF-8"
 def encoding_of(environ: Mapping[str, str], encoding: str | None, *, utf8_mode: bool) -> str | None:
     """Return the encoding that the locale names, else ``encoding``, that of Python's output.
 
-    Python writes UTF-8 in the locales C and POSIX (``utf8_mode``: PEP 538 and 540); who asks for C wants
-    ASCII.
+    In the locales C and POSIX the answer is ASCII, although Python writes UTF-8 there (``utf8_mode``).
     """
     character_type = environ.get("LC_CTYPE", "")
     if utf8_mode and character_type == _PUT_THERE_BY_PYTHON:

@@ -1,16 +1,15 @@
-"""The look of a screen: its characters and colours, chosen once from the terminal and the theme.
+"""The look of a screen: characters and colours, chosen once from the terminal and the theme.
 
-Textual rounds RGB to what the terminal has. Two facts matter:
+Textual rounds RGB to the colours of the terminal. Two facts matter:
 
-* Without ``ansi_color=True``, it first turns all colours into RGB, the default ones included. Of 256 colours
-  all come back, of 16 the nearest is guessed, so "16" and "none" need it: :func:`is_native`.
-* It reads NO_COLOR when an App is made, see :func:`environment_for`. With ``ansi_color``, that removes all
-  colours and keeps bold, dim, underline and reverse. ``TEXTUAL_COLOR_SYSTEM`` overrides detection when
-  textual is imported (``none`` crashes), so the command line removes it before that.
+* Without ``ansi_color=True`` it first turns all colours into RGB. Of 256 colours all survive this, but of 16
+  the nearest is guessed. So "16" and "none" need it: :func:`is_native`.
+* It reads NO_COLOR when an App is made, see :func:`environment_for`. ``TEXTUAL_COLOR_SYSTEM`` overrides
+  detection when textual is imported (``none`` crashes), so the command line removes it before.
 
 Rich exports SVG in truecolor, and default colours on its own dark background. So pictures need RGB from the
-start: ``ansi_color=False``, ``themes_for(depth, picture=True)``, and PICTURE_DARK and PICTURE_LIGHT as the
-ANSI themes of the app. No terminal is asked there, so ``auto`` is truecolor.
+start: ``ansi_color=False``, ``themes_for(depth, picture=True)``, and PICTURE_DARK and PICTURE_LIGHT as ANSI
+themes of the app.
 """
 
 from __future__ import annotations
@@ -41,13 +40,13 @@ _PALETTES: Final[Mapping[Depth, tuple[Palette, Palette]]] = {  # light, dark
 
 
 def palette_for(depth: Depth, dark: bool) -> Palette:
-    """Return the palette for a terminal of ``depth`` with a ``dark`` or a light background."""
+    """Return the palette of ``depth`` for a ``dark`` or a light background."""
     return _PALETTES[depth][dark]
 
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What every drawing widget is given."""
+    """Characters and colours, given to every drawing widget."""
 
     glyphs: Glyphs
     palette: Palette
@@ -73,13 +72,13 @@ def choose_look(
     environ: Mapping[str, str],
     encoding: str | None,
 ) -> Look:
-    """Return characters and colours for a terminal of this environment and ``encoding`` of its output."""
+    """Return the look for a terminal of this environment and output ``encoding``."""
     glyphs = ASCII if ascii or not can_encode(encoding) else UNICODE
     return Look(glyphs, palette_for(depth_of(colors, environ), dark))
 
 
 def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Depth:
-    """Return the colour depth asked for, else that of the environment; OpenSSH does not pass COLORTERM on."""
+    """Return the colour depth asked for, else the environment's. OpenSSH does not pass COLORTERM."""
     if colors != "auto":
         return colors
     term = environ.get("TERM", "").lower()
@@ -93,7 +92,7 @@ def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Dep
 
 
 def can_encode(encoding: str | None) -> bool:
-    """Return whether every character of the Unicode set can be written in ``encoding`` (None: not known)."""
+    """Return True if ``encoding`` can write every character of the Unicode set."""
     try:
         "".join(str(getattr(UNICODE, each.name)) for each in fields(UNICODE)).encode(encoding or "ascii")
     except (UnicodeEncodeError, LookupError):
@@ -102,13 +101,13 @@ def can_encode(encoding: str | None) -> bool:
 
 
 def is_native(depth: Depth) -> bool:
-    """Return whether an app on a terminal of ``depth`` needs ``ansi_color=True``."""
+    """Return True if an app of ``depth`` needs ``ansi_color=True``."""
     return depth in ("16", "none")
 
 
 @contextmanager
 def environment_for(depth: Depth) -> Iterator[None]:
-    """Let the environment say ``depth``, for as long as it takes to make an App."""
+    """Set the environment to ``depth`` while an App is made."""
     term, colorterm = _TERM_OF[depth]
     wanted = {"TERM": term, "COLORTERM": colorterm, "NO_COLOR": "1" if depth == "none" else None}
     before = {name: os.environ.get(name) for name in wanted}

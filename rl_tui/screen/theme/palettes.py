@@ -1,4 +1,4 @@
-"""The palette of each colour depth, for a dark and for a light background."""
+"""The palettes of each colour depth, for a dark and a light background."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rich.style import Style
 
 from rl_tui.screen.theme.roles import Palette, dark_and_light, styles
 
-# Palettes in 24-bit colours: navy to yellow for values; brown, grey and teal for signed ones.
+# Palettes in 24-bit colours: navy to yellow for values; brown, grey and teal for signed ones
 DARK, LIGHT = dark_and_light(
     "truecolor",
     inks=("#05080b", "#ffffff"),
@@ -52,10 +52,9 @@ DARK, LIGHT = dark_and_light(
     breakpoint=("bold #ffffff on #c2183a", "bold #ffffff on #c2183a"),
 )
 
-# Palettes in the 240 fixed colours of xterm: what a terminal behind ssh has.
-#
-# The first 16 are left out, for every terminal draws them as it likes. On the way through RGB and back light
-# greys come to their neighbours, whose difference nobody sees.
+# Palettes in the 240 fixed colours of xterm, for terminals behind ssh. The first 16 are left out, because
+# every terminal draws them differently. The conversion to RGB and back moves light greys to their neighbours,
+# an invisible difference.
 DARK_256, LIGHT_256 = dark_and_light(
     "256",
     inks=("color(16)", "color(231)"),
@@ -90,11 +89,9 @@ DARK_256, LIGHT_256 = dark_and_light(
     breakpoint=("bold color(231) on color(160)", "bold color(231) on color(160)"),
 )
 
-# Palettes in the 16 named colours, whose order of luminance holds in every terminal's version of them.
-#
-# Ordinary text keeps the colours of the terminal, so that it is readable whatever its background is. The
-# middle of visits is green: no ink is readable on the dark grey of every terminal, and the light one is
-# nearly white.
+# Palettes in the 16 named colours, in an order of luminance that holds in every terminal. Ordinary text keeps
+# the colours of the terminal, so that it is readable on any background. The middle of visits is green: no ink
+# is readable on every dark grey, and the light grey is nearly white.
 DARK_16, LIGHT_16 = dark_and_light(
     "16",
     inks=("black", "bright_white"),
@@ -138,7 +135,7 @@ DARK_16, LIGHT_16 = dark_and_light(
     breakpoint=("bold black on bright_red", "bold black on bright_red"),
 )
 
-# The palette without colours. Reversed is kept for what must catch the eye: cursor, agent, latest update.
+# The palette without colours. Reverse is reserved for cursor, agent and latest update.
 NO_COLOURS: Final = Palette(
     name="none",
     values=styles("not bold", "bold"),

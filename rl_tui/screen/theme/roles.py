@@ -1,4 +1,4 @@
-"""What every palette has to say: a style for each role, the ramps of the heat maps, readable inks."""
+"""The roles of a palette: styles, ramps of the heat maps, readable inks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rich.style import Style
 
 # Inks
 
-PALEST: Final = 3.0  # the least contrast of a sign with its cell
+PALEST: Final = 3.0  # the least contrast of a symbol with its cell
 _SLIGHT: Final = 1.0 / 3.0
 _STEPS: Final = 24
 _MIXABLE: Final = (ColorType.TRUECOLOR, ColorType.EIGHT_BIT)
@@ -22,7 +22,7 @@ _NO_LEAD, _SOME_LEAD, _CLEAR_LEAD = Style(dim=True), Style(bold=False), Style(bo
 
 
 def contrast(one: Color, other: Color) -> float:
-    """Return the contrast ratio of WCAG 2.2 of two colours, 1 to 21."""
+    """Return the contrast ratio of two colours by WCAG 2.2, from 1 to 21."""
     low, high = sorted((_luminance(one.get_truecolor()), _luminance(other.get_truecolor())))
     return (high + 0.05) / (low + 0.05)
 
@@ -36,7 +36,7 @@ def _luminance(color: ColorTriplet) -> float:
 
 
 def _with_ink(text: str, inks: Sequence[str]) -> Style:
-    """Return the style that ``text`` says; on a colour alone, with that of ``inks`` which contrasts most."""
+    """Return the style ``text``. A lone colour is a background with the ink of highest contrast."""
     if not text.startswith("#") and not text.isdigit():
         return Style.parse(text)
     ground = Color.parse(f"color({text})" if text.isdigit() else text)
@@ -45,10 +45,7 @@ def _with_ink(text: str, inks: Sequence[str]) -> Style:
 
 @lru_cache(4_096)
 def paled(style: Style, share: float) -> Style:
-    """Return ``style`` with an ink that has ``share`` (0 to 1) of its contrast above 3.
-
-    Without a background the ink is dim, usual or bold; the 16 colours of a terminal stay as they are.
-    """
+    """Return ``style`` with an ink that keeps ``share`` (0 to 1) of its contrast above 3."""
     ink, ground = style.color, style.bgcolor
     if ink is None or ground is None:
         return style + (_NO_LEAD if share < _SLIGHT else _SOME_LEAD if share < 2 * _SLIGHT else _CLEAR_LEAD)
@@ -65,7 +62,7 @@ def paled(style: Style, share: float) -> Style:
 
 @lru_cache(4_096)
 def faded(style: Style, share: float) -> Style:
-    """Return ``style`` with a ``share`` (0 to 1) of its ink, the rest is its ground, if they can be mixed."""
+    """Return ``style`` with ``share`` (0 to 1) of its ink and the rest of its ground, if possible."""
     ink, ground = style.color, style.bgcolor
     if ink is None or ground is None or ink.type not in _MIXABLE:
         return style
@@ -80,16 +77,13 @@ def faded(style: Style, share: float) -> Style:
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """The styles of one colour depth on a dark or a light background. None of them is empty.
+    """The styles of one colour depth on a dark or a light background, none of them empty.
 
-    One colour has one meaning: ``press`` can be pressed, ``best`` looks best, ``you`` (``focus`` where a
-    cursor stands) is what a person does, ``source`` is where an update's estimate came from, ``good`` and
-    ``bad`` are the signs of its error.
+    One colour has one meaning: ``press`` can be pressed, ``best`` looks best, ``you`` (``focus`` at a cursor)
+    is a person's choice, ``source`` is the origin of an update's estimate.
 
-    ``values``, ``signed`` (through a grey 0, of odd length) and ``visits`` go from low to high, with a
-    background where the depth has colours. ``unvisited`` must not look like a zero. ``agent``, ``updated``,
-    ``source``, ``breakpoint``, ``focus`` and what ends an episode have a background and may be laid over any
-    cell. Other roles are inks for the ``page``.
+    ``values``, ``signed`` and ``visits`` go from low to high. ``unvisited`` must not look like a zero.
+    ``agent``, ``updated``, ``source``, ``breakpoint``, ``focus`` and terminal cells may cover any cell.
     """
 
     name: str
@@ -125,7 +119,7 @@ class Palette:
 
     @property
     def tells_lanes_apart(self) -> bool:
-        """Whether any eye tells the lanes by their colours; those of the terminal itself may be any."""
+        """True if the runs have fixed colours that differ for every eye."""
         return all(
             style.color is not None and style.color.type in (ColorType.EIGHT_BIT, ColorType.TRUECOLOR)
             for style in self.lanes
@@ -133,28 +127,28 @@ class Palette:
 
     @property
     def tints(self) -> bool:
-        """Whether values have colours behind them."""
+        """True if values have background colours."""
         return any(style.bgcolor is not None for style in self.values)
 
     @property
     def has_shades(self) -> bool:
-        """Whether there are paler inks and colours that any eye tells apart on a tint."""
+        """True if there are paler inks and different colours on a tint."""
         return self.tints and self.tells_lanes_apart
 
     def value(self, fraction: float) -> Style:
-        """Return the style at ``fraction`` (0 to 1, clamped; NaN as 0) of the way from low to high."""
+        """Return the style at ``fraction`` (0 to 1, clamped, NaN as 0) of the values."""
         return _at(self.values, fraction)
 
     def visit_count(self, fraction: float) -> Style:
-        """Return the style at ``fraction`` (0 to 1, clamped; NaN as 0) of the way from few visits to many."""
+        """Return the style at ``fraction`` (0 to 1, clamped, NaN as 0) of the visits."""
         return _at(self.visits, fraction)
 
     def signed_value(self, fraction: float) -> Style:
-        """Return the style at ``fraction`` (−1 to 1, clamped; NaN as 0) of the largest magnitude."""
+        """Return the style at ``fraction`` (−1 to 1, clamped, NaN as 0) of the largest magnitude."""
         return _at(self.signed, 0.5 if math.isnan(fraction) else (fraction + 1.0) / 2.0)
 
     def error(self, sign: int) -> Style:
-        """Return the style of an update's error by its ``sign``: above 0, below, or 0."""
+        """Return the style of an update's error by its ``sign``."""
         return self.good if sign > 0 else self.bad if sign < 0 else self.dim
 
 
@@ -167,9 +161,9 @@ def dark_and_light(
     lanes: tuple[str, str],
     **roles: tuple[str, str],
 ) -> tuple[Palette, Palette]:
-    """Return the palettes of ``depth``; each role has the style of the dark one, then of the light one.
+    """Return the dark and the light palette of ``depth``.
 
-    A ramp has styles between commas, from low to high; a colour is a background with the better of ``inks``.
+    The styles of a ramp are separated by commas. A lone colour gets the more readable of ``inks``.
     """
 
     def palette(name: str, column: int) -> Palette:

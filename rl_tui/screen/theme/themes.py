@@ -1,4 +1,4 @@
-"""The colours of borders, lists and boxes: a dark and a light theme for each colour depth; scroll bars."""
+"""Themes for borders, lists and boxes, per colour depth. Scroll bars."""
 
 from __future__ import annotations
 
@@ -17,8 +17,6 @@ from rl_tui.screen.theme.look import Depth
 def _dark_and_light(
     *, variables: Mapping[str, tuple[str, str]], ansi: bool = False, **colours: tuple[str, str]
 ) -> tuple[Theme, Theme]:
-    """Return two themes; each colour is that of the dark one, then of the light one."""
-
     def theme(name: str, column: int) -> Theme:
         chosen: dict[str, Any] = {role: row[column] for role, row in colours.items()}
         own = {variable: row[column] for variable, row in variables.items()}
@@ -93,7 +91,7 @@ DARK_16, LIGHT_16 = _dark_and_light(
 )
 
 _NAMES: Final = ("black", "red", "green", "yellow", "blue", "magenta", "cyan", "white")
-# what xterm makes of the 16 colours
+# the 16 colours of xterm
 _NORMAL, _BRIGHT = (
     [Color.parse(f"#{rgb}").get_truecolor() for rgb in row.split()]
     for row in (
@@ -106,7 +104,7 @@ PICTURE_LIGHT: Final = TerminalTheme((255, 255, 255), (0, 0, 0), [*_NORMAL], [*_
 
 
 def themes_for(depth: Depth, *, picture: bool = False) -> tuple[Theme, Theme]:
-    """Return the dark and the light theme of ``depth``; for a ``picture`` all of their colours are RGB."""
+    """Return the dark and the light theme of ``depth``, in RGB for a ``picture``."""
     known = {"truecolor": (DARK, LIGHT), "256": (DARK_256, LIGHT_256)}
     if picture and depth not in known:
         return _in_rgb(DARK_16, PICTURE_DARK), _in_rgb(LIGHT_16, PICTURE_LIGHT)
@@ -127,12 +125,12 @@ def _in_rgb(theme: Theme, terminal: TerminalTheme) -> Theme:
 
 
 class PlainScrollBar(ScrollBarRender):
-    """A bar of whole cells: its ends are drawn by the background alone."""
+    """A scroll bar of whole cells, so that it needs only background colours."""
 
     VERTICAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.VERTICAL_BARS)
     HORIZONTAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.HORIZONTAL_BARS)
 
 
 def use_scroll_bars(*, ascii_only: bool) -> None:
-    """Let every scroll bar made from here on keep to ASCII, or not."""
+    """Make all scroll bars keep to ASCII, or not."""
     ScrollBar.renderer = PlainScrollBar if ascii_only else ScrollBarRender

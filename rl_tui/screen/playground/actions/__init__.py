@@ -1,1 +1,1 @@
-"""What a person can do in the playground: an object for each subject, a method for each key."""
+"""The actions of the playground: an object per subject, a method per key."""

@@ -1,4 +1,4 @@
-"""Changes to the agent: algorithm, policy, settings and seed; and why nothing is learned yet."""
+"""Changes to the agent, and why nothing is learned yet."""
 
 from __future__ import annotations
 
@@ -44,17 +44,17 @@ def _first_in_words(world: World, glyphs: Glyphs) -> str:
 
 @dataclass(eq=False)
 class AgentActions(Subject):
-    """Algorithm, policy, hyper-parameters and seed."""
+    """Algorithm, policy, settings and seed."""
 
     _waiting: list[SetParameter] = field(default_factory=list)
 
     @property
     def recipe(self) -> Recipe:
-        """What a restart would start from."""
+        """The recipe that a restart would use."""
         return self.link.wanted.recipe
 
     def why_not(self, deed: str) -> str:
-        """Return why the agent has no policy to choose, no ties to break, or no slider of that number."""
+        """Return why there is no policy, tie or slider to set."""
         if deed.startswith("focus_slider("):
             number = int(deed[-2])
             has_one = len(self.board.controls.query(Slider)) >= number
@@ -66,9 +66,9 @@ class AgentActions(Subject):
         return ""
 
     def value(self, deed: str) -> str:
-        """Return the current value of what ``deed`` sets."""
+        """Return the current value of the setting of ``deed``."""
         recipe, values = self.recipe, self.recipe.hyperparameters
-        if recipe.algorithm not in BY_ID or self.why_not(deed):  # of a watched program nothing is known
+        if recipe.algorithm not in BY_ID or self.why_not(deed):  # a watched program has unknown settings
             return ""
         current = {
             "choose_algorithm": BY_ID[recipe.algorithm].name,
@@ -81,18 +81,18 @@ class AgentActions(Subject):
         return current.get(deed, "")
 
     def choose_algorithm(self) -> None:
-        """Choose the algorithm."""
+        """Ask for the algorithm."""
         if self.snapshot is not None:
             self.ask(algorithm_choice(self.snapshot.world.space, self.recipe, self.glyphs), self.switch)
 
     def choose_policy(self) -> None:
-        """Choose the policy."""
+        """Ask for the policy."""
         if self.snapshot is not None:
             choice = policy_choice(self.snapshot.world.space, self.recipe, self.glyphs)
             self.ask(choice, partial(self.set_parameter, "policy"))
 
     def next_ties(self) -> None:
-        """Go to the other way to break ties."""
+        """Switch to the other way to break ties."""
         ties = "first" if self.recipe.hyperparameters.ties == "random" else "random"
         self.set_parameter("ties", ties)
         snapshot = self.snapshot
@@ -100,26 +100,26 @@ class AgentActions(Subject):
         self.screen.tell(f"{_TIES[ties]}{order}")
 
     def ask_initial_q(self) -> None:
-        """Ask what every estimate starts from, and start again."""
+        """Ask for the initial Q, and restart."""
         self.ask_parameter("initial_q")
 
     def ask_seed(self) -> None:
-        """Ask for the seed, and start again."""
+        """Ask for the seed, and restart."""
         self.ask(ask_seed(self.recipe.seed, self.glyphs), lambda seed: self._restart_with(int(seed)))
 
     def next_seed(self) -> None:
-        """Start again with the next seed."""
+        """Restart with the next seed."""
         self._restart_with(self.recipe.seed + 1)
 
     def _restart_with(self, seed: int) -> None:
         self.link.send(Restart(replace(self.recipe, seed=seed)))
 
     def show_options(self) -> None:
-        """Show every hyper-parameter."""
+        """Show every setting."""
         self.screen.app.push_screen(Options(self.screen.look, lambda: self.recipe, self.ask_parameter))
 
     def ask_parameter(self, name: str) -> None:
-        """Ask for a value of the hyper-parameter ``name``, then set it."""
+        """Ask for a value of the setting ``name``, then set it."""
         if name == "policy":
             self.choose_policy()
         else:
@@ -127,7 +127,7 @@ class AgentActions(Subject):
             self.ask(ask_value(name, value, self.glyphs), partial(self.set_parameter, name))
 
     def set_parameter(self, name: str, value: float | str) -> None:
-        """Set ``name`` of the running learner; say why not where it cannot work. Initial Q starts again."""
+        """Set ``name`` of the running agent. Initial Q restarts the run."""
         setting = SetParameter(name, value)
         if name == "initial_q":
             self.link.send(Restart(changed_recipe(self.recipe, setting)))
@@ -139,7 +139,7 @@ class AgentActions(Subject):
             settings = settings_for(self.snapshot.world.space, self.recipe, setting)
         except UserError as fault:
             self.screen.tell(str(fault), severity="warning")
-            self.board.controls.redraw()  # the sliders go back
+            self.board.controls.redraw()  # moves the sliders back
             return
         if name == "policy" and len(settings) > 1:
             alpha = Hyperparameters().alpha
@@ -150,18 +150,18 @@ class AgentActions(Subject):
                 self.link.send(Apply(each))
 
     def set_what_waits(self) -> None:
-        """Set what was asked for before the first snapshot: only now is known what fits the world."""
+        """Apply the settings asked for before the first snapshot."""
         waiting, self._waiting = self._waiting, []
         for setting in waiting:
             self.set_parameter(setting.name, setting.value)
 
     def focus_slider(self, number: int) -> None:
-        """Put the focus on a slider, counted from 1."""
+        """Focus a slider, counted from 1."""
         self.board.bring_into_view(CONTROLS)
         self.board.controls.query(Slider)[number - 1].focus()
 
     def switch(self, algorithm: str) -> None:
-        """Let ``algorithm`` go on with what was learned."""
+        """Continue with ``algorithm`` and the current estimates."""
         if algorithm != self.recipe.algorithm:
             self.link.send(Apply(SwitchAlgorithm(algorithm)))
 
@@ -174,12 +174,12 @@ class AgentActions(Subject):
 
 @dataclass(eq=False)
 class WhyActions(Subject):
-    """The wait for the first update; a remedy is set by the ``agent``."""
+    """The wait for the first update."""
 
     agent: AgentActions
 
     def explain(self) -> None:
-        """Show how long nothing is learned, why, and what would help, until it is closed."""
+        """Open the dialog about the wait, its cause and remedies."""
         if self.snapshot is None:
             return
         self.link.send(AskWhy(is_asked=True))

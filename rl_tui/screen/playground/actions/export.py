@@ -1,4 +1,4 @@
-"""Writing a run for other programs."""
+"""Exports of a run for other programs."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ Write = Callable[[Path, OnProgress], None]
 
 
 class ExportActions(Subject):
-    """Exporting: what is written is the moment that was shown when x was pressed."""
+    """The export of the snapshot from when the dialog was opened."""
 
     def why_not(self, deed: str) -> str:
-        """Return why nothing can be written."""
+        """Return why nothing can be exported."""
         return "this is a kiosk: nothing is written here" if self.screen.in_kiosk else ""
 
     def choose(self) -> None:
-        """Choose what to write."""
+        """Ask what to export."""
         snapshot = self.snapshot
         if snapshot is not None:
             self.ask(export_choice(snapshot, self.glyphs), partial(self._export, snapshot))
@@ -94,7 +94,6 @@ class ExportActions(Subject):
         write_new(path, self.screen.app.export_screenshot(title="rl-tui", simplify=True))
 
     def _ask_file(self, snapshot: Snapshot, what: str, write: Write, *, takes_time: bool = False) -> None:
-        """Ask for a new file, offering a name, and have it written."""
         title, _, ending = KINDS[what]
 
         def write_to(chosen: float | str) -> None:
@@ -103,7 +102,7 @@ class ExportActions(Subject):
                 working = Working(title, partial(write, path))
                 self.screen.app.push_screen(working, partial(self._say_written, path))
             else:
-                # What is asked is closed by then, so that a picture does not show it
+                # After the dialog has closed, so that a picture does not show it
                 self.screen.call_after_refresh(self._write_now, path, write)
 
         agent = "" if what == POLICY else f"-{snapshot.agent.algorithm}"
@@ -153,7 +152,11 @@ def _write_returns(snapshot: Snapshot, path: Path, on_progress: OnProgress) -> N
 
 
 def script_of(snapshot: Snapshot) -> str:
-    """Return the script of what is in force; raises UserError where there can be none."""
+    """Return the script for the current settings.
+
+    Raises:
+        UserError: There is no script for this run.
+    """
     from rl_tui.runs.export.script import script
 
     recipe, journal, step = _run_of(snapshot)
@@ -178,7 +181,7 @@ def _first_world(snapshot: Snapshot) -> World | None:
 
 
 def _estimates(snapshot: Snapshot, on_progress: OnProgress) -> tuple[FloatArray, IntArray]:
-    """Return Q and visits; of a large world, of which a snapshot has a part, the run is done again."""
+    """Return Q and visits, by repeating the run of a large world."""
     from rl_tui.runs.export.tables import estimates_again
 
     if snapshot.agent.part is None:

@@ -1,4 +1,4 @@
-"""What the open page of a lesson keeps back until it is done, and what the keys for it say."""
+"""Things that the open page of a lesson hides until it is done."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ PREDICT_FIRST: Final = "predict first. enter: answer"
 
 
 class KeptBack(Subject):
-    """Refuses what would take a step before a prediction is in, or show what is to be found out."""
+    """Refusals of steps before a prediction, and of views that would reveal an answer."""
 
     @property
     def record(self) -> LessonRecord | None:
-        """How far the learner has come, None where there is no lesson."""
+        """The progress in the lesson, or None."""
         return self.link.wanted.lesson
 
     def why_not_yet(self, action: Action) -> str:
-        """Return why ``action`` has to wait, as a clause; empty where no page of a lesson hides it."""
+        """Return why a lesson page forbids ``action`` now, or ""."""
         record = self.record
         if record is None:
             return ""
@@ -38,7 +38,7 @@ class KeptBack(Subject):
         return "" if page is None else _kept_until(record, page)
 
     def refuses_to_act(self) -> bool:
-        """Say that no step is taken, if a prediction is open; return whether that is so."""
+        """Refuse a step if a prediction is open. Return True if so."""
         is_open = self.record is not None and "run" in self.record.hidden
         if is_open:
             self.screen.refuse(PREDICT_FIRST)
@@ -46,7 +46,7 @@ class KeptBack(Subject):
 
     @property
     def notes(self) -> str:
-        """What the help says in place of the notes of the scenario; empty where nothing is kept back."""
+        """The help's text in place of hidden scenario notes, or empty."""
         record = self.record
         if record is None:
             return ""
@@ -54,13 +54,13 @@ class KeptBack(Subject):
         return "" if page is None else f"They are {_kept_until(record, page)}."
 
     def show_world_for(self, action: Action | None) -> None:
-        """Let the world have the place again where what ``action`` does is to be seen there."""
+        """Show the world instead of the page if ``action`` is about the world."""
         keeps_page = action is None or action.of_lesson or action.keeps_page
         if not keeps_page and not self.board.lesson.is_docked:
             self.board.lesson.reads = False
 
     def close_what_is_kept(self, record: LessonRecord) -> None:
-        """Close what the page that ``record`` has open keeps back."""
+        """Close the panels and policies that the open page of ``record`` hides."""
         opened = self.board.opened
         if opened is not None and record.hidden.intersection(self.board.rows[opened].shows):
             self.board.close()

@@ -22,10 +22,10 @@ ONE_RUN: Final = "only one run is open. c a: add another"
 
 
 class LaneActions(Subject):
-    """Opening, showing and ending lanes."""
+    """Opens, shows and ends runs."""
 
     def show_runs(self) -> None:
-        """Show the table of the runs: control one, put one beside it, or end one."""
+        """Open the table of runs."""
         snapshot = self.snapshot
         if snapshot is None:
             return
@@ -42,7 +42,7 @@ class LaneActions(Subject):
         self.ask(dialog, self._compared)
 
     def why_not(self, deed: str) -> str:
-        """Return why a run cannot be added, shown or ended now; empty where it can."""
+        """Return why a run cannot be added, shown or ended now, or ""."""
         snapshot = self.snapshot
         lanes = () if snapshot is None else snapshot.run_group.lanes
         if not lanes and not deed.startswith("another"):
@@ -63,7 +63,7 @@ class LaneActions(Subject):
         return ""
 
     def value(self, deed: str) -> str:
-        """Return how many runs there are, which one would end, and the seed that another would have."""
+        """Return the current value for a row of the menu."""
         group = None if self.snapshot is None else self.snapshot.run_group
         lanes = () if group is None else group.lanes
         if deed == "another_seed" and not self.why_not(deed):
@@ -74,26 +74,26 @@ class LaneActions(Subject):
         return f"{len(lanes)} open" if deed == "show_runs" and lanes else ""
 
     def another_algorithm(self) -> None:
-        """Choose the algorithm of another run beside this one."""
+        """Ask for the algorithm of another run."""
         self._ask_difference(ALGORITHM)
 
     def another_setting(self) -> None:
-        """Choose which setting is different in another run beside this one."""
+        """Ask for the setting in which another run differs."""
         if self.snapshot is not None:
             self.ask(setting_choice(in_force(self.snapshot), self.glyphs), self._ask_difference)
 
     def another_seed(self) -> None:
-        """Run the same with the next seed that no run has, beside this one."""
+        """Add a run with the next free seed."""
         self.link.send(AddLane(next_seed=True))
 
     def another_branch(self) -> None:
-        """Choose which branch of this run is to be beside this one."""
+        """Ask for the branch of this run to open as another run."""
         if self.snapshot is not None:
             choice = branch_choice(branches_beside(self.snapshot), self.glyphs)
             self.ask(choice, lambda branch: self.link.send(AddBranch(int(branch))))
 
     def end(self) -> None:
-        """End the run that is controlled."""
+        """End the controlled run."""
         if self.snapshot is not None:
             group = self.snapshot.run_group
             self.screen.tell(f"Run {group.shown + 1} is ended: {group.lanes[group.shown].name}.")
@@ -106,7 +106,7 @@ class LaneActions(Subject):
             self._show_lane((group.shown + 1) % len(group.lanes))
 
     def one_lane(self) -> None:
-        """Show the run that is controlled alone, or two side by side."""
+        """Switch between the controlled run and two side by side."""
         self.board.turn_lanes()
         if self.board.is_one_lane:
             self.screen.tell("One run is shown. c l: next run, c o: two runs.")
@@ -132,12 +132,11 @@ class LaneActions(Subject):
         if snapshot is not None:
             lanes = snapshot.run_group.lanes
             if lane == snapshot.run_group.shown:
-                # then the next one is shown, or the one before where it was the last
+                # the next run is shown then, or the one before the last
                 self.link.wanted.take_over(lanes[lane + 1 if lane + 1 < len(lanes) else lane - 1])
             self.link.send(DropLane(lane))
 
     def _ask_difference(self, name: str) -> None:
-        """Ask what ``name`` is to be in another lane, and open it."""
         if self.snapshot is None:
             return
         space, recipe, glyphs = self.snapshot.world.space, in_force(self.snapshot), self.glyphs
@@ -154,8 +153,6 @@ class LaneActions(Subject):
         self.ask(dialog, partial(self._open_lane, name))
 
     def _ask_for_ours(self, snapshot: Snapshot) -> None:
-        """Ask which of our algorithms is to stand beside a program, and open it."""
-
         def answered(algorithm: str) -> None:
             self.link.send(AddLane((SwitchAlgorithm(algorithm),)))
 

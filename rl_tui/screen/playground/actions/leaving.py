@@ -1,4 +1,4 @@
-"""Leaving the playground, or the program: what is open is closed first, and what was done is asked about."""
+"""Leaving the playground or the program, in steps."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ LEAVING_KEYS: Final = ("escape", "q")
 
 @dataclass(eq=False)
 class Leaving(Subject):
-    """Asks for the same key once more where something was done, unless a lesson is over; then it leaves."""
+    """The way out: close what is open, then ask for a second press if necessary."""
 
     session: SessionActions
     modes: Modes
     is_over: Callable[[], bool]
     leave: Callable[[], None]
     asked: tuple[str, int] | None = None
-    """The key that asked, and the last deed then; None: something else came between."""
+    """The key that asked, and the last deed then."""
 
     def back(self) -> None:
         """Close what is open, or go back to the start screen."""
@@ -36,7 +36,7 @@ class Leaving(Subject):
             self.screen.app.exit()
 
     def _closes(self) -> bool:
-        """Close the zoom, a page before the world, a panel or a mode; return whether one was open."""
+        """Close full screen, page, panel or mode, the first that is open. Return True if any."""
         page = self.board.lesson
         if self.board.zoomed:
             self.board.zoom(None)
@@ -51,7 +51,7 @@ class Leaving(Subject):
         return True
 
     def _asks(self, key: str, question: str) -> bool:
-        """Ask for ``key`` once more where something was done since it was pressed; return whether it did."""
+        """Ask for ``key`` once more if necessary. Return True if it asked."""
         wanted = self.link.wanted
         asked = key, wanted.last_deed
         if self.is_over() or not wanted.was_used(self.snapshot) or self.asked == asked:

@@ -1,4 +1,4 @@
-"""The actions of a lesson: turn its pages, answer, ask for hints, and restart its run."""
+"""The actions of a lesson."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ from rl_tui.screen.terminal.driver_choice import in_browser
 
 NOT_HERE: Final = "Not here: your code cannot run on this machine. pgdn: skip."
 _CHECK, _NAME, _CLAIM = "check", "name", "claim"
-_LONG: Final = 15.0  # seconds that a message stays that tells what to do
+_LONG: Final = 15.0  # seconds of a message with instructions
 CANNOT_BE_DONE: Final = Candidate(
     _CLAIM, "It cannot be done", ("Are you sure? Then no setting and no luck passes this task.",)
 )
@@ -52,15 +52,12 @@ CANNOT_BE_DONE: Final = Candidate(
 
 @dataclass(eq=False)
 class OwnProgram(Subject):
-    """What a learner does with the program that a page asks for; ``files`` are theirs, by page."""
+    """The learner's program for a page, with ``files`` by page id."""
 
     files: dict[str, Path] = field(default_factory=dict)
 
     def answer(self, page: Page, program: ProgramToWrite, claim: Callable[[], None]) -> None:
-        """Begin the program of ``page``; once it is begun, choose what to do with it.
-
-        ``claim`` says that its task cannot be done.
-        """
+        """Start the program of ``page``, or choose what to do with it."""
         if self.screen.in_kiosk or in_browser():
             self.screen.tell(NOT_HERE)
             return
@@ -86,7 +83,6 @@ class OwnProgram(Subject):
         self.ask(prompt, lambda name: self._begin(page, program, Path(str(name))))
 
     def _begin(self, page: Page, program: ProgramToWrite, path: Path) -> None:
-        """Write the skeleton where there is no such file; whatever is there stays as it is."""
         try:
             written = not path.exists()
             if written:
@@ -106,7 +102,6 @@ class OwnProgram(Subject):
 
 
 def _read_name(text: str) -> str:
-    """Return the path of the program in the working folder; raises ValueError where it can be none."""
     name = text.strip()
     if not is_file_name(name):
         raise ValueError("a name such as my_agent.py: letters, digits, - and _, in this folder")
@@ -119,7 +114,7 @@ def _read_name(text: str) -> str:
         raise ValueError(str(fault)) from fault
 
 
-# Numbers as learners type them
+# Typed numbers
 
 
 _FRACTION: Final = re.compile(r"([+-]?\d{1,9}(?:\.\d{1,9})?)\s*/\s*(\d{1,9}(?:\.\d{1,9})?)", re.ASCII)
@@ -129,7 +124,11 @@ NO_COMMA: Final = "write a decimal point and no comma: 0.5, or 184616"
 
 
 def read_answer(text: str) -> float:
-    """Return the number that ``text`` is; raises ValueError with what to type where it is none."""
+    """Return the number in ``text``, which may be a fraction.
+
+    Raises:
+        ValueError: It is not a number.
+    """
     written = text.strip().replace("−", "-").replace("–", "-")
     if fraction := _FRACTION.fullmatch(written):
         below = float(fraction[2])
@@ -155,11 +154,7 @@ _LONGEST_REPLY: Final = 15.0
 
 @dataclass(eq=False)
 class LessonActions(Subject):
-    """What a learner does with the lesson.
-
-    What its pages have ``kept_back`` is closed when one is opened. ``set_out`` opens a record whose page has
-    another setup. ``resume_acting`` lets a person go on acting, where they did so last.
-    """
+    """The learner's actions in a lesson. ``set_out`` opens another setup."""
 
     kept_back: KeptBack
     set_out: Callable[[LessonRecord], object]
@@ -173,12 +168,12 @@ class LessonActions(Subject):
 
     @property
     def record(self) -> LessonRecord | None:
-        """How far the learner has come, with all that was asked for; None where there is no lesson."""
+        """The progress in the lesson, or None."""
         return self.link.wanted.lesson
 
     @property
     def stage(self) -> PageStage | None:
-        """Where the open page stands, None before that is known."""
+        """The stage of the open page, None before it is known."""
         snapshot, record = self.snapshot, self.record
         if snapshot is None or snapshot.lesson is None or record is None:
             return None
@@ -186,15 +181,12 @@ class LessonActions(Subject):
 
     @property
     def is_over(self) -> bool:
-        """Whether the last page is open and asks nothing any more."""
+        """True if the last page is open and done."""
         return self.record is not None and is_last_page(self.record) and self.stage in DONE
 
     @property
     def offers(self) -> tuple[Offer, ...]:
-        """What enter does now, for the key line: its forms, the longest first; none without a lesson.
-
-        A key that the panel in focus takes is left out.
-        """
+        """The hints for enter on the key line, longest form first."""
         if self.record is None:
             return ()
         place, taken = self.board.lesson, keys_of(self.screen.focused)
@@ -204,15 +196,12 @@ class LessonActions(Subject):
 
     @property
     def is_asking(self) -> bool:
-        """Whether an answer is due."""
+        """True if the page waits for an answer."""
         return self.record is not None and self.stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER)
 
     @property
     def idle_keys(self) -> frozenset[str]:
-        """The ids of the actions that have nothing to do: the key line leaves them out.
-
-        While an answer is due it names nothing else. It never names a key that the panel in focus takes.
-        """
+        """The ids of actions to leave out of the key line."""
         if self.is_asking:
             return frozenset(each.id for each in self.screen.known_actions if each.id != "help")
         if self.record is None:
@@ -222,7 +211,7 @@ class LessonActions(Subject):
         return idle if next_hint(self.record) else idle | {"lesson.hint"}
 
     def rows(self, rows: tuple[PanelRow, ...]) -> tuple[PanelRow, ...]:
-        """Return those of ``rows`` that may be there: without a lesson not its panel."""
+        """Return ``rows``, without the panel of lessons if there is no lesson."""
         return rows if self.record is not None else tuple(row for row in rows if not row.of_lesson)
 
     # Reading
@@ -243,18 +232,16 @@ class LessonActions(Subject):
             self.next_page()
 
     def _show_way(self) -> None:
-        """Show the world, where steps to the truth are to be taken, and say with which keys."""
         key, does = self.board.lesson.panel.offers[0][-1]
         self._show_world()
         self.screen.tell(f"{key}: {does}.")
 
     def _show_world(self) -> None:
-        """Let the world have the place of the page, and the keys."""
         self.board.lesson.reads = False
         self.board.lesson.leave()
 
     def next_page(self) -> None:
-        """Scroll the page to its end, then turn to the next; where this one is not done, say so first."""
+        """Scroll to the end of the page, then turn to the next."""
         record, place = self.record, self.board.lesson
         if record is None or (place.is_in_view and place.panel.scroll_page(1)):
             return
@@ -275,7 +262,7 @@ class LessonActions(Subject):
         self._open(record, pages[record.lesson.number_of(page) + 1])
 
     def previous_page(self) -> None:
-        """Scroll the page to its top, then turn to the one before."""
+        """Scroll to the top of the page, then turn to the one before."""
         record, place = self.record, self.board.lesson
         if record is None or (place.is_in_view and place.panel.scroll_page(-1)):
             return
@@ -286,7 +273,6 @@ class LessonActions(Subject):
         self._open(record, record.lesson.pages[number - 1])
 
     def _open(self, record: LessonRecord, page: Page) -> None:
-        """Open ``page``: the run goes on where it has the same setup."""
         self._to_be_skipped = ""
         lesson = record.lesson
         opened = record.open(page.id)
@@ -299,7 +285,7 @@ class LessonActions(Subject):
 
     def _keep(self, record: LessonRecord) -> None:
         if is_last_page(record):
-            record = record.open(record.page)  # it is finished with its last page
+            record = record.open(record.page)  # the lesson is finished with its last page
         self.link.send(KeepLesson(record))
 
     # Answering
@@ -318,7 +304,6 @@ class LessonActions(Subject):
             self._ask_number(ask, is_prediction=is_prediction)
 
     def _choose_deed(self) -> None:
-        """Ask what to do about the task of the page: do it, or say that it cannot be done."""
         page = None if self.record is None else open_page(self.record)
         if page is None or page.task is None:
             return
@@ -341,7 +326,6 @@ class LessonActions(Subject):
         self.ask(choice, lambda place: self._give(float(place)))
 
     def _give(self, answer: float) -> None:
-        """Keep ``answer`` with where the run stands: of a prediction before any further step."""
         record, snapshot = self.record, self.snapshot
         if record is None or snapshot is None or snapshot.lesson is None:
             return
@@ -364,7 +348,7 @@ class LessonActions(Subject):
         self._tell_passed()
 
     def hint(self) -> None:
-        """Show the next hint, at the end the solution."""
+        """Show the next hint, then the solution."""
         record = self.record
         if record is None:
             return
@@ -379,7 +363,7 @@ class LessonActions(Subject):
         self.board.lesson.reads = True
 
     def set_up(self) -> None:
-        """Begin the run of the page again; ask where something was done."""
+        """Restart the run of the page, after a confirmation if steps were taken."""
         if self.snapshot is None or not self.snapshot.timeline.current.end:
             self._set_up()
             return
@@ -402,10 +386,10 @@ class LessonActions(Subject):
             self.link.send(SetSpeed(speed))
         self.screen.tell("The run of this page starts again.")
 
-    # News
+    # News of the run
 
     def announce(self, before: Snapshot | None, now: Snapshot) -> None:
-        """Keep a task that is passed, and say so; begin with the page where it and the world take turns."""
+        """Record and announce a passed task."""
         view, record = now.lesson, self.record
         if view is None or record is None:
             return

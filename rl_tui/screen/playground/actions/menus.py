@@ -1,4 +1,4 @@
-"""The menus: what each lists now, with the current values and why some rows cannot be done."""
+"""The menus: their rows, with current values and reasons of unavailable ones."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _AGENT: Final = "a"
 
 @dataclass(eq=False)
 class MenuActions(Subject):
-    """Opens the menus. Each row is an action of the screen whose key is that of the menu and a letter."""
+    """The opening of menus."""
 
     def open(self, key: str) -> None:
         """Open the menu of ``key``."""

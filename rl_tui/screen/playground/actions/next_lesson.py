@@ -1,4 +1,4 @@
-"""From the last page of a lesson to the next lesson of the list."""
+"""The way from the last page of a lesson to the next lesson."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class LessonWanted(Message):
 
 @dataclass(eq=False)
 class NextLesson(Subject):
-    """Finds the lesson that follows, says which it is, and opens it with one more press."""
+    """The way to the next lesson: find it, name it, and open it with one more press."""
 
     _following: Lesson | None = None
     _looked: bool = False
     _has_said_so: bool = False
 
     def look_for(self, record: LessonRecord) -> None:
-        """Find it, once, where the last page is open; its footer names it then."""
+        """Start to look for the next lesson when the last page is open."""
         if not is_last_page(record):
             self._has_said_so = False
         elif not self._looked:
@@ -40,7 +40,7 @@ class NextLesson(Subject):
             self.screen.run_worker(self._find(record.lesson), name="find the next lesson", group="lessons")
 
     def turn(self) -> None:
-        """Say which lesson is next, and the second time open it."""
+        """Name the next lesson, and open it at the second press."""
         if self._following is None:
             self.screen.tell(LAST_PAGE)
         elif self._has_said_so:

@@ -1,4 +1,4 @@
-"""What opened panels ask the player for: the microscope, many seeds, and the values of policies."""
+"""Requests of opened panels to the player: microscope, many seeds, policies."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _TO_END: Final = 999  # rows
 
 
 class MicroscopeActions(Subject):
-    """Which cell has its history shown under the microscope."""
+    """The choice of the cell whose history the microscope shows."""
 
     _is_of_world = False
 
     def follow_update(self) -> None:
-        """Show the history of the pair updated last, as long as there is none yet, or while nothing runs."""
+        """Show the history of the last update, except during a run that already shows one."""
         runs = self.snapshot is not None and self.snapshot.playback.phase is Phase.RUNNING
         if self.board.opened != MICROSCOPE:
             self._show_history(None)
@@ -32,17 +32,16 @@ class MicroscopeActions(Subject):
             self._follow_cell()
 
     def follow_cursor(self, *, of_world: bool) -> None:
-        """Show the history of what a cursor, of the world or of the table, was moved to."""
+        """Show the history of the cell under a cursor."""
         world = self.board.world
         self._is_of_world = of_world and world is not None and world.cursor is not None
         if self.board.opened == MICROSCOPE:
             self._follow_cell()
             self.board.microscope.redraw()
             if self._pairs_under_cursor():
-                self.board.microscope.action_scroll_rows(_TO_END)  # where the history is
+                self.board.microscope.action_scroll_rows(_TO_END)  # to the history at the end
 
     def _follow_cell(self) -> None:
-        """Ask for the history of the pair under a cursor, or of the one updated last."""
         if self.snapshot is None:
             return
         last, q = self.snapshot.counters.last_step, self.snapshot.agent.q
@@ -71,31 +70,31 @@ class MicroscopeActions(Subject):
 
 
 class SeedActions(Subject):
-    """When many seeds are counted: while their panel is open."""
+    """Studies of many seeds, which run while their panel is open."""
 
     _counts: bool = False
 
     def follow_panel(self) -> None:
-        """Begin to count when the panel has been opened, and end when it has been closed."""
+        """Run the study while the panel is open."""
         is_open = self.board.opened == MANY_SEEDS
         if is_open != self._counts:
             self._counts = is_open
             self.link.send(StudySeeds() if is_open else EndStudy())
 
     def count_again(self) -> None:
-        """Count the runs as they are now, unless that is under way."""
+        """Start the study again for the current runs, unless it is under way."""
         if self.snapshot is not None and may_count_again(self.snapshot.study):
             self.link.send(StudySeeds())
 
 
 class PolicyActions(Subject):
-    """Which policy is studied: the one under the cursor of the panel, and after that the one kept."""
+    """The choice of the policy on display."""
 
     _is_open = _is_kept = False
     _chosen = PolicyKind.UNIFORM
 
     def follow_panel(self) -> None:
-        """Study a policy when the panel has been opened, and none when it has been closed, unless kept."""
+        """Show a policy when the panel opens, and none after it closes, unless kept."""
         is_open = self.board.opened == POLICIES
         if is_open == self._is_open:
             return
@@ -107,12 +106,12 @@ class PolicyActions(Subject):
             self.link.send(StudyPolicy(None))
 
     def choose(self, offset: int) -> None:
-        """Study the policy ``offset`` rows further down, or the last one."""
+        """Show the policy ``offset`` rows further down, within the list."""
         kinds = list(POLICY_NAMES)
         self.study(kinds[max(0, min(kinds.index(self._current) + offset, len(kinds) - 1))])
 
     def study(self, kind: PolicyKind) -> None:
-        """Study ``kind``."""
+        """Show the policy ``kind``."""
         if kind is not self._current:
             self._study(kind)
 
@@ -125,7 +124,7 @@ class PolicyActions(Subject):
         self.link.send(StudyPolicy(kind))
 
     def keep(self) -> None:
-        """Close the panel, and go on to show the policy under its cursor."""
+        """Close the panel, but keep its policy on display."""
         self._is_kept = True
         self.board.close()
         name = policy_name(self._current)

@@ -1,4 +1,4 @@
-"""A program of somebody's own: what cannot be done to it, which of its tables learns, and news of it."""
+"""Special cases of a watched program."""
 
 from __future__ import annotations
 
@@ -27,26 +27,26 @@ _UNTIL_READ: Final = 15.0
 
 @dataclass(eq=False)
 class ProgramActions(Subject):
-    """What is special where a program of the user takes the steps."""
+    """What differs for a watched program."""
 
     @property
     def program(self) -> ProgramView | None:
-        """The program that is watched, None where it is an agent of ours that is shown."""
+        """The watched program, or None for a built-in agent."""
         return None if self.snapshot is None else self.snapshot.program
 
     def why_not_to_it(self, action: Action) -> str:
-        """Return why ``action`` cannot be done to the program, or needs one; empty where it can be done."""
+        """Return why ``action`` does not suit the program, or ""."""
         program = self.program
         if program is None:
             return NO_PROGRAM if action.of_program else ""
         return action.not_for_program.format(file=file_name(program))
 
     def in_order_of_help(self, panels: Sequence[PanelRow]) -> Sequence[PanelRow]:
-        """Return ``panels``, those of programs alone first where one is watched: they are what is new."""
+        """Return ``panels``, with those special to a watched program first."""
         return panels if self.program is None else sorted(panels, key=lambda row: not row.of_program)
 
     def sets_itself(self) -> bool:
-        """Say that a program sets its own hyper-parameters, if one is watched; return whether that is so."""
+        """Refuse to change settings if a program is watched. Return True if so."""
         if self.program is not None:
             self.screen.refuse(DECIDES.format(file=file_name(self.program)))
         return self.program is not None
@@ -62,7 +62,7 @@ class ProgramActions(Subject):
         return "" if table.others else f"{name} is the only table of your program"
 
     def choose_table(self) -> None:
-        """Choose which of several tables is the one that learns."""
+        """Ask which table of the program is Q."""
         table = None if self.program is None else self.program.table
         if table is None:
             return
@@ -81,7 +81,7 @@ class ProgramActions(Subject):
             self.link.send(ChooseTable(name))
 
     def announce(self, before: Snapshot | None, now: Snapshot) -> None:
-        """Say what is new about the program: how to begin, what a saved file changed, that it is over."""
+        """Announce news of the program: how to start, a changed file, its end."""
         program, was = now.program, None if before is None else before.program
         if program is None or now.playback.phase is Phase.PREPARING:
             return
@@ -89,11 +89,11 @@ class ProgramActions(Subject):
         if is_first and not now.counters.step and not program.ended and not program.refused:
             self.screen.tell(FIRST_KEYS, timeout=_UNTIL_READ)
         if before is not None and not before.counters.step and now.counters.step:
-            self.screen.app.clear_notifications()  # how to begin
+            self.screen.app.clear_notifications()  # the message about the first keys
         if program.reloaded and (was is None or was.reloaded != program.reloaded):
             self.screen.tell(one_line(program.reloaded, _LONGEST_NEWS), timeout=_UNTIL_READ)
 
 
 def file_name(program: ProgramView) -> str:
-    """Return the name of the program's file, short and with nothing in it that a terminal might obey."""
+    """Return the short name of the program's file, without control characters."""
     return one_line(Path(program.path).name or program.title, _LONGEST_NAME)

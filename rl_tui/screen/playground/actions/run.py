@@ -1,4 +1,4 @@
-"""Control of the run: start, pause, step, speed, and the change to another scenario."""
+"""Control of the run: start, pause, step, speed, and other scenarios."""
 
 from __future__ import annotations
 
@@ -30,11 +30,7 @@ _UNTIL_READ: Final = 15.0
 
 @dataclass(eq=False)
 class ScenarioActions(Subject):
-    """Goes to other scenarios, and offers the new content of the scenario's file.
-
-    ``is_known`` says that the world came from that file, ``take`` opens another recipe, ``go_by`` goes so
-    many places further in the catalogue.
-    """
+    """The way to other scenarios, and to a changed version of the scenario's file."""
 
     is_known: bool
     take: Callable[[Recipe], None]
@@ -42,15 +38,15 @@ class ScenarioActions(Subject):
     _declined = ""
 
     def previous(self) -> None:
-        """Go to the previous scenario of the catalogue."""
+        """Go to the previous scenario of the list."""
         self.go_by(-1)
 
     def following(self) -> None:
-        """Go to the next scenario of the catalogue."""
+        """Go to the next scenario of the list."""
         self.go_by(1)
 
     def why_not(self, deed: str) -> str:
-        """Return why there are no settings to map."""
+        """Return why there is no settings map."""
         if deed != "map_settings" or self.snapshot is None:
             return ""
         from rl_tui.studies.atlas.request import why_unmapped
@@ -59,14 +55,14 @@ class ScenarioActions(Subject):
         return why_unmapped(self.link.wanted.recipe, snapshot.world, is_edited=bool(snapshot.world_changes))
 
     def map_settings(self) -> None:
-        """Show how the run would do with other settings; one of those runs may be opened in its place."""
-        # it brings much that the first paint has no need of
+        """Open the settings map."""
+        # a late import, not needed for the first paint
         from rl_tui.screen.atlas.atlas import open_atlas
 
         open_atlas(self, self.take)
 
     def begin_with_old_or_new(self, start_again: Callable[[], None]) -> None:
-        """Ask whether to begin with the new content of the file, if there is any; else ``start_again``."""
+        """Restart, after a question if the scenario's file has changed."""
         scenario, fault = None, ""
         try:
             if self.is_known and self.link.wanted.lesson is None and not self.screen.in_kiosk:
@@ -117,18 +113,18 @@ LADDER: Final[tuple[float | None, ...]] = (
     100_000.0,
     None,
 )
-"""The speeds that + and − go through, in steps a second; None is as fast as it goes."""
+"""The speeds of + and −, in steps per second (None: as fast as possible)."""
 
 
 @dataclass(eq=False)
 class RunActions(Subject):
-    """The run goes on, stands still, or starts again."""
+    """Starts, pauses, steps and restarts the run."""
 
     scenario: ScenarioActions
-    _told: ClassVar = set[str]()  # messages about machine code, each said once
+    _told: ClassVar = set[str]()  # messages about machine code that were shown
 
     def announce(self, now: Snapshot) -> None:
-        """Say, the first time, why runs stay interpreted."""
+        """Explain once why runs stay interpreted."""
         why = now.playback.stays_interpreted
         if why and why not in self._told:
             self._told.add(why)
@@ -139,17 +135,17 @@ class RunActions(Subject):
         self.link.send(Pause() if self.is_under_way else Play())
 
     def watch(self) -> None:
-        """Run at a speed that goes by what is learned."""
+        """Run at a speed that follows what is learned."""
         self.link.send(WatchLearning())
 
     @property
     def is_under_way(self) -> bool:
-        """Whether there is something to pause."""
+        """True if there is something to pause."""
         phase = None if self.snapshot is None else self.snapshot.playback.phase
         return phase in (Phase.RUNNING, Phase.SEEKING)
 
     def rest(self) -> None:
-        """Pause a run that goes on while no key is pressed."""
+        """Pause a run that goes on without a user."""
         if self.is_under_way:
             self.link.send(Pause())
             self.screen.tell("Paused: no key was pressed for some minutes.", timeout=_UNTIL_SEEN)
@@ -163,15 +159,15 @@ class RunActions(Subject):
         self.link.send(RunEpisode())
 
     def evaluate(self) -> None:
-        """Run to the end of a sweep that evaluates the policy of policy iteration."""
+        """Run one policy-evaluation sweep."""
         self.link.send(RunSweep("evaluation"))
 
     def improve(self) -> None:
-        """Run to the end of a sweep that improves it."""
+        """Run one policy-improvement sweep."""
         self.link.send(RunSweep("improvement"))
 
     def why_not(self, deed: str) -> str:
-        """Return why the run takes no step, or no sweep can be ordered, as far as all that was sent says."""
+        """Return why the run cannot step, or has no sweeps."""
         if deed in _STEPPING:
             return "" if self.link.settled is None else why_over(self.link.settled)
         takes_orders = algorithm_row(self.link.wanted.recipe.algorithm).takes_orders
@@ -190,7 +186,7 @@ class RunActions(Subject):
         self.link.send(SetSpeed(slower(self.link.wanted.speed)))
 
     def reset(self) -> None:
-        """Start again with the current settings and seed; a watched program starts from its own."""
+        """Restart with the current settings and seed."""
         if self.snapshot is not None and self.snapshot.program is not None:
             self.screen.tell("Your program starts again, from its seed.")
             self.link.send(Restart(self.link.wanted.recipe))
@@ -214,6 +210,6 @@ def faster(speed: float | None) -> float | None:
 
 
 def slower(speed: float | None) -> float | None:
-    """Return the next lower speed, the lowest again if there is none."""
+    """Return the next lower speed, or the lowest."""
     below = [each for each in LADDER if each is not None and (speed is None or each < speed)]
     return below[-1] if below else LADDER[0]

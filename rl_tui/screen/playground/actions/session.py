@@ -1,4 +1,4 @@
-"""The session of a playground: saved by itself and by name, and compared with what was saved."""
+"""The session of a playground: saving, and a check after resuming."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rl_tui.screen.panels.status_line import StatusLine
 
 @dataclass(eq=False)
 class SessionActions(Subject):
-    """Saves the session by ``autosave``, if any; ``resumed`` is what it went on with, until compared."""
+    """The saving by ``autosave``, and one comparison of the run with ``resumed``."""
 
     status: StatusLine
     autosave: Autosave | None
@@ -27,14 +27,14 @@ class SessionActions(Subject):
     _name: str = ""
 
     def show_name(self) -> None:
-        """Show on the ``status`` line what the session is called, if a person gave it a name."""
+        """Show the name of the session, if a person gave one."""
         name = "" if self.autosave is None else self.autosave.title
         if name != self._name:
             self._name = name
             self.status.name_session(one_line(name, LONGEST_NAME))
 
     def listen(self) -> None:
-        """Show from now on what there is to know about the session; it comes from any thread."""
+        """Show all later notices about the session, which may come from any thread."""
         notify = partial(self.screen.notify, severity="warning", timeout=15, markup=False)
 
         def listen(notice: str) -> None:
@@ -44,11 +44,11 @@ class SessionActions(Subject):
             self.autosave.listen(listen)
 
     def named(self, fault: UserError) -> UserError:
-        """Return ``fault`` with the file of the session where that could not be gone on with."""
+        """Return ``fault`` with the file of the session that could not be resumed."""
         return fault if self.resumed is None else SessionError(self.resumed.path, str(fault))
 
     def compare_with_saved(self, snapshot: Snapshot) -> None:
-        """Warn, where the session was left, if the run came out otherwise; its file is then left alone."""
+        """Warn if the resumed run differs from the saved one."""
         if self.resumed is None or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
             return
         document, self.resumed = self.resumed.document, None
@@ -66,7 +66,7 @@ class SessionActions(Subject):
 
     @property
     def after_leaving(self) -> str:
-        """What becomes of the run once a person leaves it."""
+        """A clause about the run after a person has left it."""
         if self.snapshot is not None and self.snapshot.program is not None:
             return "your program then ends"
         return "this run is then gone" if self.screen.in_kiosk else "this run is kept"

@@ -1,4 +1,4 @@
-"""Going through time: steps and episodes back, any moment, other branches."""
+"""Travel in time: steps and episodes back, any moment, other branches."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from rl_tui.worlds.drawing import Arms
 
 
 class TimeActions(Subject):
-    """The run goes back and forth, and from branch to branch."""
+    """Moves of the run in time, and between branches."""
 
     _sought_episode: int | None = None  # the episode that the run seeks
     _sought_branch: int | None = None
-    """The branch that the run is on its way to, if it goes to another one as such."""
+    """The branch that the run goes to."""
 
     def why_not(self, deed: str) -> str:
-        """Return why the run cannot go back, or to no other moment."""
+        """Return why the run cannot go back, or to another moment."""
         snapshot = self.snapshot
         if deed in ("step_back", "episode_back"):
             is_at_start = self.link.settled is not None and not self.link.settled.counters.step
@@ -30,7 +30,7 @@ class TimeActions(Subject):
         return "the run is being prepared"
 
     def value(self, deed: str) -> str:
-        """Return how many branches there are."""
+        """Return the number of branches."""
         count = 0 if self.snapshot is None else len(self.snapshot.timeline.branches)
         return str(count) if deed == "show_branches" and count > 1 else ""
 
@@ -39,7 +39,7 @@ class TimeActions(Subject):
         self.link.send(StepBack())
 
     def episode_back(self) -> None:
-        """Go back to where the episode began."""
+        """Go back to the start of the episode."""
         self.link.send(EpisodeBack())
 
     def go_to(self) -> None:
@@ -57,7 +57,7 @@ class TimeActions(Subject):
             self.ask(goto_form(self.snapshot, self.glyphs), go)
 
     def show_branches(self) -> None:
-        """Show the branches of the run."""
+        """Open the list of branches."""
         if self.snapshot is not None:
             self.ask(JournalScreen(self.screen.look, self.snapshot), self._go_to_branch)
 
@@ -71,12 +71,12 @@ class TimeActions(Subject):
             self.seek(self.snapshot.timeline.current.end)
 
     def seek(self, step: int) -> None:
-        """Go where the timeline was pointed at."""
+        """Go to the step chosen on the timeline."""
         self.link.wanted.step = step
         self.link.send(GoTo(step))
 
     def announce(self, before: Snapshot | None, now: Snapshot) -> None:
-        """Say where a branch has begun between two snapshots, and where the run has come to."""
+        """Announce a new branch between two snapshots, and the arrival at a moment."""
         if before is not None and _has_forked(before, now):
             branch = now.timeline.current
             parent = now.timeline.branches[branch.parent or 0]
@@ -87,7 +87,7 @@ class TimeActions(Subject):
         if now.playback.phase is Phase.SEEKING or not self.link.wanted.is_taken_in(now):
             return
         self._sought_episode = self._sought_branch = None
-        # in the past it was held up, or sent elsewhere: where the run ends is not known there
+        # stopped in the past: the end of the run is not known there
         if episode is not None and now.counters.episodes < episode - 1 and not now.timeline.in_past:
             here = f"{unit_of(now)} {episode_shown(now):,}, step {now.counters.step:,}"
             self.screen.tell(f"End of the run so far ({here}). space: continue.")

@@ -1,4 +1,4 @@
-"""Where the run is to stop by itself."""
+"""Conditions that stop the run."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ NO_BREAKPOINTS: Final = "there are no breakpoints. t b: set one at the cursor"
 
 
 class UntilActions(Subject):
-    """Running until something happens, and breakpoints."""
+    """Runs until a condition is met, and breakpoints."""
 
     _chosen_last = ""  # the id of the option chosen last
 
     def why_not(self, deed: str) -> str:
-        """Return why the run goes no further, or there is no breakpoint to set or to clear."""
+        """Return why the run cannot go on, or has no such breakpoint."""
         if deed == "choose":
             return "" if self.link.settled is None else why_over(self.link.settled)
         snapshot = self.snapshot
@@ -35,7 +35,7 @@ class UntilActions(Subject):
         return NO_BREAKPOINTS if deed == "clear_breakpoints" and not self._count else ""
 
     def value(self, deed: str) -> str:
-        """Return how many breakpoints are set."""
+        """Return the number of breakpoints."""
         return f"{self._count} set" if deed == "clear_breakpoints" and self._count else ""
 
     @property
@@ -44,7 +44,7 @@ class UntilActions(Subject):
         return 0 if found is None else len(found.states) + len(found.pairs)
 
     def choose(self) -> None:
-        """Choose what to run until."""
+        """Ask for a condition to run until."""
         snapshot = self.snapshot
         if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
             return
@@ -59,7 +59,7 @@ class UntilActions(Subject):
         self.ask(choice, self._run_until)
 
     def toggle_breakpoint(self) -> None:
-        """Set a breakpoint where the cursor is, or take it away."""
+        """Set or clear a breakpoint at the cursor."""
         snapshot = self.snapshot
         if snapshot is None:
             return
@@ -90,7 +90,7 @@ class UntilActions(Subject):
         return None if state is None else ToggleBreakpoint(state=state)
 
     def clear_breakpoints(self) -> None:
-        """Take all breakpoints away."""
+        """Clear all breakpoints."""
         self.link.send(ClearBreakpoints())
         self.screen.tell("All breakpoints are cleared.")
 

@@ -1,4 +1,4 @@
-"""What is shown: layers of world and table, a single panel, the exact answer, the model."""
+"""Changes of the view: layers, full screen, exact values, the model."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.world import World
 
-_AROUND = 2  # columns, or rows, of the board around a zoomed map
+_AROUND = 2  # columns and rows around a full-screen map
 
 
 class ViewActions(Subject):
-    """Another look at the same snapshot, or at more of the world."""
+    """Changes of the view of a snapshot."""
 
     _model: ModelScreen | None = None
     _flips_asked: World | None = None
     _asks_check: bool = False
 
     def why_not(self, deed: str) -> str:
-        """Return why there is nothing to hide, or no map whose cells could show something else."""
+        """Return why exact values or cells cannot change."""
         snapshot = self.snapshot
         if snapshot is None:
             return ""
@@ -43,7 +43,7 @@ class ViewActions(Subject):
         return ""
 
     def value(self, deed: str) -> str:
-        """Return whether exact values are hidden, and what the cells of a map show."""
+        """Return the current value for a row of the menu."""
         legends = self.board.legends
         values = {
             "hide_answer": "hidden" if self.link.wanted.is_hidden else "shown",
@@ -54,19 +54,19 @@ class ViewActions(Subject):
         return "" if self.why_not(deed) else values.get(deed, "")
 
     def look_at(self) -> None:
-        """Have those parts of a large world copied that are in view now."""
+        """Ask for a copy of the parts of a large world in view."""
         pair = self._model.pair if self._model else None
         self.link.send(LookAt(self.board.viewport._replace(pair=pair)))
 
     def follow_panel(self) -> None:
-        """Have the world checked when that panel has been opened, and no more once it is closed."""
+        """Check the world while its panel is open."""
         is_open = self.board.opened == WORLD_CHECK
         if is_open != self._asks_check:
             self._asks_check = is_open
             self.link.send(AskCheck(is_open))
 
     def follow_flips(self) -> None:
-        """Ask for the flips of the world shown, where they are wanted and were not asked for yet."""
+        """Ask once for the flip points of the current world, if wanted."""
         snapshot = self.snapshot
         if snapshot is None or snapshot.world is self._flips_asked:
             return
@@ -77,7 +77,7 @@ class ViewActions(Subject):
             self.link.send(AskFlips())
 
     def _wants_flips(self, snapshot: Snapshot) -> bool:
-        """Return whether flips are wanted: by their panel, or for the slider of γ once the run rests."""
+        """Return True if flip points are wanted by their panel or the slider of γ."""
         if self.board.opened == DISCOUNT or is_secret(snapshot):
             return self.board.opened == DISCOUNT
         focused = self.screen.focused
@@ -87,7 +87,7 @@ class ViewActions(Subject):
         return self.link.player.is_automatic and rests and self.board.controls.has_slider(GAMMA)
 
     def next_layer(self) -> None:
-        """Go to the next layer of the world or table in view; if there is none, show only the table."""
+        """Go to the next layer, or show only the table."""
         board, order = self.board, list(Layer)
         choices = [layer for layer in board.table.layer_choices if self._is_seen(layer)]
         if len(choices) < 2 and board.zoomed is None:
@@ -107,7 +107,7 @@ class ViewActions(Subject):
         return world is not None and board.shows(world.id or "") and world.has_layer(layer)
 
     def turn_actions(self) -> None:
-        """Let the cells of a map show Q of every action, or V and greedy actions again."""
+        """Switch the cells of a map between Q of every action and V."""
         view = self.board.world
         if view is None:
             return
@@ -123,29 +123,29 @@ class ViewActions(Subject):
             self.screen.tell(f"Cells are too small for Q of every action. {room}")
 
     def enter_world(self) -> None:
-        """Put the cursor into the world."""
+        """Focus the world."""
         if self.board.world is not None:
             self.board.bring_into_view(WORLD)
             self.board.world.focus()
 
     def with_way_back(self, offered: tuple[Hints, ...]) -> tuple[Hints, ...]:
-        """Return the forms of ``offered``, first with the key that shows all panels where one is alone."""
+        """Return the hints ``offered``, with the key that ends full screen if necessary."""
         if not self.board.zoomed:
             return offered
         way_back: Hints = (("f", "all panels"),)
         return (*((*form, *way_back) for form in offered), *(offered or (way_back,)))
 
     def zoom(self) -> None:
-        """Show one panel alone, or all again."""
+        """Switch one panel to full screen, or back."""
         self.board.zoom(None if self.board.zoomed else self.board.panel_of(self.screen.focused))
 
     def hide_answer(self) -> None:
-        """Hide whatever would reveal the exact values, or show it."""
+        """Hide or show the exact values."""
         if self.snapshot is not None:
             self.link.send(HideAnswer(not self.link.wanted.is_hidden))
 
     def turn_legends(self) -> None:
-        """Hide captions and legends, or show them again."""
+        """Hide or show captions and legends."""
         legends = self.board.legends
         legends.turn()
         self.screen.tell(
@@ -156,13 +156,13 @@ class ViewActions(Subject):
             self.board.show(self.snapshot)
 
     def numbers(self) -> None:
-        """Show or hide the numbers of the states in the cells of a map."""
+        """Hide or show the numbers of states in a map."""
         legends = self.board.legends
         legends.numbers_states = not legends.numbers_states
         self.board.apply_switches()
 
     def model(self) -> None:
-        """Show the model until it is closed."""
+        """Open the model, updated live."""
         if self.snapshot is None:
             return
         pair, last = self.board.table.cursor_pair, self.snapshot.counters.last_step

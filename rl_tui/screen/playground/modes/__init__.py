@@ -1,1 +1,1 @@
-"""Modes of the playground: while one is on, some keys are its own, whatever is in focus."""
+"""Modes of the playground, which take some keys whatever panel has the focus."""

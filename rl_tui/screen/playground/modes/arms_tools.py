@@ -1,4 +1,4 @@
-"""Drawing bandits: what arms pay, arms more and arms less."""
+"""Tools to edit bandits: means, and the number of arms."""
 
 from __future__ import annotations
 
@@ -58,13 +58,13 @@ ARMS_TOOLS: Final = (
 
 
 class ArmsTools(Toolbox):
-    """Draws the arms of a bandit. It remembers which it has added."""
+    """Tools for the arms of a bandit."""
 
     tools = ARMS_TOOLS
     rest = "arms, rules, save"
 
     def __init__(self) -> None:
-        self._added: tuple[int, int] | None = None  # how many there are with it, and its number
+        self._added: tuple[int, int] | None = None  # number of arms including the new one, and its index
 
     def about(self, desk: Desk) -> tuple[str, ...]:
         """Return the arm under the cursor, and its mean."""
@@ -81,7 +81,7 @@ class ArmsTools(Toolbox):
         return "click: cursor · wheel: what an arm pays", "wheel: what an arm pays"
 
     def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
-        """Return the mean of the arm under the cursor, and how rewards spread and drift."""
+        """Return the mean of the arm, and the spread and drift of rewards."""
         draft = _arms_of(desk)
         mean = WorldNumber(SUCCESS if draft.is_bernoulli else MEAN, draft.means[_arm(desk)])
         if draft.is_bernoulli:
@@ -89,7 +89,7 @@ class ArmsTools(Toolbox):
         return mean, *(WorldNumber(each, number_of(draft, each.name)) for each in (SPREAD, DRIFT))
 
     def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
-        """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
+        """Return the edits that set the number ``name``."""
         if name == MEAN.name:
             return (self._edit(desk, _arm(desk), value),)
         edits = (Edit(name, (), repr(value)),)
@@ -99,32 +99,32 @@ class ArmsTools(Toolbox):
         return edits
 
     def turn(self, desk: Desk, place: int, amount: float) -> None:
-        """Let an arm pay so many tenths more on average."""
+        """Raise the mean of an arm by ``amount`` tenths."""
         desk.view.put_cursor(place)
         self.pay(amount / 10, desk)
 
     def pay(self, amount: float, desk: Desk) -> None:
-        """Let the arm under the cursor pay so much more on average."""
+        """Raise the mean of the arm under the cursor by ``amount``."""
         draft, arm = _arms_of(desk), _arm(desk)
         mean = round(draft.means[arm] + amount, 10)
         desk.draw((self._edit(desk, arm, min(max(mean, 0.0), 1.0) if draft.is_bernoulli else mean),))
 
     def ask_mean(self, desk: Desk) -> None:
-        """Type the mean of the arm under the cursor."""
+        """Ask for the mean of the arm under the cursor."""
         draft, arm = _arms_of(desk), _arm(desk)
         hint = "A probability from 0 to 1." if draft.is_bernoulli else "What it pays on average."
         dialog = Prompt(f"Mean of arm {arm}", hint, repr(draft.means[arm]), partial(_mean, draft))
         desk.ask(dialog, lambda value: desk.draw((self._edit(desk, arm, float(value)),)))
 
     def place_added(self, world: World) -> int | None:
-        """Return the arm that was added, once it is there."""
+        """Return the added arm once it is in ``world``."""
         if self._added is None or self._added[0] != world.space.pairs:
             return None
         (_, place), self._added = self._added, None
         return place
 
     def resize(self, count: int, desk: Desk, *, at_end: bool = False) -> None:
-        """Add an arm before the cursor, or ``at_end``, or take away the one under it."""
+        """Add an arm before the cursor or ``at_end``, or remove one."""
         arms = len(_arms_of(desk).means)
         at = arms if at_end else _arm(desk)
         if count > 0 and not at_end:
@@ -132,7 +132,7 @@ class ArmsTools(Toolbox):
         desk.draw((Edit("arms", (), f"{count:+d}@{at}"),))
 
     def paint(self, desk: Desk, places: Sequence[int]) -> None:
-        """Put the cursor where it was clicked: there is nothing to paint."""
+        """Move the cursor to the click, because arms are not painted."""
         desk.view.put_cursor(places[-1])
 
     def _edit(self, desk: Desk, arm: int, mean: float) -> Edit:

@@ -1,4 +1,4 @@
-"""What is painted on maps: brushes, jumps, and the edits by which cells come to be what they are to be."""
+"""Edits of maps: brushes, jumps, rewards and regions."""
 
 from __future__ import annotations
 
@@ -24,10 +24,7 @@ def _one_way(place: int, glyphs: Glyphs) -> str:
 
 
 class Brush(NamedTuple):
-    """What a key paints: a ``character`` of the map, and what it means where no legend says it.
-
-    ``label``, ``sentence`` and ``sign`` are those of its tool.
-    """
+    """A ``character`` to paint, with the ``entry`` for legends that lack it."""
 
     key: str
     character: str
@@ -110,7 +107,7 @@ def painted(draft: GridDraft, brush: Brush, cells: Sequence[Cell]) -> tuple[Edit
 
 
 def character_of(draft: GridDraft, brush: Brush) -> str:
-    """Return what ``brush`` paints: a character that means that already, else its own."""
+    """Return the character of ``brush`` in this map."""
     if brush.entry is None:
         return brush.character
     same = (
@@ -122,7 +119,7 @@ def character_of(draft: GridDraft, brush: Brush) -> str:
 
 
 def before_painting(draft: GridDraft, brush: Brush, cells: Sequence[Cell]) -> Iterator[Edit]:
-    """Yield what has to be done first: a legend for the character, the start moved away."""
+    """Yield the edits needed first: add a legend entry, remove the old start."""
     legend, character = draft.legend, character_of(draft, brush)
     if brush.entry is not None and character not in legend:
         raw = brush.entry.model_dump(mode="json", exclude_defaults=True)
@@ -137,7 +134,7 @@ def before_painting(draft: GridDraft, brush: Brush, cells: Sequence[Cell]) -> It
 
 
 def called(entry: LegendEntry | None) -> str:
-    """Return what a cell of that ``entry`` is called."""
+    """Return the name of a cell with that legend ``entry``."""
     if entry is None:
         return "unknown"
     if entry.jump is not None:
@@ -148,9 +145,10 @@ def called(entry: LegendEntry | None) -> str:
 
 
 def jump(draft: GridDraft, source: Cell, target: Cell) -> tuple[Edit, ...]:
-    """Return the edits by which every action in ``source``, which pays as before, leads to ``target``.
+    """Return the edits that make every action in ``source`` lead to ``target``, with the same reward.
 
-    Raises ValueError where nothing can jump there.
+    Raises:
+        ValueError: There can be no such jump.
     """
     if source == target:
         raise ValueError("a jump leads to another cell")
@@ -179,7 +177,7 @@ def jump(draft: GridDraft, source: Cell, target: Cell) -> tuple[Edit, ...]:
 
 
 def region(draft: GridDraft, start: Cell) -> list[Cell]:
-    """Return the cells of the same character that hang together with ``start``."""
+    """Return the connected cells with the character of ``start``."""
     lines, found, left = draft.lines, {start}, [start]
     wanted = lines[start[0]][start[1]]
     while left:
@@ -193,7 +191,7 @@ def region(draft: GridDraft, start: Cell) -> list[Cell]:
 
 
 def paying_more(draft: GridDraft, cells: Sequence[Cell], amount: float) -> list[Edit]:
-    """Return the edits by which ``cells`` pay so much more than now; walls pay nothing."""
+    """Return the edits that raise the reward of ``cells`` by ``amount``, except walls."""
     legend, pay = draft.legend, dict[Cell, str]()
     for row, column in cells:
         entry = legend.get(draft.lines[row][column])
@@ -203,13 +201,13 @@ def paying_more(draft: GridDraft, cells: Sequence[Cell], amount: float) -> list[
 
 
 def pays(draft: GridDraft, rows: range, columns: range) -> bool:
-    """Return whether there is a cell in those rows and columns that pays something: a wall is none."""
+    """Return True if any of these cells can have a reward."""
     there = {character for row in rows for character in draft.lines[row][columns.start : columns.stop]}
     return any(entry is not None and not entry.is_wall for entry in map(draft.legend.get, there))
 
 
 def runs(cells: Sequence[Cell], value: Callable[[Cell], str], name: str = "cell") -> Iterator[Edit]:
-    """Yield the edits called ``name`` of ``cells``, one for each stretch of the same value in a row."""
+    """Yield the edits of ``cells``, one per stretch of equal values."""
     ordered = sorted(set(cells))
     for (row, _, what), group in groupby(
         enumerate(ordered), key=lambda each: (each[1][0], each[1][1] - each[0], value(each[1]))
@@ -219,10 +217,10 @@ def runs(cells: Sequence[Cell], value: Callable[[Cell], str], name: str = "cell"
 
 
 def at(row: int, column: int) -> tuple[str, str]:
-    """Return where an edit of one cell is."""
+    """Return the place of one cell in an edit."""
     return str(row), str(column)
 
 
 def span(lines: range) -> str:
-    """Return some rows, or columns, as an edit names them."""
+    """Return a range of rows or columns in the form of an edit."""
     return str(lines.start) if len(lines) == 1 else f"{lines.start}:{lines.stop}"

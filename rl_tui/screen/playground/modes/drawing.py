@@ -1,4 +1,4 @@
-"""Draw policy: the mode in which a person chooses an action for each state."""
+"""Draw policy: a person chooses an action for each state."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _FIGURE = 8  # cells of a return, as in the table of policies
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return what the world is called while a policy is drawn on it, the longest form first."""
+    """Return the title while a policy is drawn, longest form first."""
     figures = tuple(_figures(snapshot, glyphs))
     if not figures:
         return "You draw a policy", "You draw"
@@ -59,13 +59,12 @@ def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
 
 
 def _forms(figures: Sequence[Sequence[str]]) -> Iterator[tuple[str, ...]]:
-    """Yield all figures, from the longest forms of each to the shortest ones."""
     for place in range(max(map(len, figures))):
         yield tuple(each[min(place, len(each) - 1)] for each in figures)
 
 
 def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[tuple[str, ...]]:
-    """Yield what the drawn policy earns, then what of it is open, each the longest form first."""
+    """Yield the return of the drawn policy, then the states left open."""
     world, answers = snapshot.world, snapshot.answers
     if not answers.drawn.choices:
         yield (f"all at random ({AT_RANDOM})", "all at random")
@@ -89,13 +88,13 @@ def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[tuple[str, ...]]:
 
 
 def _amount(x: float, glyphs: Glyphs) -> str:
-    """Return ``x`` as briefly as it is, else as the table of policies writes it: ``1``, ``−131,546``."""
+    """Return ``x`` exactly if short, else as in the table of policies."""
     exact = numbers.brief(x, glyphs, decimals=numbers.DECIMALS)
     return exact if len(exact) < _FIGURE - 1 and abs(x) < 1_000.0 else numbers.figure(x, _FIGURE, glyphs)
 
 
 def _left(count: int) -> tuple[str, ...]:
-    """Return in how many states it may come to act at random; elsewhere it may, but is never there."""
+    """Return the number of undrawn states on its way, longest form first."""
     if not count:
         return "all on its way drawn", "its way is drawn", "way drawn"
     return (
@@ -108,7 +107,7 @@ def _left(count: int) -> tuple[str, ...]:
 
 
 def prompts(world: World, state: int | None, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return the keys for ``state``, under the cursor, the longest form first; None: nothing to choose."""
+    """Return the keys for ``state``, longest form first. None means no choice."""
     if state is None:
         return f"{NOTHING_TO_CHOOSE} here · {_END}", _END
     forms = actions_in_a_line(world, state, glyphs) or (f"{digits_in_words(world, state)}: arm",)
@@ -117,7 +116,7 @@ def prompts(world: World, state: int | None, glyphs: Glyphs) -> tuple[str, ...]:
 
 
 def hints(world: World) -> Hints:
-    """Return the keys for the key line, with what they do in a word; the last but one goes first."""
+    """Return the hints for the key line."""
     moves = (("arrows", "cursor"),)
     if isinstance(world.drawing, Arms):
         draws: Hints = (("enter", "draw"),)
@@ -153,11 +152,11 @@ POLICY_ACTIONS: Final = tuple(
         ((LEAVE,), "esc", "end drawing", "Stop drawing, and keep the policy.", "toggle"),
     )
 )
-"""What can be done while a policy is drawn, a row each."""
+"""The actions while a policy is drawn."""
 
 
 class PolicyDrawing(KeyMode):
-    """Drawing a policy under the cursor of the world, which has the focus; the run goes on as it does."""
+    """The drawing of a policy at the cursor of the world."""
 
     keys: ClassVar[Mapping[str, str]] = {
         **{key: each.help for each in POLICY_ACTIONS for key in each.keys},
@@ -172,7 +171,7 @@ class PolicyDrawing(KeyMode):
     _studied_before: PolicyKind | None = None
 
     def takes(self, key: str) -> bool:
-        """Return whether ``key`` draws or leaves."""
+        """Return True if ``key`` draws or leaves."""
         view = self._view
         if view is None:
             return False
@@ -181,7 +180,7 @@ class PolicyDrawing(KeyMode):
         return key in (*DIGITS, *_NONE, _CLEAR, LEAVE) or (key == "enter" and isinstance(view, ArmsView))
 
     def press(self, key: str) -> None:
-        """Draw what ``key`` means in the state under the cursor."""
+        """Draw the action of ``key`` in the state under the cursor."""
         view = self._view
         if key == LEAVE:
             self.toggle()
@@ -197,7 +196,7 @@ class PolicyDrawing(KeyMode):
             self._draw_numbered(view, key)
 
     def point(self, step: tuple[int, int] | None) -> None:
-        """Draw the action towards a side of the cell under the cursor; of a bandit the arm there."""
+        """Draw the action towards a side of the cell, or the arm."""
         view = self._view
         if isinstance(view, ArmsView):
             self._draw_arm(view)
@@ -205,13 +204,13 @@ class PolicyDrawing(KeyMode):
             self._draw_towards(view, step, moves=False)
 
     def why_not(self, deed: str) -> str:
-        """Return why no policy can be drawn here, or nothing is there to clear."""
+        """Return why no policy can be drawn or cleared."""
         if deed == "ask_to_clear":
             return "" if self._drawn else _NOTHING_DRAWN
         return "" if self.is_on or self.snapshot is None else _refused(self.snapshot.world)
 
     def toggle(self) -> None:
-        """Begin to draw, or end it."""
+        """Start or end drawing."""
         snapshot = self.snapshot
         if self.is_on:
             self._end()
@@ -226,12 +225,12 @@ class PolicyDrawing(KeyMode):
         if view is not None:
             place = self._first_place(view, snapshot)
             if place is not None:
-                view.put_cursor(place)  # it stays there while the agent goes on
+                view.put_cursor(place)  # stays while the agent goes on
         self.show(snapshot)
         self.screen.tell(_first_words(snapshot.world))
 
     def leave(self) -> None:
-        """Give the keys back; what was drawn stays."""
+        """Return keys and focus, and keep the drawn policy."""
         if self.is_on:
             super().leave()
             if not self._has_panel:
@@ -240,7 +239,7 @@ class PolicyDrawing(KeyMode):
                 self.board.world.action_follow()
 
     def note(self, command: Command) -> None:
-        """End it where the world is to show another policy."""
+        """End drawing if ``command`` shows another policy."""
         if isinstance(command, StudyPolicy) and command.kind not in (None, PolicyKind.DRAWN):
             self._end()
 
@@ -249,30 +248,24 @@ class PolicyDrawing(KeyMode):
         self.screen.tell("What you drew is kept. w p: go on drawing.")
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show what is drawn, and what can be done under the cursor."""
+        """Show the drawn policy, and the keys for the state under the cursor."""
         if self.link.wanted.studied is None:
-            self.link.send(StudyPolicy(PolicyKind.DRAWN))  # a panel that was closed ended it
+            self.link.send(StudyPolicy(PolicyKind.DRAWN))  # closing a panel has ended it
         view, world, glyphs = self._view, snapshot.world, self.glyphs
         state = None if view is None else self._state_under(view)
         self._write(title(snapshot, glyphs), prompts(world, state, glyphs), hints(world))
 
     @property
     def _has_panel(self) -> bool:
-        """Whether the panel is open that says which policy is studied."""
         return self.board.opened == POLICIES
 
     @property
     def _view(self) -> WorldView | None:
-        """The world in focus."""
         focused = self.screen.focused
         return focused if isinstance(focused, WorldView) else None
 
     def _first_place(self, view: WorldView, snapshot: Snapshot) -> int | None:
-        """Return where the cursor begins: where it was put, else with the agent.
-
-        Where the agent has nothing to choose, as at the end of an episode, that is where the next one starts,
-        else the first state with a choice.
-        """
+        """Return the cursor's last place, else the agent's, else one with a choice."""
         if view.cursor is not None or self._state_under(view) is not None:
             return view.cursor_place
         space = snapshot.world.space
@@ -281,7 +274,6 @@ class PolicyDrawing(KeyMode):
         return view.place_of(space.pairs_of(chosen).start)
 
     def _state_under(self, view: WorldView) -> int | None:
-        """Return the state under the cursor of ``view``, None where nothing can be chosen there."""
         place = view.cursor_place
         pairs = range(0) if place is None else view.pairs_at(place)
         if not pairs:
@@ -290,7 +282,6 @@ class PolicyDrawing(KeyMode):
         return state if len(view.world.space.pairs_of(state)) > 1 else None
 
     def _state_to_draw_in(self, view: WorldView) -> int | None:
-        """Return the state under the cursor; say so where there is nothing to choose."""
         state = self._state_under(view)
         if state is None:
             place = view.cursor_place
@@ -338,17 +329,16 @@ class PolicyDrawing(KeyMode):
         self.screen.tell(text, severity="warning")
 
     def say_how(self) -> None:
-        """Say with which keys one draws."""
+        """Show which keys draw."""
         if self.snapshot is not None:
             self.screen.tell(_first_words(self.snapshot.world))
 
     @property
     def _drawn(self) -> int:
-        """In how many states something is drawn."""
         return 0 if self.snapshot is None else len(self.snapshot.answers.drawn.choices)
 
     def ask_to_clear(self) -> None:
-        """Take away all that was drawn, after asking."""
+        """Clear the drawn policy after a confirmation."""
         if not self._drawn:
             self.screen.refuse(_NOTHING_DRAWN)
             return
@@ -361,10 +351,7 @@ class PolicyDrawing(KeyMode):
 
 
 def likely_cell(world: World, state: int, action: int) -> int:
-    """Return the cell of a map to which ``action`` most likely leads from ``state``.
-
-    Where several are as likely, it is the one in which the action happens as meant, if that is among them.
-    """
+    """Return the cell to which ``action`` most likely leads from ``state``."""
     mdp, grid, pair = world.mdp, world.drawing, world.space.pair_of(state, action)
     if mdp is None or pair is None or not isinstance(grid, Grid):
         raise ValueError("only maps with a table have a cell that an action leads to")
@@ -378,7 +365,7 @@ def likely_cell(world: World, state: int, action: int) -> int:
 
 
 def _refused(world: World) -> str:
-    """Return why nothing can be drawn in ``world``, empty if something can be."""
+    """Return why nothing can be drawn in ``world``, or an empty string."""
     if world.mdp is None:
         return "without a transition table, a drawn policy has no exact return"
     if not (np.diff(world.space.first_pair) > 1).any():

@@ -1,4 +1,4 @@
-"""Edit world: the mode in which a person changes the world while the agent learns."""
+"""Edit world: a person changes the world while the agent learns."""
 
 from __future__ import annotations
 
@@ -34,33 +34,33 @@ from rl_tui.worlds.editing.arms_draft import Draft
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.files.scenario import Scenario
 
-# Edits not yet applied
+# Strokes not yet applied
 
 
 class PendingStrokes:
-    """Strokes that were sent: two quick keys are two steps, though no picture came between them."""
+    """Strokes on their way to the player."""
 
     def __init__(self) -> None:
         self._sent: list[tuple[int, tuple[Edit, ...]]] = []
-        # A draft, the first stroke beyond it, how many are drawn, and what comes of them
+        # A draft, the first stroke after it, the number of applied strokes, and their result
         self._drawn: tuple[Draft, int | None, int, Draft] | None = None
 
     def __bool__(self) -> bool:
-        """Whether there are any."""
+        """Return True if there are any strokes."""
         return bool(self._sent)
 
     def note(self, number: int, edits: Sequence[Edit]) -> None:
-        """Keep ``edits``, which were sent as command ``number``."""
+        """Remember ``edits``, sent as command ``number``."""
         self._sent.append((number, tuple(edits)))
 
     def forget(self) -> None:
-        """Wait for the next picture: what comes next undoes, or makes again, something else."""
+        """Forget all strokes before an undo or redo, which changes others."""
         self._sent.clear()
 
     def draft(self, snapshot: Snapshot) -> Draft | None:
-        """Return the draft of ``snapshot`` with all that it does not have yet; None where there is none.
+        """Return the draft of ``snapshot`` with all later strokes, or None without a draft.
 
-        Each stroke is drawn once for a snapshot, however often this is asked for: a wheel sends hundreds.
+        Each stroke is applied once per snapshot, because a wheel sends hundreds.
         """
         self._sent = [each for each in self._sent if each[0] > snapshot.playback.handled]
         base = snapshot.editor.draft
@@ -87,7 +87,7 @@ TOOLBOXES: Final[Mapping[type, type[Toolbox]]] = {
     Graph: GraphTools,
     Arms: ArmsTools,
 }
-"""What there is to draw with, by how a world is drawn."""
+"""The tools for each kind of drawing."""
 
 _KIOSK: Final = "saving is off here: this is a kiosk"
 _NOTHING_TO_UNDO: Final = "nothing that was drawn is left to undo"
@@ -145,7 +145,7 @@ ALWAYS: Final = (
         is_told=True,
     ),
 )
-"""Tools of every kind of world; they belong to the mode."""
+"""Tools for every kind of world, which belong to the mode."""
 _ALONG: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
 
 
@@ -154,10 +154,7 @@ def _all_tools() -> Iterator[Tool]:
 
 
 class WorldEditing(KeyMode):
-    """Drawing the world with the tools of its kind; the world in view has the focus, and the run goes on.
-
-    The panel of tools is there as long as it is on.
-    """
+    """The editing of the world with the tools of its kind."""
 
     keys: ClassVar[Mapping[str, str]] = {
         **{each.key: each.help for each in _all_tools() if not each.is_in_menu},
@@ -170,18 +167,18 @@ class WorldEditing(KeyMode):
 
     @cached_property
     def saving(self) -> ScenarioSaving:
-        """What knows the file of the world."""
+        """The action that saves the world to its file."""
         return ScenarioSaving(self.screen, self.board, self.link)
 
     @cached_property
     def _pending(self) -> PendingStrokes:
         return PendingStrokes()
 
-    # What can be done
+    # Available actions
 
     @property
     def refused(self) -> str:
-        """Why this world cannot be drawn, as far as a look tells; empty where it can, or is not there yet."""
+        """A quickly checked reason why this world cannot be edited, or empty."""
         snapshot = self.snapshot
         if snapshot is None or snapshot.playback.phase is Phase.PREPARING or snapshot.program is not None:
             return ""
@@ -195,12 +192,12 @@ class WorldEditing(KeyMode):
         return self._looked_at[1]
 
     def why_not(self, deed: str) -> str:
-        """Return why this world cannot be edited, as far as a look tells."""
+        """Return why this world cannot be edited, from a quick check."""
         return self.refused if deed == "toggle" and not self.is_on else ""
 
     @property
     def offered(self) -> tuple[Hints, ...]:
-        """What stands first on the key line while the world has the focus, the longest form first."""
+        """The first hint on the key line, longest form first."""
         can_begin = self.modes.current is None and isinstance(self.screen.focused, WorldView)
         snapshot = self.snapshot
         if not can_begin or self.refused or snapshot is None or snapshot.program is not None:
@@ -209,16 +206,16 @@ class WorldEditing(KeyMode):
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """What there is to draw with."""
+        """The tools as actions."""
         desk = self._hand()
         return tuple(self._action_of(each, desk) for each in self._tools)
 
     def can_undo(self, desk: Desk) -> bool:
-        """Return whether there is a stroke to undo, or one was sent that no picture has yet."""
+        """Return True if there may be a stroke to undo."""
         return desk.snapshot.editor.can_undo or bool(self._pending)
 
     def can_redo(self, desk: Desk) -> bool:
-        """Return whether there is a stroke to make again, or one was sent that may undo others."""
+        """Return True if there may be a stroke to redo."""
         return desk.snapshot.editor.can_redo or bool(self._pending)
 
     @property
@@ -226,13 +223,13 @@ class WorldEditing(KeyMode):
         return () if self.toolbox is None else (*self.toolbox.tools, *ALWAYS)
 
     def takes(self, key: str) -> bool:
-        """Return whether ``key`` draws, undoes, saves, leaves or goes to a slider."""
+        """Return True if ``key`` draws, undoes, saves, leaves or goes to a slider."""
         if key in DIGITS:
             return self._slider(key) is not None
         return self.toolbox is not None and (key in _ALONG or self._tool(key) is not None)
 
     def has_on_a_page(self, key: str) -> bool:
-        """Return whether ``key`` goes from one slider of the panel to another, or undoes what one did."""
+        """Return True if ``key`` works on a slider of the panel."""
         focused = self.screen.focused
         is_slider = isinstance(focused, Slider) and not focused.is_typing
         return key in (*DIGITS, "z", "Z") and is_slider and self.board.panel_of(focused) == DRAW
@@ -245,11 +242,9 @@ class WorldEditing(KeyMode):
         return next((each for each in self._tools if each.key == name), None)
 
     def _owner(self, tool: Tool) -> object:
-        """Return what ``tool`` belongs to."""
         return self if tool in ALWAYS else self.toolbox
 
     def _action_of(self, tool: Tool, desk: Desk | None) -> Action:
-        """Return ``tool`` as menu, palette and help list it."""
         owner = self._owner(tool)
         return Action(
             f"editing.{tool.key}",
@@ -263,7 +258,7 @@ class WorldEditing(KeyMode):
             refused="" if desk is None else tool.why_not(owner, desk),
         )
 
-    # What is done
+    # Actions
 
     def press(self, key: str) -> None:
         """Do what ``key`` means."""
@@ -278,13 +273,13 @@ class WorldEditing(KeyMode):
             self.use(key)
 
     def go_to_slider(self, key: str) -> None:
-        """Give the focus to the slider of the world with this digit."""
+        """Focus the slider of the world with this digit."""
         slider = self._slider(key)
         if slider is not None:
             slider.focus()
 
     def use(self, name: str, *, is_clicked: bool = False) -> None:
-        """Use the tool with the id ``name``, or say why it can do nothing now."""
+        """Use the tool ``name``, or show why it can do nothing now."""
         desk, tool = self._hand(), self._tool(name)
         if desk is None or tool is None or self.toolbox is None:
             return
@@ -298,7 +293,7 @@ class WorldEditing(KeyMode):
         self._show_picked()
 
     def draw(self, event: Touched) -> None:
-        """Paint where the pointer was drawn, change what is paid under it, or use what was clicked."""
+        """Handle an event of the pointer."""
         desk = self._hand()
         if desk is None or self.toolbox is None:
             return
@@ -315,10 +310,7 @@ class WorldEditing(KeyMode):
         self._show_picked()
 
     def set_number(self, name: str, value: float | str) -> bool:
-        """Set the number of the slider ``name``, if it is one of the world; return whether it is.
-
-        What cannot be is refused in words, and the slider goes back.
-        """
+        """Set the world number ``name``. Return True if there is one."""
         desk = self._hand()
         if desk is None or self.toolbox is None or isinstance(value, str):
             return False
@@ -338,17 +330,17 @@ class WorldEditing(KeyMode):
         self.link.send(UndoStroke())
 
     def redo(self) -> None:
-        """Make the stroke again that was undone last."""
+        """Repeat the last undone stroke."""
         self._pending.forget()
         self.link.send(RedoStroke())
 
     def end(self) -> None:
-        """Drop what was begun, else leave."""
+        """Cancel an unfinished rectangle or jump, else leave."""
         if self.toolbox is not None and not self.toolbox.cancel():
             self._end()
 
     def toggle(self) -> None:
-        """Begin to draw, or end it."""
+        """Start or end editing."""
         snapshot = self.snapshot
         if self.is_on:
             self._end()
@@ -374,11 +366,11 @@ class WorldEditing(KeyMode):
         if view is not None:
             view.is_drawn_on = True
             if view.cursor_place is not None:
-                view.put_cursor(view.cursor_place)  # it stays there while the agent goes on
+                view.put_cursor(view.cursor_place)  # stays while the agent goes on
         self.show(snapshot)
 
     def leave(self) -> None:
-        """Give the keys back; what was drawn stays."""
+        """Return keys and focus, and keep the edits."""
         if not self.is_on:
             return
         if self.board.panel_of(self.screen.focused) == DRAW:
@@ -398,14 +390,14 @@ class WorldEditing(KeyMode):
         self.leave()
         self.screen.tell("The world stays as you edited it. w d: go on editing.")
 
-    # What is shown
+    # Display
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show what is drawn, what is unfinished in it, and what there is to draw with."""
+        """Show the edited world, what is missing in it, and the tools."""
         view, box = self.board.world, self.toolbox
         if view is None or box is None:
             return
-        if snapshot.world is not view.world:  # it is drawn next, and then all of this is shown
+        if snapshot.world is not view.world:  # the world is drawn first; then this is called again
             self.screen.call_later(self._land, box.place_added(snapshot.world))
             return
         desk = self._hand()
@@ -415,7 +407,6 @@ class WorldEditing(KeyMode):
             self.board.tools.show_sheet(self._sheet(box, desk, about))
 
     def _hints(self, box: Toolbox) -> Hints:
-        """Return the keys for the key line; where not all fit, the last but one goes first."""
         held = box.in_hand
         first = () if held is None else (("", f"{held.shown} {held.word}"),)
         ranked = sorted((each for each in self._tools if each.rank), key=lambda each: each.rank or 0)
@@ -437,7 +428,6 @@ class WorldEditing(KeyMode):
         )
 
     def _cell(self, tool: Tool, desk: Desk) -> ToolCell:
-        """Return how the panel shows ``tool`` now; the menu by what it has."""
         assert self.toolbox is not None
         held, refused = self.toolbox.in_hand, tool.why_not(self._owner(tool), desk)
         word = self.toolbox.rest if tool.key == DRAW_PATH[0] else tool.label
@@ -445,7 +435,6 @@ class WorldEditing(KeyMode):
         return ToolCell(tool.key, tool.shown, word, is_on, refused, tool.sign)
 
     def _hand(self) -> Desk | None:
-        """Return what tools work with; None while there is no draft yet."""
         view, snapshot = self.board.world, self.snapshot
         draft = None if snapshot is None else self._pending.draft(snapshot)
         if view is None or snapshot is None or draft is None:
@@ -453,7 +442,7 @@ class WorldEditing(KeyMode):
         return Desk(view, snapshot, draft, self.glyphs, self._draw, self.screen.refuse, self.ask)
 
     def _draw(self, edits: Sequence[Edit]) -> None:
-        """Make ``edits`` as one stroke, or say why they cannot be made."""
+        """Send ``edits`` as one stroke, or show why they are not possible."""
         draft = None if self.snapshot is None else self._pending.draft(self.snapshot)
         if not edits or draft is None:
             return
@@ -462,16 +451,16 @@ class WorldEditing(KeyMode):
         except UserError as fault:
             self.screen.refuse(str(fault))
             return
-        if not is_new:  # painted twice: undoing it once takes it back
+        if not is_new:  # painted twice: a single undo takes it back
             return
         self.link.send(DrawWorld(tuple(edits)))
         self._pending.note(self.link.wanted.sent, edits)
 
     def _land(self, place: int | None) -> None:
-        """Put the cursor on what was added to another world, which is drawn now; else it has its place."""
+        """Put the cursor on an added place, else back to its place."""
         view = self.board.world
         if self.is_on and view is not None:
-            # without one, where its own place is gone, it would go along with the agent
+            # without a place it would follow the agent
             stays = view.cursor if place is None else place
             view.put_cursor((view.cursor_place or 0) if stays is None else stays)
         self._show_picked()

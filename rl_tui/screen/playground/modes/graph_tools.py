@@ -1,7 +1,4 @@
-"""Tools to edit a graph: its states, the outcomes of their actions, and the start.
-
-The tools work on one outcome at a time, the one last chosen.
-"""
+"""Tools to edit a graph: states, outcomes of actions, and the start."""
 
 from __future__ import annotations
 
@@ -125,7 +122,7 @@ GRAPH_TOOLS: Final = (
 
 
 class GraphTools(Toolbox):
-    """Draws the graph of an MDP: one line says what an action does. It remembers the outcome chosen."""
+    """Tools for the graph of an MDP, with a typed line per action."""
 
     tools = GRAPH_TOOLS
     rest = "states, rules, save"
@@ -137,13 +134,13 @@ class GraphTools(Toolbox):
     # What is shown
 
     def about(self, desk: Desk) -> tuple[str, ...]:
-        """Return the state under the cursor, and what can be done there."""
+        """Return the state under the cursor and its actions."""
         state = _state(desk)
         actions = ", ".join(actions_in(_graph_of(desk), state)) or "terminal"
         return f"{state}: {actions}", state
 
     def advice(self, desk: Desk) -> tuple[str, ...]:
-        """Return how an outcome is chosen, where there are several."""
+        """Return how to choose among several outcomes."""
         if len(outcomes_in(_graph_of(desk), _state(desk))) < 2:
             return ()
         return "shift+↑ ↓ or a click chooses an outcome", "shift+↑ ↓: another outcome"
@@ -166,13 +163,13 @@ class GraphTools(Toolbox):
         self._chosen = _state(desk), line
 
     def go_along(self, desk: Desk, step: tuple[int, int]) -> None:
-        """Choose the next outcome, or the one before."""
+        """Choose the next or previous outcome."""
         outcomes = outcomes_in(_graph_of(desk), _state(desk))
         if outcomes:
             self.choose_line(desk, (self._number(desk, outcomes) + sum(step)) % len(outcomes))
 
     def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
-        """Return chance and reward of the outcome chosen, and the time limit."""
+        """Return chance and reward of the chosen outcome, and the time limit."""
         outcome = self.outcome(desk)
         return (
             WorldNumber(CHANCE, 0.0 if outcome is None else outcome.chance),
@@ -181,7 +178,7 @@ class GraphTools(Toolbox):
         )
 
     def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
-        """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
+        """Return the edits that set the number ``name``."""
         if name == LIMIT.name:
             edits = (Edit(name, (), str(int(value))),)
             fault = fault_of(desk.draft, edits, name)
@@ -195,17 +192,17 @@ class GraphTools(Toolbox):
         return (transition_edit(_state(desk), outcome.action, entry),)
 
     def place_added(self, world: World) -> int | None:
-        """Return the state that was added, once it is there."""
+        """Return the added state once it is in ``world``."""
         names = world.space.state_names
         if self._added not in names:
             return None
         name, self._added = self._added, None
         return names.index(name)
 
-    # What actions do
+    # Outcomes of actions
 
     def choose_action(self, desk: Desk) -> None:
-        """Choose an action of the state under the cursor, or a new one, and type what it does."""
+        """Ask for an action of the state, then for its outcomes."""
         draft, state = _graph_of(desk), _state(desk)
         candidates = [
             *(Candidate(each, each, (written(draft, state, each),)) for each in actions_in(draft, state)),
@@ -238,7 +235,7 @@ class GraphTools(Toolbox):
         desk.ask(prompt, answered)
 
     def take_action_away(self, desk: Desk) -> None:
-        """Take the action chosen away."""
+        """Remove the chosen action."""
         outcome = self.outcome(desk)
         if outcome is None:
             desk.tell(_NOTHING)
@@ -246,7 +243,7 @@ class GraphTools(Toolbox):
             desk.draw((transition_edit(_state(desk), outcome.action, None),))
 
     def shift(self, desk: Desk, chance: float) -> None:
-        """Let the outcome chosen be so much likelier."""
+        """Raise the probability of the chosen outcome by ``chance``."""
         outcome = self.outcome(desk)
         try:
             if outcome is None:
@@ -258,7 +255,7 @@ class GraphTools(Toolbox):
             desk.draw((transition_edit(_state(desk), outcome.action, entry),))
 
     def ask_reward(self, desk: Desk) -> None:
-        """Type what the action chosen pays."""
+        """Ask for the reward of the chosen outcome."""
         outcome, state = self.outcome(desk), _state(desk)
         if outcome is None:
             desk.tell(_NOTHING)
@@ -272,11 +269,11 @@ class GraphTools(Toolbox):
     # States
 
     def begin_here(self, desk: Desk) -> None:
-        """Let every episode start in the state under the cursor."""
+        """Make the state under the cursor the start of every episode."""
         desk.draw((Edit("start", (), as_json(_state(desk))),))
 
     def add_state(self, desk: Desk) -> None:
-        """Type the name of a new state; an action from the one under the cursor leads there."""
+        """Ask for the name of a new state, and connect it."""
         draft, state = _graph_of(desk), _state(desk)
 
         def read(text: str) -> str:
@@ -293,18 +290,15 @@ class GraphTools(Toolbox):
         desk.ask(Prompt("A new state", hint, "", read, "add"), answered)
 
     def remove_state(self, desk: Desk) -> None:
-        """Take the state under the cursor away, and what leads there."""
+        """Remove the state under the cursor, with all outcomes that lead there."""
         desk.draw((Edit("state", (_state(desk),), "null"),))
 
     def go_on(self, desk: Desk) -> None:
-        """Put the cursor on the next state, after the last on the first."""
+        """Move the cursor to the next state, after the last to the first."""
         desk.view.put_cursor(((desk.view.cursor_place or 0) + 1) % desk.snapshot.world.space.states)
 
     def move(self, desk: Desk, columns: int, rows: int) -> None:
-        """Draw the state under the cursor a place further; what stands there changes places with it.
-
-        Where the file has no place for a state, those of the picture are put into it.
-        """
+        """Move the state under the cursor, or swap two."""
         draft, state = _graph_of(desk), _state(desk)
         place = _places(desk, draft)
         missing = [
@@ -322,34 +316,31 @@ class GraphTools(Toolbox):
     # The pointer
 
     def paint(self, desk: Desk, places: Sequence[int]) -> None:
-        """Put the cursor where it was clicked; there again, ask what is done there."""
+        """Move the cursor to the click, or ask for an action there."""
         was_there = desk.view.cursor == places[-1]
         desk.view.put_cursor(places[-1])
         if was_there:
             self.choose_action(desk)
 
     def turn(self, desk: Desk, place: int, amount: float) -> None:
-        """Let the outcome chosen in a state be likelier, or less."""
+        """Change the probability of the chosen outcome by the wheel."""
         desk.view.put_cursor(place)
         self.shift(desk, amount / 20)
 
     def outcome(self, desk: Desk) -> ActionOutcome | None:
-        """Return the outcome chosen in the state under the cursor, None where there is none."""
+        """Return the chosen outcome in the state under the cursor, or None."""
         outcomes = outcomes_in(_graph_of(desk), _state(desk))
         return outcomes[self._number(desk, outcomes)] if outcomes else None
 
     def _number(self, desk: Desk, outcomes: Sequence[ActionOutcome]) -> int:
-        """Return which of ``outcomes`` is chosen; at first it is one whose chance can be changed."""
+        """Return the index of the chosen outcome."""
         if self._chosen is not None and self._chosen[0] == _state(desk):
             return min(self._chosen[1], max(0, len(outcomes) - 1))
         return next((number for number, each in enumerate(outcomes) if not each.is_alone), 0)
 
 
 def _as_likely(outcome: ActionOutcome, chance: float) -> Mapping[str, Any]:
-    """Return the entry in which ``outcome`` has that chance. Raises ValueError, in words.
-
-    It never becomes certain or impossible: the others would forget how they shared the rest.
-    """
+    """Return the entry of ``outcome`` with probability ``chance``, except 0 and 1."""
     if outcome.is_alone:
         raise ValueError(f"{outcome.action} always leads to {outcome.to}. enter: add outcomes")
     if not 0.0 < chance < 1.0:
@@ -369,7 +360,6 @@ def _state(desk: Desk) -> str:
 
 
 def _places(desk: Desk, draft: GraphDraft) -> dict[str, Sequence[int]]:
-    """Return where each state stands: as it is drawn, as the draft says where that is known."""
     world = desk.snapshot.world
     assert isinstance(world.drawing, Graph)
     seen = dict(zip(world.space.state_names, world.drawing.places, strict=True))

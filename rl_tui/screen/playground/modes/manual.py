@@ -1,4 +1,4 @@
-"""A person in place of the agent."""
+"""The mode in which a person acts in place of the agent."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _HAND_BACK: Final = " · y: hand back"
 
 
 class ManualControl(KeyMode):
-    """Taking over, acting, and handing back; while it is on, a person is the agent."""
+    """The mode in which a person takes the agent's steps."""
 
     keys: ClassVar[Mapping[str, str]] = {
         **dict.fromkeys(STEPS, "Go there"),
@@ -43,18 +43,18 @@ class ManualControl(KeyMode):
     _has_resumed = False
 
     def takes(self, key: str) -> bool:
-        """Return whether ``key`` acts or hands back."""
+        """Return True if ``key`` acts or hands back."""
         snapshot = self.snapshot
         if key in STEPS:
             return snapshot is not None and has_directions(snapshot.world)
         return key in DIGITS or key == LEAVE
 
     def has_on_a_page(self, key: str) -> bool:
-        """Return whether ``key`` is a digit and a lesson's page has the focus: "now press `1`", it says."""
+        """Return True for digits while a lesson page has the focus."""
         return key in DIGITS and self.screen.focused is self.board.lesson.panel
 
     def press(self, key: str) -> None:
-        """Take the action of ``key``, in view; escape hands back."""
+        """Take the action of ``key`` in view of the world, or hand back."""
         snapshot = self.snapshot
         if not self.board.lesson.is_docked:
             self.board.lesson.reads = False
@@ -68,7 +68,7 @@ class ManualControl(KeyMode):
             self._take(snapshot, digit_keys(snapshot.world, acts_in(snapshot)).get(key), key)
 
     def why_not(self, deed: str) -> str:
-        """Return why a person cannot be the agent now."""
+        """Return why a person cannot act now."""
         return "" if self.is_on or self.snapshot is None else _refused(self.snapshot)
 
     def toggle(self) -> None:
@@ -92,7 +92,7 @@ class ManualControl(KeyMode):
         self.screen.tell(text)
 
     def resume(self, snapshot: Snapshot) -> None:
-        """Take over again where a lesson goes on behind a step that a person took; only at its beginning."""
+        """Take over again, once, if a resumed lesson follows a person's step."""
         if self._has_resumed or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
             return
         self._has_resumed = True
@@ -102,23 +102,23 @@ class ManualControl(KeyMode):
             self.show(snapshot)
 
     def enter(self) -> None:
-        """Let a person be the agent."""
+        """Take over."""
         super().enter()
         self._show(is_on=True)
 
     def leave(self) -> None:
-        """Let the agent act again."""
+        """Hand back."""
         if self.is_on:
             super().leave()
             self._show(is_on=False)
 
     def note(self, command: Command) -> None:
-        """Hand back where the agent is asked to go on by itself, or the run starts again."""
+        """Hand back if ``command`` makes the agent act or restarts the run."""
         if isinstance(command, Play | WatchLearning | RunEpisode | RunUntil | Restart):
             self.leave()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show what can be done in ``snapshot``; hand back where nothing can be done any more."""
+        """Show the available actions in ``snapshot``, or hand back if there are none."""
         refused = _refused(snapshot)
         if refused:
             self.leave()
@@ -130,7 +130,7 @@ class ManualControl(KeyMode):
         if record is not None and "run" in record.hidden:
             hints, border = (_HINTS[0], _HINTS[-1]), (f"{PREDICT_FIRST}{_HAND_BACK}", PREDICT_FIRST)
         if record is not None and (offers := self.board.lesson.panel.offers):
-            hints = (*offers[-1][:1], *hints)  # first what the page asks for, in few words
+            hints = (*offers[-1][:1], *hints)  # first the key that the page asks for
         self._write(title(snapshot, glyphs), border, hints)
 
     def _take(self, snapshot: Snapshot, action: int | None, key: str) -> None:
@@ -158,7 +158,7 @@ _HINTS: Final = (
 
 
 def _refused(snapshot: Snapshot) -> str:
-    """Return why a person cannot act in place of the agent, empty if that is possible."""
+    """Return why a person cannot act for the agent, or an empty string."""
     name = snapshot.agent.row.name
     if snapshot.agent.row.planner:
         return f"{name} takes no actions: it plans. a a: choose an agent"
@@ -166,10 +166,7 @@ def _refused(snapshot: Snapshot) -> str:
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return what a panel is called while a person acts in it, the longest form first.
-
-    After an episode it tells where the next one starts: the agent is still seen where the last one ended.
-    """
+    """Return the title of a panel, longest form first."""
     state = acts_in(snapshot)
     if isinstance(snapshot.world.drawing, Arms) or state == snapshot.counters.state:
         return (MANUAL_TITLE,)
@@ -178,7 +175,7 @@ def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
 
 
 def prompts(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return the legal actions with their digits, and how to hand back, the longest form first."""
+    """Return the available actions and the way back, longest form first."""
     keys = _keys(snapshot)
     brief = (f"{keys}: act{_HAND_BACK}", f"{keys}: act", "y: hand back")
     forms = actions_in_a_line(snapshot.world, acts_in(snapshot), glyphs)

@@ -60,7 +60,7 @@ def _turn(name: str, _: object, desk: Desk) -> None:
 
 
 def _value(name: str, _: object, desk: Desk) -> str:
-    """Return what a rule is, a switch as on or off."""
+    """Return the value of a rule, or on or off for a switch."""
     value = rule_of(desk.draft, name)
     return {True: "on", False: "off", "leaving": "on", "entering": "off"}.get(value, str(value))
 
@@ -187,11 +187,11 @@ MAP_TOOLS: Final = (
 
 
 ARROW: Final = Brush(_ARROW_KEY, "A", "arrow")
-"""In place of a brush: a click moves the cursor only."""
+"""In place of a brush when clicks only move the cursor."""
 
 
 class MapTools(Toolbox):
-    """Draws on a map. It remembers the brush, a corner, what was copied, and where a jump begins."""
+    """Tools for a map: a brush, rectangles, copies and jumps."""
 
     tools = MAP_TOOLS
     rest = "rows, copy, rules, save"
@@ -203,10 +203,10 @@ class MapTools(Toolbox):
         self._jump_from: int | None = None
         self._added: tuple[tuple[int, int], int] | None = None  # the size of the map with it, and its cell
 
-    # What is shown
+    # Display
 
     def about(self, desk: Desk) -> tuple[str, ...]:
-        """Return what stands under the cursor, and what it pays."""
+        """Return the cell under the cursor and its reward."""
         row, column = _here(desk)
         character = _map_of(desk).lines[row][column]
         entry = _map_of(desk).legend.get(character)
@@ -218,7 +218,7 @@ class MapTools(Toolbox):
 
     @property
     def in_hand(self) -> ToolCell:
-        """The current brush, or a jump that was begun."""
+        """The current brush, or an unfinished jump."""
         if self._jump_from is not None:
             jump = next(each for each in self.tools if each.key == _JUMP)
             return ToolCell(_JUMP, _JUMP, jump.label, sign=jump.sign)
@@ -227,7 +227,7 @@ class MapTools(Toolbox):
         return ToolCell(brush.key, shown, brush.label, sign=brush.sign)
 
     def advice(self, desk: Desk) -> tuple[str, ...]:
-        """Return what enter, a click or a drag does with what is in hand."""
+        """Return what enter, a click or a drag does now."""
         if self._jump_from is not None:
             return "enter or a click: where it leads · esc: drop it", "enter: it leads here", "enter: to here"
         if self._brush is ARROW:
@@ -236,16 +236,16 @@ class MapTools(Toolbox):
 
     @property
     def is_marking(self) -> bool:
-        """Whether a rectangle was begun."""
+        """True if a rectangle was begun."""
         return self._corner is not None
 
     @property
     def has_copied(self) -> bool:
-        """Whether there is something to put down."""
+        """True if there is something to paste."""
         return bool(self._copied)
 
     def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
-        """Return the numbers of the map, what the cell pays, and the wind where it is."""
+        """Return the numbers of the map and of the cell."""
         draft, (row, column) = _map_of(desk), _here(desk)
         entry = draft.legend.get(draft.lines[row][column])
         return (
@@ -258,11 +258,11 @@ class MapTools(Toolbox):
         )
 
     def can_pay(self, desk: Desk) -> bool:
-        """Return whether what is picked can pay something."""
+        """Return True if the selected cells can have a reward."""
         return pays(_map_of(desk), *self._rectangle(desk))
 
     def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
-        """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
+        """Return the edits that set the number ``name``."""
         draft, (row, column) = _map_of(desk), _here(desk)
         if name == PAYS.name:
             if not self.can_pay(desk):
@@ -283,10 +283,10 @@ class MapTools(Toolbox):
         width = _drawing(desk).columns
         return frozenset(row * width + column for row, column in self._cells(desk))
 
-    # The pointer, and keys that move
+    # Pointer and moving keys
 
     def paint(self, desk: Desk, places: Sequence[int]) -> None:
-        """Paint the brush at ``places``; the arrow marks them, and a jump that was begun ends there."""
+        """Paint or mark ``places``, or end an unfinished jump there."""
         before = desk.view.cursor_place
         desk.view.put_cursor(places[-1])
         if self._jump_from is not None:
@@ -299,11 +299,11 @@ class MapTools(Toolbox):
             self._corner = None
 
     def turn(self, desk: Desk, place: int, amount: float) -> None:
-        """Let a cell pay so much more."""
+        """Raise the reward of a cell."""
         self._pay_more(desk, [_cell(desk, place)], amount)
 
     def go_along(self, desk: Desk, step: tuple[int, int]) -> None:
-        """Paint under the cursor and where it moves; the arrow marks a rectangle on the way."""
+        """Paint towards ``step``, or extend a rectangle."""
         before = desk.view.cursor_place
         if before is None:
             return
@@ -315,7 +315,7 @@ class MapTools(Toolbox):
         desk.view.put_cursor(there)
 
     def place_added(self, world: World) -> int | None:
-        """Return the cell of the row or column that was added before the cursor, once it is there."""
+        """Return the cell of an added row or column, once in ``world``."""
         grid = world.drawing
         if self._added is None or not isinstance(grid, Grid):
             return None
@@ -328,22 +328,22 @@ class MapTools(Toolbox):
     # Brushes
 
     def take(self, brush: Brush, desk: Desk) -> None:
-        """Take a brush, and paint with it what is picked."""
+        """Take a brush, and paint the selected cells with it."""
         self._brush = brush
         self._fill_rectangle(desk)
 
     def choose(self, brush: Brush, desk: Desk) -> None:
-        """Take a brush that was clicked; only a rectangle is painted at once."""
+        """Take a clicked brush, and paint a rectangle if there is one."""
         self._brush = brush
         if self._corner is not None:
             self._fill_rectangle(desk)
 
     def point(self, desk: Desk) -> None:
-        """Let a click move the cursor only."""
+        """Drop the brush, so that clicks only move the cursor."""
         self._brush = ARROW
 
     def pick_up(self, desk: Desk) -> None:
-        """Take what is under the cursor for the brush."""
+        """Make the cell under the cursor the brush."""
         row, column = _here(desk)
         character = _map_of(desk).lines[row][column]
         self._brush = Brush(_PICK, character, called(_map_of(desk).legend.get(character)))
@@ -361,7 +361,7 @@ class MapTools(Toolbox):
             desk.tell(str(fault))
 
     def fill(self, desk: Desk) -> None:
-        """Paint the rectangle, or else the whole region of cells like the one under the cursor."""
+        """Paint the rectangle, or else the region of equal cells around the cursor."""
         if self._corner is not None:
             self._fill_rectangle(desk)
         elif self._brush is not ARROW:
@@ -381,18 +381,18 @@ class MapTools(Toolbox):
     # Jumps, rewards, rectangles, lines
 
     def begin_jump(self, desk: Desk) -> None:
-        """Let a jump begin under the cursor."""
+        """Start a jump under the cursor."""
         self._jump_from = desk.view.cursor_place
         desk.tell("Go to the end of the jump, then press enter.")
 
     def cancel(self) -> bool:
-        """Forget a jump or a rectangle that was begun; return whether there was one."""
+        """Cancel an unfinished jump or rectangle. Return True if there was one."""
         had = self._jump_from is not None or self._corner is not None
         self._jump_from = self._corner = None
         return had
 
     def ask_reward(self, desk: Desk) -> None:
-        """Type what the cells that are picked pay."""
+        """Ask for the reward of the selected cells."""
         draft, (rows, columns) = _map_of(desk), self._rectangle(desk)
         entry = draft.legend.get(draft.lines[rows.start][columns.start])
         now = 0.0 if entry is None else entry.pays
@@ -407,7 +407,7 @@ class MapTools(Toolbox):
         return Edit("reward", (span(rows), span(columns)), repr(value))
 
     def pay(self, amount: float, desk: Desk) -> None:
-        """Let what is picked pay so much more."""
+        """Raise the reward of the selected cells by ``amount``."""
         self._pay_more(desk, self._cells(desk), amount)
 
     def _pay_more(self, desk: Desk, cells: Sequence[Cell], amount: float) -> None:
@@ -418,11 +418,11 @@ class MapTools(Toolbox):
             desk.tell(_WALL_PAYS)
 
     def mark(self, desk: Desk) -> None:
-        """Begin a rectangle under the cursor, or drop the one there is."""
+        """Start a rectangle under the cursor, or drop the current one."""
         self._corner = desk.view.cursor_place if self._corner is None else None
 
     def copy(self, desk: Desk) -> None:
-        """Copy what is picked."""
+        """Copy the selected cells."""
         rows, columns = self._rectangle(desk)
         lines = _map_of(desk).lines
         self._copied = tuple(lines[row][columns.start : columns.stop] for row in rows)
@@ -430,7 +430,7 @@ class MapTools(Toolbox):
         desk.tell(f"copied {len(rows)} × {len(columns)} cells: w v puts them down")
 
     def paste(self, desk: Desk) -> None:
-        """Put down what was copied, its upper left corner under the cursor, as far as the map goes."""
+        """Paste the copy at the cursor, clipped by the map."""
         draft, (top, left) = _map_of(desk), _here(desk)
         cells = {
             (top + row, left + column): character
@@ -441,7 +441,7 @@ class MapTools(Toolbox):
         desk.draw(tuple(runs(list(cells), cells.__getitem__)))
 
     def resize(self, name: str, count: int, desk: Desk, *, at_end: bool = False) -> None:
-        """Add a row or a column before the cursor, or ``at_end``, or take away the one it is in."""
+        """Add a row or column before the cursor or ``at_end``, or remove one."""
         draft, (row, column) = _map_of(desk), _here(desk)
         self._corner = self._jump_from = None
         last, here = (draft.rows, row) if name == "rows" else (draft.columns, column)
@@ -451,7 +451,6 @@ class MapTools(Toolbox):
         desk.draw((Edit(name, (), f"{count:+d}@{last if at_end else here}"),))
 
     def _rectangle(self, desk: Desk) -> tuple[range, range]:
-        """Return the rows and columns from the corner to the cursor; without a corner those of one cell."""
         place = desk.view.cursor_place or 0
         corner = place if self._corner is None else self._corner
         (top, left), (bottom, right) = _cell(desk, corner), _cell(desk, place)
@@ -476,7 +475,7 @@ def _drawing(desk: Desk) -> Grid:
 
 
 def _cell(desk: Desk, place: int) -> Cell:
-    """Return row and column of a place of the picture; a line that is being taken away has the next ones."""
+    """Return the draft's cell of a place, even if its line was removed."""
     row, column = divmod(place, _drawing(desk).columns)
     return min(row, _map_of(desk).rows - 1), min(column, _map_of(desk).columns - 1)
 

@@ -1,4 +1,4 @@
-"""The numbers of a world that have a slider: what they are, and between which ends they slide."""
+"""The numbers of a world that have a slider, with their ranges."""
 
 from __future__ import annotations
 

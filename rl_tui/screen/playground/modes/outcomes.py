@@ -1,4 +1,4 @@
-"""What an action does, in a line that can be typed, and outcome by outcome."""
+"""Outcomes of an action: as a typed line, and one by one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _PAYS: Final = " pays "
 
 
 class ActionOutcome(NamedTuple):
-    """One thing that may come of ``action``, of which ``entry`` is all that is drawn."""
+    """A possible outcome of ``action``. ``entry`` holds all outcomes of the action."""
 
     action: str
     to: str
@@ -27,12 +27,12 @@ class ActionOutcome(NamedTuple):
 
     @property
     def is_alone(self) -> bool:
-        """Whether nothing else may come of the action."""
+        """True if the action has no other outcome."""
         return len(chances_of(self.entry)) == 1
 
 
 def outcomes_in(draft: GraphDraft, state: str) -> list[ActionOutcome]:
-    """Return every outcome of every action in ``state``, in the order of the file."""
+    """Return every outcome in ``state``, in the order of the file."""
     return [
         ActionOutcome(str(entry["action"]), to, chance, _pays(entry, to), entry)
         for entry in draft.transitions
@@ -48,14 +48,13 @@ def _pays(entry: Mapping[str, Any], to: str) -> float:
 
 
 def _own(entry: Mapping[str, Any], to: str) -> Mapping[str, Any]:
-    """Return what an outcome says of itself besides its chance."""
     outcomes = entry.get("to")
     own = outcomes.get(to) if isinstance(outcomes, Mapping) else None
     return own if isinstance(own, Mapping) else {}
 
 
 def paying(outcome: ActionOutcome, reward: float) -> dict[str, Any]:
-    """Return the entry of ``outcome`` with another reward: that of the outcome if it has one of its own."""
+    """Return the entry of ``outcome`` with another reward."""
     entry = outcome.entry
     if "reward" not in _own(entry, outcome.to):
         return {**entry, "reward": reward}
@@ -63,12 +62,12 @@ def paying(outcome: ActionOutcome, reward: float) -> dict[str, Any]:
 
 
 def actions_in(draft: GraphDraft, state: str) -> list[str]:
-    """Return the names of what can be done in ``state``."""
+    """Return the names of the actions in ``state``."""
     return [str(each["action"]) for each in draft.transitions if each.get("state") == state]
 
 
 def written(draft: GraphDraft, state: str, action: str) -> str:
-    """Return what ``action`` does in a line, empty where it is new; as JSON where no line says it all."""
+    """Return the outcomes of ``action`` as typed, empty if new."""
     entry = draft.entry(state, action)
     if entry is None:
         return ""
@@ -85,9 +84,10 @@ def written(draft: GraphDraft, state: str, action: str) -> str:
 
 
 def read_outcomes(draft: GraphDraft, state: str, action: str, text: str) -> str:
-    """Return the value of the edit that lets ``action`` do what was typed.
+    """Return the value of the edit that sets the outcomes of ``action`` to the typed text.
 
-    What does not fit the rest of the graph yet may be drawn. Raises ValueError where it is no action at all.
+    Raises:
+        ValueError: The text does not describe an action.
     """
     typed = text.strip()
     value = json_in(typed) if typed.startswith("{") else as_json(_entry(typed) if typed else None)
@@ -102,7 +102,6 @@ def read_outcomes(draft: GraphDraft, state: str, action: str, text: str) -> str:
 
 
 def _entry(text: str) -> dict[str, object]:
-    """Return what ``Pass 0.8, Class 0.2 pays -2`` says; a last chance that is left out is the rest."""
     outcomes, _, reward = text.partition(_PAYS.rstrip())
     to: dict[str, float] = {}
     named = [each.strip() for each in outcomes.split(",") if each.strip()]
@@ -124,7 +123,11 @@ def _entry(text: str) -> dict[str, object]:
 
 
 def read_name(text: str) -> str:
-    """Return the name that was typed. Raises ValueError where that is none."""
+    """Return the typed name.
+
+    Raises:
+        ValueError: It is empty.
+    """
     if not text.strip():
         raise ValueError("expected a name")
     return text.strip()

@@ -1,8 +1,4 @@
-"""The tools of the world editor in general, and the rules that hold for a whole world.
-
-A rule is a setting such as noise, wind or the time limit; it is typed or chosen from a list. A tool is
-one row of the toolbox for a kind of world.
-"""
+"""The base of tools of the world editor, and the rules of a world."""
 
 from __future__ import annotations
 
@@ -50,18 +46,18 @@ RULES: Final[dict[str, dict[str, str]]] = {
         "drift": "standard deviation of the step that every mean takes after every pull",
     },
 }
-"""What can be set for a whole world, and what that is."""
+"""The rules of each kind of world, and their meanings."""
 WORDS: Final[dict[str, tuple[str, ...]]] = {
     "slippery": ("false", "true"),
     "gusts": ("false", "true"),
     "rewards": REWARDS,
     "moves": tuple(MOVES),
 }
-"""What a rule may be that is no number."""
+"""The values of rules that are words."""
 
 
 def ask_rules(_: object, desk: Desk) -> None:
-    """Choose one of the rules, and type or choose what it is to be."""
+    """Ask for a rule, then for its value."""
     draft = desk.draft
     candidates = [
         Candidate(name, name, (text,), value=rule_value(draft, name))
@@ -96,7 +92,7 @@ def _ask_rule(desk: Desk, name: str) -> None:
 
 
 def next_word(desk: Desk, name: str) -> None:
-    """Let a rule be the next of its words, where it can be that."""
+    """Set a rule to the next of its words, if possible."""
     words, now = WORDS[name], rule_value(desk.draft, name)
     edit = rule_edit(name, words[(words.index(now) + 1) % len(words)] if now in words else words[0])
     fault = fault_of(desk.draft, (edit,), name)
@@ -107,10 +103,7 @@ def next_word(desk: Desk, name: str) -> None:
 
 
 def fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:
-    """Return why the rule ``name`` of ``draft`` cannot be what ``edits`` say; empty where it can.
-
-    What was unfinished before is no reason.
-    """
+    """Return why ``edits`` to the rule ``name`` are impossible, or an empty string."""
     before = draft.findings
     try:
         for edit in edits:
@@ -124,24 +117,24 @@ def fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:
 
 
 def rule_edit(name: str, text: str) -> Edit:
-    """Return the edit that sets the rule ``name`` to what was typed, as a session reads it again."""
+    """Return the edit that sets the rule ``name`` to typed text."""
     value = text.strip()
     if BETWEEN in value or value.startswith(JSON_BEGINS):
         try:
             value = json_in(value)
         except ValueError:
-            value = as_json(value)  # a name that looks like more than that
+            value = as_json(value)  # a name that only looks like JSON
     return Edit(name, (), value)
 
 
 def rule_value(draft: Draft, name: str) -> str:
-    """Return what the rule ``name`` is in ``draft``, as it is typed."""
+    """Return the value of the rule ``name`` in ``draft``, in typed form."""
     value = rule_of(draft, name)
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
 def rule_of(draft: Draft, name: str) -> Any:
-    """Return what the rule ``name`` is in ``draft``: as drawn, else the usual."""
+    """Return the value of the rule ``name`` in ``draft``, or its default."""
     value = draft.rules.get(name)
     if value is None:
         value = draft.section_class.model_fields[name].get_default(call_default_factory=True)
@@ -149,7 +142,7 @@ def rule_of(draft: Draft, name: str) -> Any:
 
 
 def number_of(draft: Draft, name: str) -> float:
-    """Return the number that the rule ``name`` is; 0 where what stands there is none."""
+    """Return the number of the rule ``name``, 0 if it is not a number."""
     value = rule_of(draft, name)
     return float(value) if isinstance(value, int | float) else 0.0
 
@@ -159,7 +152,7 @@ def number_of(draft: Draft, name: str) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Desk:
-    """What a tool works with: the picture, the newest snapshot, what is drawn, and the ways to speak."""
+    """The inputs of a tool."""
 
     view: WorldView
     snapshot: Snapshot
@@ -180,15 +173,12 @@ def _nothing(_: object, __: Desk) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """One thing to draw with: panel, key line, menu, help, palette and docs derive from this row.
+    """One drawing tool, from which panel, key line, menu, help, palette and docs derive.
 
-    ``key`` is Textual's name of the key, or that of a menu and a letter there; ``symbol`` is how people see
-    it where that is otherwise. ``label`` has at most two words, ``help`` is a sentence of at most ten.
-    ``use`` gets the toolbox, or whatever the tool belongs to, and the desk; ``click`` is what a click on it
-    does instead. ``why_not`` tells why it can do nothing now, ``value`` what is current, for the menu.
-    ``rank`` orders the key line (None: it is not there), and ``hint`` replaces key and label there, for tools
-    that share an entry. A brush has a ``sign`` as on the map. In the panel what ``is_of_number`` stands
-    above the first slider, and what ``is_told`` is said otherwise.
+    * ``key``: Textual's name, or a menu key and a letter. ``symbol``: how people see it.
+    * ``use``: called with the tool's owner and the desk. ``click``: replaces it for a click.
+    * ``rank``, ``hint``: order, and key and label, on the key line.
+    * ``is_of_number``: shown above the first slider of the panel. ``is_told``: shown elsewhere.
     """
 
     key: str
@@ -207,78 +197,82 @@ class Tool:
 
     @property
     def shown(self) -> str:
-        """How people see its key."""
+        """The key as people see it."""
         return self.symbol or self.key
 
     @property
     def in_panel(self) -> bool:
-        """Whether the panel lists it."""
+        """True if the panel lists it."""
         return not (self.is_told or self.is_of_number or self.is_in_menu)
 
     @property
     def is_in_menu(self) -> bool:
-        """Whether a menu has it, and no single key."""
+        """True if it is in a menu and has no single key."""
         return " " in self.key
 
 
 class Toolbox(ABC):
-    """The tools of one kind of world, and what is remembered between two of them."""
+    """The tools of one kind of world, with their memory."""
 
     tools: ClassVar[tuple[Tool, ...]]
     rest: ClassVar[str]
-    """What the menu of the world has while it is drawn, in a few words."""
+    """A few words about the menu of the world during editing."""
 
     @property
     def in_hand(self) -> ToolCell | None:
-        """What there is to paint with, as the panel shows it; None where nothing is painted."""
+        """The current brush as the panel shows it, or None."""
         return None
 
     @abstractmethod
     def about(self, desk: Desk) -> tuple[str, ...]:
-        """Return what stands under the cursor, the longest form first."""
+        """Return the contents under the cursor, longest form first."""
 
     def advice(self, desk: Desk) -> tuple[str, ...]:
-        """Return what a click does now, the longest form first."""
+        """Return what a click does now, longest form first."""
         return ()
 
     def lines(self, desk: Desk) -> tuple[SheetLine, ...]:
-        """Return lines to choose from, what tools are about besides the place under the cursor."""
+        """Return lines to choose from, for tools that need more than a place."""
         return ()
 
     def choose_line(self, desk: Desk, line: int) -> None:
-        """Choose one of them."""
+        """Choose one of the lines."""
         raise NotImplementedError
 
     def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
-        """Return the numbers that have a slider."""
+        """Return the numbers with a slider."""
         return ()
 
     def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
-        """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
+        """Return the edits that set the number ``name``.
+
+        Raises:
+            ValueError: The value is not possible.
+        """
         raise NotImplementedError
 
     def picked(self, desk: Desk) -> frozenset[int]:
-        """Return the places that the next tool is about, besides the one under the cursor."""
+        """Return the places selected for the next tool."""
         return frozenset()
 
     @abstractmethod
     def paint(self, desk: Desk, places: Sequence[int]) -> None:
-        """Draw at the ``places`` over which the pointer was drawn, or that was clicked."""
+        """Draw at ``places``, from a drag or a click."""
 
     @abstractmethod
     def turn(self, desk: Desk, place: int, amount: float) -> None:
-        """Change what a place pays, by the wheel."""
+        """Change the reward of a place by the wheel."""
 
     def go_along(self, desk: Desk, step: tuple[int, int]) -> None:
-        """Do what shift and an arrow mean, a step (rows down, columns right): move, if nothing more."""
+        """Handle shift and an arrow, by default a move of the cursor."""
         place = desk.view.cursor_place
         if place is not None:
             desk.view.put_cursor(desk.view.moved(place, *step))
 
     def cancel(self) -> bool:
-        """Forget what was begun and not ended; return whether there was something."""
+        """Cancel an unfinished action. Return True if there was one."""
         return False
 
     def place_added(self, world: World) -> int | None:
-        """Return the place of what a tool has added, the first time that it is in ``world``; else None."""
+        """Return the place that a tool has added, once, or None."""
         return None

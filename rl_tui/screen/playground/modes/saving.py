@@ -1,4 +1,4 @@
-"""Saving what was drawn as a scenario file."""
+"""Saving the edited world as a scenario file."""
 
 from __future__ import annotations
 
@@ -21,15 +21,12 @@ _HINT: Final = "a name, for one of your own scenarios, or a path such as ./my-ma
 
 @dataclass(eq=False)
 class ScenarioSaving(Subject):
-    """Asks under which name, and never writes over what somebody else has changed.
-
-    It knows the file that was read or written last: that one is written over, and no other.
-    """
+    """The dialog that saves the world, and never overwrites the changes of others."""
 
     _file: ScenarioFile | None = None
 
     def save(self) -> None:
-        """Save the world as it is drawn."""
+        """Save the edited world."""
         snapshot = self.snapshot
         if snapshot is None or snapshot.editor.draft is None:
             return

@@ -1,4 +1,4 @@
-"""What the screen says while a person draws the world, and how what is typed is read."""
+"""Texts of the screen while a person edits the world."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
 
 END: Final = "esc: end"
-_MISSING: Final = "nothing"  # is found where the world needs what is not there
+_MISSING: Final = "nothing"  # "found" in findings about missing parts
 
 
 def title(snapshot: Snapshot) -> tuple[str, ...]:
-    """Return what the world is called while it is drawn, the longest form first."""
+    """Return the title of the world during editing, longest form first."""
     editor = snapshot.editor
     if editor.unfinished:
         first = editor.unfinished[0]
@@ -39,18 +39,22 @@ def title(snapshot: Snapshot) -> tuple[str, ...]:
 
 
 def prompts(snapshot: Snapshot, about: Sequence[str]) -> tuple[str, ...]:
-    """Return what stands below the picture: what is ``about`` the cursor, and how to leave."""
+    """Return the texts below the picture: ``about`` the cursor, and how to leave."""
     undo = " · z: undo" if snapshot.editor.can_undo else ""
     return (*(f"{each}{undo} · {END}" for each in about), *(f"{each} · {END}" for each in about), *about, END)
 
 
 def number_text(value: float, digits: int = 6) -> str:
-    """Return a number as the screen says it, with its minus sign."""
+    """Return a number with the minus sign of the screen."""
     return f"{value:.{digits}g}".replace("-", "−")
 
 
 def number_in(text: str) -> float:
-    """Return the number that was typed. Raises ValueError."""
+    """Return the typed number.
+
+    Raises:
+        ValueError: It is not a number, or too large.
+    """
     try:
         number = float(text.replace("−", "-"))
     except ValueError:
