@@ -44,7 +44,7 @@ class Subject:
         return ""
 
     def ask(self, dialog: Dialog[Answer], answered: Callable[[Answer], None]) -> None:
-        """Open ``dialog``, beside the page of a lesson. ``answered`` gets the answer unless it was cancelled."""
+        """Open ``dialog``, beside a lesson's page; ``answered`` gets the answer unless it is cancelled."""
 
         def close(answer: Answer | None) -> None:
             if answer is not None:
