@@ -1,4 +1,4 @@
-"""The box of page 136 as it is printed; each table counts its own updates."""
+"""The box on page 136, line by line. Each table counts its own updates."""
 
 from plain_world import PlainWorld, Table
 

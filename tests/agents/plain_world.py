@@ -1,4 +1,4 @@
-"""The agent's side and the world's, slow and plain and without the program's kernels, for boxes to run on."""
+"""A plain agent and world, without the program's kernels, on which the boxes run."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class Answer(NamedTuple):
 
 
 class PlainWorld:
-    """A world that lasts ``steps`` steps, drawing from its stream just as the program does.
+    """A world that lasts ``steps`` steps and draws from its stream exactly as the program does.
 
-    A box runs ``while world.steps_left``, in every episode from ``start`` on, and returns its table. What
-    holds for a whole episode (ε, α) is that of the last ``start``. ``visits`` and ``finished``, the (return,
-    length) of each finished episode, are kept here.
+    A box runs ``while world.steps_left``, begins every episode with ``start`` and returns its table.
+    ε and α hold for a whole episode: they are set by the last ``start``. ``visits`` counts visits.
+    ``finished`` lists the (return, length) of each finished episode.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class PlainWorld:
         return dict.fromkeys(range(self.mdp.pairs), 0)
 
     def start(self) -> int:
-        """Begin an episode; return its first state."""
+        """Begin an episode and return its first state."""
         self.episode += 1
         self.rewards: list[float] = []
         if len(self.mdp.start_state) == 1:
@@ -87,7 +87,7 @@ class PlainWorld:
         return self.argmax(state, q, (draw - epsilon) / (1 - epsilon))
 
     def argmax(self, state: int, q: Table, draw: float) -> int:
-        """Return the best pair; ``draw`` in [0, 1) decides between equals, where ties are random."""
+        """Return the best pair. If ties are random, ``draw`` in [0, 1) decides between equals."""
         best = [pair for pair in self.pairs(state) if q[pair] == self.best(state, q)]
         return (
             best[0]

@@ -1,4 +1,4 @@
-"""Many runs by one call of machine code: each has the bits of the run alone, however the work is cut."""
+"""Many runs in one call of machine code have the bits of single runs, however the work is divided."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_a_row_of_a_stack_is_what_was_stacked() -> None:
 
 @st.composite
 def maps(draw: st.DrawFn) -> TabularMDP:
-    """Draw a world with four actions in every state that is no end, slips, noise and perhaps a time limit."""
+    """Draw a world with four actions in every non-terminal state, slips, noise and perhaps a time limit."""
     states = draw(st.integers(2, 6))
     generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     ends = {int(generator.integers(1, states))}

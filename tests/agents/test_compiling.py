@@ -1,4 +1,4 @@
-"""How a process comes by machine code: the cache, one worker process, or compiling it itself."""
+"""The three sources of machine code: the cache, one worker process, or compiling in this process."""
 
 from __future__ import annotations
 
@@ -331,7 +331,7 @@ def test_the_worker_answers_each_line() -> None:
 
 @pytest.fixture
 def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty cache for all that goes by its folder; numba has another one."""
+    """An empty cache for everything that uses its folder. Numba has another cache."""
     folder = tmp_path / "cache"
     folder.mkdir()
     for module in (cache_folder, compiler_lock, loops):
@@ -341,7 +341,7 @@ def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def made(monkeypatch: pytest.MonkeyPatch) -> list[Loop]:
-    """What is compiled, or read, in place of doing it."""
+    """A list of everything that would be compiled or read; nothing really is."""
     made: list[Loop] = []
     monkeypatch.setattr(loops, "COMPILED_LOOPS", set[Loop]())
     monkeypatch.setattr(loops, "_make", made.append)

@@ -1,4 +1,4 @@
-"""Machine code among real processes: one compiles for all, and the worker outlives nobody."""
+"""Machine code in real processes: one compiles for all, and the worker ends with its last user."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rewards of the episode under way, and what they come to discounted."""
+"""The rewards of the current episode and their discounted sum."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What holds for every algorithm, a row of the catalogue after the other."""
+"""Rules that hold for every algorithm, one catalogue row after the other."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabul
 
 
 def written(*algorithms: str) -> list[Any]:
-    """Return these algorithms as parameters of a test; those that are still to come are skipped."""
+    """Return these algorithms as test parameters; those not yet written are skipped."""
     return [
         pytest.param(
             algorithm,
@@ -241,7 +241,7 @@ def test_the_bootstrap_was_read_from_the_state_that_is_named(
             continue
         assert last.learned
         assert (row.update.one_step and is_elsewhere) or (state == last.next_state and not last.terminated)
-        # Where several updates were made and the last is told, the estimates have moved on the way
+        # With several updates, the estimates have already moved by the time of the last
         if row.update.one_step or not last.others:
             estimates = [table[pair] for table in tables[-2:] for pair in mdp.pairs_of(state)]
             slack = 1e-12 * max(map(abs, estimates))

@@ -1,4 +1,4 @@
-"""What never ends: refusals at γ = 1 and figures that do not exist."""
+"""Worlds that never end: refusals at γ = 1, and numbers that do not exist."""
 
 from __future__ import annotations
 

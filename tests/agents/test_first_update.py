@@ -1,4 +1,4 @@
-"""How long nothing is learned: known waits, each in a second way, and against the learner itself."""
+"""The wait until the first update: known waits, each computed a second way and measured on the learner."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def answer(mdp: TabularMDP, **values: Any) -> FirstUpdate:
 
 
 def corridor(length: int, time_limit: int, back_first: bool = True) -> TabularMDP:
-    """A row of states with a reward beyond its end; the wall at its start is bumped into."""
+    """A row of states with a reward beyond its end. A step back from the start hits a wall."""
     names = ["back", "on"] if back_first else ["on", "back"]
     back, on = names.index("back"), names.index("on")
     transitions = []
@@ -57,9 +57,9 @@ def corridor(length: int, time_limit: int, back_first: bool = True) -> TabularMD
 
 
 def by_the_chain(mdp: TabularMDP, params: Hyperparameters, steps: int) -> tuple[float, float]:
-    """Return the chances that an episode was told something, and that it goes on, after so many steps.
+    """Return the chances that an episode has had an update, and that it continues, after these many steps.
 
-    It follows where an episode may be, step by step, with rules of its own for what is done and what tells.
+    It follows the distribution of states step by step, with its own rules for actions and updates.
     """
     told = np.zeros(mdp.states)
     silent = np.zeros((mdp.states, mdp.states))

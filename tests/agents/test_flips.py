@@ -148,7 +148,7 @@ def test_the_plain_way_finds_a_flip_missed_and_one_invented() -> None:
 
 
 def test_what_only_touches_is_no_flip() -> None:
-    # 1/4 − γ + γ² = (γ − 1/2)²: waiting is as good as stopping at γ = 1/2 alone
+    # 1/4 − γ + γ² = (γ − 1/2)²: waiting is as good as stopping only at γ = 1/2
     mdp = world(
         ("here", "stop", [(1.0, "end", 0.25)]),
         ("here", "go", [(1.0, "there", 0.0)]),

@@ -35,7 +35,7 @@ print(machine_code(21.0), CACHED, sum(machine_code.stats.cache_hits.values()))
 
 
 def run_with_cache(folder: Path, script: Path, **also: str) -> str:
-    if not script.exists():  # a younger script would not be the one that was compiled
+    if not script.exists():  # a newer script would not be the compiled one
         script.write_text(SCRIPT)
     environment = os.environ | {"RL_TUI_CACHE_DIR": str(folder), **also}
     finished = subprocess.run(
@@ -218,7 +218,7 @@ def test_what_is_inlined_is_not_compiled_on_its_own() -> None:
 
 
 def test_numba_asks_for_what_it_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
-    # jit.py sets both; where a numba calls them otherwise, all that is inlined is compiled in full again
+    # jit.py sets both. If a Numba version renames them, everything inlined is compiled in full again
     assert callable(_OverloadFunctionTemplate._get_jit_decorator)
     dispatcher = numba.njit(lambda number: number)
     monkeypatch.setattr(dispatcher, "_can_compile", False)

@@ -1,4 +1,4 @@
-"""What throws compiled code away, and who shares it."""
+"""When compiled code is discarded, and which processes share it."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ def test_schedules_in_another_order_are_other_kernels(clones: list[Path]) -> Non
 
 @contextmanager
 def edited(package: Path, module: str, old: str, new: str) -> Iterator[Path]:
-    """Let ``new`` stand in place of the first ``old`` in a module of ``package``."""
+    """Replace the first ``old`` by ``new`` in a module of ``package``."""
     file = package / MODULES[module].relative_to(PACKAGE)
     text = file.read_text()
     assert old in text
@@ -222,7 +222,7 @@ def test_another_clone_reads_what_the_first_compiled(clones: list[Path], tmp_pat
     assert run(other, script, cache) == f"{other / 'rl_tui'} {answer} 1"
     assert run(other, script, cache, RL_TUI_KIOSK="1") == f"{other / 'rl_tui'} {answer} 1"
     assert files(cache) == compiled
-    # Another processor's code stands beside it
+    # Code for another processor is in the same folder
     assert run(other, script, cache, NUMBA_CPU_NAME="generic").endswith(" 0")
     assert len(files(cache)) == 3
     assert run(one, script, cache).endswith(" 1")

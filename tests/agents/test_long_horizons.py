@@ -1,4 +1,4 @@
-"""Backward induction by whole arrays, by its kernels, and by the one after the other: the same bits."""
+"""Backward induction by whole arrays, by kernels and by both has the same bits."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def swept(mdp: TabularMDP, steps: int) -> list[bytes]:
 
 @pytest.fixture
 def by_kernel(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """How many sweeps each call of a kernel was for; it is interpreted, as if nothing were compiled."""
+    """The number of sweeps in each call of a kernel, which is interpreted as if nothing were compiled."""
     taken: list[int] = []
 
     def machine_code(kernel: Callable[..., None]) -> Callable[..., None]:

@@ -1,4 +1,4 @@
-"""Policies: the same bits interpreted, softmax and upper confidence bounds held against the book."""
+"""Policies: the same bits interpreted and compiled; softmax and UCB compared with the book."""
 
 from __future__ import annotations
 

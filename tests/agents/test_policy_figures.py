@@ -1,4 +1,4 @@
-"""Exact figures of any policy: known values, and each a second way: fractions, simulation, plain sweeps."""
+"""Exact numbers of any policy: known values, checked by fractions, simulation or plain sweeps."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Simulated(NamedTuple):
 
 
 def simulated(mdp: TabularMDP, policy: FloatArray, steps: int) -> Simulated:
-    """Play episodes of at most so many steps, all at once; the world starts in one state."""
+    """Play episodes of at most ``steps`` steps, all at once. The world has a single start."""
     generator = np.random.default_rng(0)
     # all that may happen in a state, one after another on [state, state + 1)
     weight = policy[mdp.outcome_pair] * mdp.probability
@@ -66,7 +66,7 @@ def simulated(mdp: TabularMDP, policy: FloatArray, steps: int) -> Simulated:
 
 
 def is_the_mean_of(value: float | None, sample: FloatArray) -> bool:
-    """Whether it is within four standard errors."""
+    """Return whether it is within four standard errors."""
     assert value is not None
     return abs(value - sample.mean()) <= 4 * sample.std() / np.sqrt(len(sample))
 

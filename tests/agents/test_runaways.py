@@ -1,4 +1,4 @@
-"""Numbers beyond all bounds stop a run at the same step, and as quietly, interpreted and as machine code."""
+"""Numbers out of bounds stop a run at the same step, without warnings, interpreted or compiled."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ extreme_hyperparameters = st.builds(
 
 
 def stretched(mdp: TabularMDP, scale: float, std: float) -> TabularMDP:
-    """Return ``mdp`` with rewards so many times as great, and noise of this deviation where it has any."""
+    """Return ``mdp`` with its rewards multiplied by a factor and its noise, if any, set to a deviation."""
     return replace(mdp, reward=mdp.reward * scale, reward_std=mdp.reward_std * std)
 
 

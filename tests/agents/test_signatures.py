@@ -61,7 +61,7 @@ def types_of(arguments: tuple[Any, ...]) -> Types:
 
 
 class Recorder:
-    """Stands in place of machine code: it runs functions interpreted and notes with which types."""
+    """A substitute for machine code: it runs functions interpreted and notes the types of their arguments."""
 
     def __init__(self) -> None:
         self.seen = set[tuple[str, Types]]()

@@ -1,4 +1,4 @@
-"""Watching: a loop stops after exactly the step that a look at every step finds, and changes nothing."""
+"""Watching stops a loop after exactly the step that a look at every step finds, and changes nothing."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def known(watching: Watching, ours: Learner) -> Watching:
 
 
 class Look:
-    """A look at a learner after every single step, with nothing but what it shows to everybody."""
+    """Look at a learner after every single step, through its public attributes only."""
 
     def __init__(self, ours: Learner, watching: Watching) -> None:
         self._ours, self._watching = ours, watching

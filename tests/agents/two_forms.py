@@ -1,4 +1,4 @@
-"""Learners interpreted and as machine code, whatever this process has, and all that they are in bits."""
+"""Learners interpreted and as machine code, independent of this process, and all their bits."""
 
 from __future__ import annotations
 
@@ -39,7 +39,10 @@ EVERY_LOOP: Final = pytest.mark.parametrize(
     ("algorithm", "policy", "stepped"),
     [pytest.param(*loop[:3], marks=() if loop in EVERYDAY else _EXHAUSTIVE) for loop in all_loops()],
 )
-"""Every loop of the catalogue; every day only some, since all take a quarter of an hour to compile."""
+"""Every loop of the catalogue.
+
+A normal run takes only some, since all take a quarter of an hour to compile.
+"""
 
 
 def examples(count: int) -> Callable[[Any], Any]:
@@ -69,7 +72,7 @@ def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Ite
 
 
 def advance(ours: Learner, steps: int, *, is_interpreted: bool) -> int:
-    """Let a learner advance in the form asked for; return why it came back."""
+    """Let a learner advance in the given form; return the reason for its stop."""
     if not is_interpreted:
         return ours.advance(steps)
     with interpreted():
@@ -99,7 +102,7 @@ def worlds_for(loop: Loop) -> st.SearchStrategy[TabularMDP]:
 
 
 def learner_in(mdp: TabularMDP, loop: Loop, hyperparameters: Hyperparameters, seed: int) -> Learner:
-    """Return a learner that runs ``loop`` in ``mdp``, which is stepped for real where the loop says so."""
+    """Return a learner that runs ``loop`` in ``mdp``, without its table if the loop is for stepped worlds."""
     if not loop.stepped:
         return Learner(mdp, loop.algorithm, hyperparameters, streams(seed))
     ours = Learner(untabled(mdp), loop.algorithm, hyperparameters, streams(seed), Table(mdp, seed))
@@ -108,7 +111,7 @@ def learner_in(mdp: TabularMDP, loop: Loop, hyperparameters: Hyperparameters, se
 
 
 def all_bits(ours: Learner) -> list[Any]:
-    """Return all that a learner is, bit for bit, and forget the episodes; one NaN is like another."""
+    """Return every bit of a learner, and forget the episodes. All NaNs count as equal."""
     state = ours.checkpoint()
     parts = (state.memory, state.rule, state.drift, state.position, state.record, ours.drain_episodes())
     return [
@@ -118,6 +121,6 @@ def all_bits(ours: Learner) -> list[Any]:
 
 
 def _bits(array: Any) -> bytes:
-    """Return the bytes of ``array``. Which of the NaNs one is, processors and compilers choose freely."""
+    """Return the bytes of ``array`` with one NaN for all: processors and compilers choose the kind of NaN."""
     whole = np.where(np.isnan(array), np.nan, array) if array.dtype.kind == "f" else array
     return bytes(whole.tobytes())
