@@ -1,4 +1,4 @@
-"""How often a cell that is as good as the best is called different from it."""
+"""How often a comparison calls a cell worse although it ties with the best."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ SWEEPS: Final = {
     "5 of 20 best": _five_best,
     "20 of unlike shapes": _unlike_shapes,
 }
-"""The last breaks what a t-test assumes: with few runs a failure that is rare may not be seen at all."""
+"""The last sweep violates the assumption of a t-test: few runs may miss a rare failure."""
 
 
 def errors(sweep: str, runs: int, trials: int, seed: int = 1) -> float:

@@ -1,4 +1,4 @@
-"""Which tests share a process, as the suite runs in several, and what they find around them."""
+"""Groups of tests that share a process, the choice among tests, and their surroundings."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ for _name in filter(_OF_THE_PROGRAM.fullmatch, list(os.environ)):
 # Each program that tests start would compile the source of all that it imports
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-# Tests are listed for each scenario there is: those of the person who runs them are none
+# Tests are listed for each available scenario: leave out your own
 os.environ["XDG_CONFIG_HOME"] = os.path.join(os.path.dirname(__file__), "nobody")
 if "textual.constants" in sys.modules:  # the plugin for pictures was here first
     importlib.reload(sys.modules["textual.constants"])
@@ -72,7 +72,7 @@ if "textual.constants" in sys.modules:  # the plugin for pictures was here first
 
 @pytest.fixture(autouse=True, scope="session")
 def _nothing_of_a_person(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Tests, and the programs that they start, are alike for everybody, in every terminal and everywhere."""
+    """Give tests and their programs the same surroundings on every machine and in every terminal."""
     folder = tmp_path_factory.getbasetemp()
     before = locale.setlocale(locale.LC_CTYPE)
     with pytest.MonkeyPatch.context() as patch:
@@ -94,7 +94,7 @@ def _nothing_of_a_person(tmp_path_factory: pytest.TempPathFactory) -> Iterator[N
 
 @pytest.fixture(autouse=True)
 def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """No test reads or writes the sessions of another; programs that tests start do not either."""
+    """Give each test, and the programs it starts, a session folder of its own."""
     folder = tmp_path_factory.getbasetemp() / "sessions" / str(next(_TESTS))
     monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
 
@@ -212,10 +212,10 @@ def _what_all_share_is_compiled() -> None:
 
 @pytest.fixture(autouse=True)
 def _is_compiled_where_it_pays(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have a loop compiled once it has taken many steps, unless a test says otherwise; read it if it can be.
+    """Compile a loop after many steps, or read it from the cache, unless a test says otherwise.
 
-    To compile one takes as long as some 300,000 interpreted steps, and the bits are the same. Child processes
-    do as the program does.
+    Compiling takes as long as about 300,000 interpreted steps, and the bits are equal. Child processes do as
+    the program does.
     """
     if request.node.get_closest_marker("interpreted"):
         return
@@ -259,10 +259,10 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark each test with its kind, leave out what was not asked for, and say which share a process.
+    """Mark each test with its kind, leave out tests not asked for, and group tests by process.
 
-    The tests of an algorithm do, so that its loop is compiled once, and the rest of a file. A file may name
-    another group, to share it with other files.
+    The tests of an algorithm share a process, which compiles its loop once. So do the other tests of a file.
+    A file may name another group, to share it with other files.
     """
     for item in items:
         if not any(item.get_closest_marker(kind) for kind in KINDS):

@@ -1,7 +1,7 @@
-"""A made-up policy, to see that the program needs to be told of a new one in its row and nowhere else.
+"""A made-up policy: it shows that a new policy needs only its own row in the program.
 
-It has an ε and is not ε-greedy: with probability ε it takes one of the actions that were never tried, as long
-as there are any, else the first of the best.
+It has an ε but is not ε-greedy. With probability ε it takes one of the untried actions, if any are left.
+Otherwise it takes the first of the best actions.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def curious(monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 class Rule(NamedTuple):
-    """The ε in force."""
+    """The current ε."""
 
     epsilon: float
 

@@ -1,4 +1,4 @@
-"""How soon an edit of a map shows: in the player's snapshot, with its exact answer, and on the screen."""
+"""The delay from an edit of a map to the snapshot, to its exact values, and to the screen."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ map = '''
 
 
 class EditTimes(NamedTuple):
-    """Medians, in milliseconds, from the command on; and of a frame that draws the new world."""
+    """Medians in milliseconds: the delay after the command, and the time of a frame of the new world."""
 
     drawn: float
     """Until a snapshot has the drawing."""
@@ -53,7 +53,7 @@ class EditTimes(NamedTuple):
     answered: float
     """Until one has the exact answer of that world, or says that there is none."""
     frame: float
-    """What the screen takes to show it."""
+    """The drawing time of the screen."""
     seen: float
     """Until a frame of the app, which draws 15 a second, has the exact answer."""
 

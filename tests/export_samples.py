@@ -1,4 +1,4 @@
-"""Scripts to be tested: how they are made, and what came of running them here."""
+"""Export scripts for tests, and the results of running them here."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def ran(text: str, until: str = "\nprint(") -> dict[str, Any]:
 
 
 def q_of(names: dict[str, Any], mdp: TabularMDP) -> np.ndarray:
-    """Return the estimates of a script, [P]; its states are numbered as in ``mdp``, or by cell."""
+    """Return the estimates of a script, [P]. Its states are numbered as in ``mdp``, or by cell."""
     rows = names["Q"]
     numbers = range(mdp.states)
     if len(rows) != mdp.states:

@@ -1,6 +1,6 @@
-"""The process that programs of tests are forked from: it has imported what they would, and waits.
+"""A process that imports the modules of test programs once, and then forks those programs.
 
-:mod:`warm_start` starts it and asks it. It has one thread only: others would not be there in what is forked.
+:mod:`warm_start` starts it and sends requests. It has only one thread, because a fork would lose others.
 """
 
 # ruff: noqa: F401
@@ -34,7 +34,7 @@ Request = dict[str, Any]
 
 
 class _Ending:
-    """How the program wants to end, where that is an ordinary exit."""
+    """The exit status of a program that ends normally."""
 
     status: int | None = None
 
@@ -48,7 +48,7 @@ class _Ending:
 
 
 def serve(door: socket.socket) -> tuple[Request, list[int]] | None:
-    """Fork a process for each request, and return the request there; return None once nobody can ask."""
+    """Fork a process for each request and return the request there. Return None once the door is closed."""
     while True:
         message, descriptors, *_ = socket.recv_fds(door, LARGEST, MOST_DESCRIPTORS)
         if not message:
@@ -93,7 +93,7 @@ def prepare(request: Request, descriptors: Sequence[int]) -> None:
 
 
 def _place(descriptors: Sequence[int], numbers: Sequence[int]) -> None:
-    """Let each of ``descriptors`` have the number that the program expects, and close all others."""
+    """Give each of ``descriptors`` the number that the program expects, and close all others."""
     high = [fcntl.fcntl(each, fcntl.F_DUPFD, _ABOVE) for each in descriptors]
     os.closerange(0, _ABOVE)
     for each, number in zip(high, numbers, strict=True):
@@ -142,15 +142,15 @@ def run(command: Sequence[str], path: Sequence[str], ending: _Ending) -> None:
 
 
 def import_for_watched_programs() -> None:
-    """Import what runs beside a watched program, and what nearly each of those programs imports."""
+    """Import the modules around a watched program, and those that nearly every such program needs."""
     import rl_tui.programs.watched.child.agent
     import rl_tui.programs.watched.child.main
 
 
 def import_for_ours() -> None:
-    """Import what commands, screens and workers do, but for where machine code is kept.
+    """Import the modules of commands, screens and workers, except the compiler cache.
 
-    Which folder that is, the environment of each program says when it imports that.
+    The environment of each program chooses the cache folder when that module is imported.
     """
     import gymnasium.envs.classic_control
     import gymnasium.envs.toy_text
@@ -179,7 +179,7 @@ IMPORTS: Final = {"ours": import_for_ours, "watched": import_for_watched_program
 
 
 def begin(door: int, kind: str) -> None:
-    """Import what programs of this kind need, say so at the ``door``, and serve there."""
+    """Import the modules for this kind of program, report it at the ``door``, and serve there."""
     ending, path = _Ending(), [each for each in sys.path if each]
     atexit.register(ending.leave)  # the first one registered is called last
     IMPORTS[kind]()

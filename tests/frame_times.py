@@ -1,4 +1,4 @@
-"""How long a frame takes on a map of any size: the player's snapshot, and the screen that draws it."""
+"""The time of a frame for maps of any size: the player's snapshot and the drawn screen."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ async def frame_times(side: int, frames: int = 40) -> FrameTimes:
             screen.send(Train(STEPS))
             await screen.settled()
             start = time.perf_counter()
-            # the player is idle now: nobody else touches its run
+            # the player is idle now: nothing else touches its run
             snapshots.append(screen.player._playback.snapshot())
             copied.append(time.perf_counter() - start)
         for snapshot in snapshots:

@@ -1,4 +1,4 @@
-"""What a user does with a file, in a process that may die of it: a child of fuzz.py.
+"""A user's actions on a file, in a process that may die of it: a child of fuzz.py.
 
 ``python tests/fuzz_child.py KIND SEED FIRST COUNT SCREENS`` prints a line before and after each input.
 """
@@ -39,7 +39,7 @@ WARNED: Final = re.compile(
 )
 FAULT: Final = re.compile(r"^(:\d+)?: .*found .*; expected ")
 AS_IT_IS: Final = (
-    10  # of so many scenarios one is trained by its own algorithm, which takes seconds to compile
+    10  # one in this many scenarios trains with its own algorithm, which takes seconds to compile
 )
 QUICK: Final = (
     "--algorithm",
@@ -56,7 +56,7 @@ KEYS: Final = [
 
 
 class Ended(NamedTuple):
-    """How a command ended: its status and what it wrote."""
+    """The end of a command: its status and output."""
 
     status: int
     out: str
@@ -209,7 +209,7 @@ def _shown(start: Any, number: int) -> None:
 
 
 def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
-    """Call ``do``; return what it wrote on stdout and stderr."""
+    """Call ``do`` and return its output on stdout and stderr."""
     kept = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in kept)
     try:
@@ -221,7 +221,7 @@ def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
 
 
 def _run_command(arguments: list[str], path: Path) -> Ended:
-    """Run a command; raise FoundError where it does not end as a command has to."""
+    """Run a command; raise FoundError if it does not end as a command must."""
     from rl_tui.commands.main import program
 
     status = 0
@@ -266,7 +266,7 @@ def _refuse(name: str) -> None:
 
 
 def _kind_of(message: str) -> str:
-    """Return what a file was refused for, without what stands in it."""
+    """Return the kind of a refusal, without the content of the file."""
     line = message.splitlines()[0].split("mine.", 1)[-1]
     line = re.sub(r'"[^"]*"', '""', line)
     line = re.sub(r"[-+]?\d[\d,.e+]*", "0", line)

@@ -1,4 +1,4 @@
-"""Sound scenario files and sessions, from which broken ones are made."""
+"""Valid scenario files and sessions, the sources of broken ones."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ B = { kind = "floor", only = ["left", "up"] }
 def scenario_seeds() -> tuple[str, ...]:
     """The texts of sound scenario files: those that are shipped, and some that use what those do not."""
     shipped = [path.read_text(encoding="utf-8") for path in sorted(shipped_folder().glob("*.toml"))]
-    # of a large map the mutations would seldom touch anything else
+    # in a large map, mutations would rarely touch anything else
     return (*(text for text in shipped if len(text) < 10_000), BINS, EDGES, OUTCOMES, LEGEND)
 
 

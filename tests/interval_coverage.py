@@ -1,4 +1,4 @@
-"""How often the 95 % interval of the mean covers the true mean, for kinds of results whose mean is known."""
+"""How often the 95 % interval of the mean covers the true mean, for results with a known mean."""
 
 from __future__ import annotations
 
@@ -54,8 +54,11 @@ RESULTS: Final = {
     "0 or 1, evenly": Results(_two_values(0.5), 0.5),
     "0 or 1, nine in ten 1": Results(_two_values(0.9), 0.9),
 }
-"""``two clusters``: four in five runs 1, one in five 0, each ± 0.1 normally. ``mostly learned``: four in five
-a little below 1, by 0.1 on average, exponentially; one in five anywhere from 0 to 0.5."""
+"""Distributions of results.
+
+``two clusters``: four in five runs 1, one in five 0, each ± 0.1 normally. ``mostly learned``: four in five a
+little below 1, by 0.1 on average, exponentially; one in five anywhere from 0 to 0.5.
+"""
 HELD: Final = ("normal", "mostly learned")
 """Those for which 93 to 97 % are promised from 30 runs on."""
 

@@ -1,4 +1,4 @@
-"""What kind of test each is, and which are about a subject."""
+"""The kind of each test, and the tests about a subject."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ COMPILED: Final = "compiled: loops run as machine code from their first step"
 
 
 def kind_of(item: pytest.Item) -> str:
-    """Return what a test or its file is marked with; without a mark, what tests of its folder are."""
+    """Return the mark of a test or its file. Unmarked tests have the kind of their folder."""
     marked = next((kind for kind in KINDS if item.get_closest_marker(kind)), None)
     if marked is not None:
         return marked
@@ -44,9 +44,9 @@ def kind_of(item: pytest.Item) -> str:
 
 
 def may_be_about(path: Path, subject: str) -> bool:
-    """Return whether the file at ``path`` can have tests about ``subject``, by its text alone.
+    """Return whether the file at ``path`` can have tests about ``subject``, judged by its text.
 
-    It names the subject, or its tests go through the catalogue that the subject is in.
+    It names the subject, or its tests loop over a catalogue that contains the subject.
     """
     text = path.read_text(encoding="utf-8")
     if _plain(subject) in _plain(f"{path.stem} {text}"):
@@ -59,10 +59,10 @@ def may_be_about(path: Path, subject: str) -> bool:
 
 
 def about(items: list[pytest.Item], subject: str) -> list[pytest.Item]:
-    """Return the tests that are about ``subject``: an id, a panel, a module.
+    """Return the tests about ``subject``: an id, a panel or a module.
 
-    Tests of real programs, which take long, are returned only where there are no others. Raises
-    UsageError, with the names that are near, where there is no test.
+    Tests of real programs are slow; they are returned only if there are no others. Raises UsageError with
+    similar names if there is no test.
     """
     wanted = _plain(subject)
     found = [item for item in items if wanted in _names(item) or _stands_in(wanted, _title(item))]

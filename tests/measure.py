@@ -1,7 +1,7 @@
-"""Prints the timings that this project is held to, as they are on this machine: ``python tests/measure.py``.
+"""Print this machine's timings for the project's targets: ``python tests/measure.py``.
 
-They are figures, not tests: nothing fails on a slow machine. Each is taken with the real program, in turns
-with what it is compared with, and given as a median unless said otherwise.
+They are not tests: nothing fails on a slow machine. Each runs the real program, in turns with its point of
+comparison. Values are medians unless marked.
 """
 
 from __future__ import annotations
@@ -83,13 +83,13 @@ Rows = Iterator[tuple[str, str, str]]
 
 
 def start_up(rounds: int) -> Rows:
-    """How long ``rl-tui --version`` takes."""
+    """Time ``rl-tui --version``."""
     taken = [_time_of((*RL_TUI, "--version")) for _ in range(rounds)]
     yield "rl-tui --version", f"{median(taken):.3f} s", "at most 0.25 s"
 
 
 def beginnings(rounds: int) -> Rows:
-    """How soon something comes of a command, as a multiple of the slow imports, in turns."""
+    """Measure the first output of each command, as a multiple of the slow imports, in turns."""
     imports: list[float] = []
     times: dict[str, list[float]] = {what: [] for what in (*BEGINNINGS, FIRST_STEP)}
     for _ in range(rounds):
@@ -174,7 +174,7 @@ def _write_open_grid(path: Path, side: int, limit: int) -> None:
 
 
 def evaluation(rounds: int) -> Rows:
-    """How long it takes to evaluate a policy exactly in a large world, with the time to start in it."""
+    """Time the exact evaluation of a policy in a large world, and the start in it."""
     limits = {"without a time limit": 0, "within 1,000 steps": 1_000}
     started: list[float] = []
     taken: dict[str, list[float]] = {what: [] for what in limits}
@@ -201,7 +201,7 @@ def frames(rounds: int) -> Rows:
 
 
 def edits(rounds: int) -> Rows:
-    """How soon a wall that is drawn is in a snapshot, with the exact answer, and how soon on the screen."""
+    """Time a drawn wall until the snapshot, until the exact values, and until the screen."""
     for side in (10, 30, 100):
         times = asyncio.run(edit_times(side, 4 * rounds))
         what = f"edit of a {side}×{side} map"
@@ -216,7 +216,7 @@ def edits(rounds: int) -> Rows:
 
 
 def first_paint(rounds: int) -> Rows:
-    """The time to the first frame with something on it, against that of an empty Textual app."""
+    """Compare the time to the first visible frame with that of an empty Textual app."""
     empty, ours = [], []
     for _ in range(rounds):
         empty.append(_time_to(EMPTY_APP, _is_filled))
@@ -228,7 +228,7 @@ def first_paint(rounds: int) -> Rows:
 
 
 def _is_filled(terminal: PseudoTerminal) -> bool:
-    """Whether the last row has a colour of its own."""
+    """Whether the last row has a background colour."""
     return terminal.emulator.cell(0, terminal.emulator.lines - 1).bg != "default"
 
 
@@ -308,7 +308,7 @@ def travel(steps: int) -> Rows:
 
 
 def seeds(rounds: int) -> Rows:
-    """What is left of the live run's speed beside a study of many seeds; it wants two quiet cores."""
+    """Measure the live run's speed during a study of many seeds. It needs two quiet cores."""
     speeds, thrifts = zip(*asyncio.run(seed_study_cost(8 * rounds)), strict=True)
     load = f"load {os.getloadavg()[0]:.1f} of {os.cpu_count()}"
     yield "live speed beside many seeds", f"{median(speeds):.1%}, {load}", "at least 95 %"

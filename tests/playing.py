@@ -93,7 +93,7 @@ def stand(run: Run) -> Any:
 
 
 def assert_true_to_the_record(playback: Playback) -> None:
-    """Every lane stands as the straight replay of its recipe and journal does."""
+    """Assert that every run equals the straight replay of its recipe and journal."""
     record = playback.record
     for number, lane in enumerate(record.lanes):
         playback.handle(ChooseLane(number))

@@ -1,4 +1,4 @@
-"""A program in a pseudo-terminal: press keys, wait for what stands on the screen, see how it was left."""
+"""A program in a pseudo-terminal: press keys, wait for text on the screen, check the state it leaves."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from typing import Any, Final
 
 from emulator import Emulator
 
-DEADLINE: Final = 120.0  # seconds for something to appear; a broken program is told by it, not a slow machine
+DEADLINE: Final = 120.0  # seconds until text appears: only a broken program takes longer
 RL_TUI: Final = (sys.executable, "-m", "rl_tui")
 
 _SEQUENCE: Final = re.compile(
@@ -97,11 +97,11 @@ class PseudoTerminal:
 
     @property
     def screen(self) -> str:
-        """What stands on the screen now, as far as it was read: a line a row, without blanks at its end."""
+        """The text read from the screen so far, one line per row, without trailing blanks."""
         return self.emulator.text
 
     def wait_for(self, pattern: str, seconds: float = DEADLINE) -> re.Match[str]:
-        """Read until ``pattern`` is found on the screen; it may stand there already."""
+        """Read until ``pattern`` is on the screen. It may be there already."""
         found: list[re.Match[str]] = []
 
         def find() -> bool:
@@ -130,7 +130,7 @@ class PseudoTerminal:
         return self.process.returncode
 
     def reading(self, seconds: float) -> Iterator[tuple[float, str]]:
-        """Read for so long; yield the screen whenever a whole frame came, with the moment."""
+        """Read for ``seconds``; yield the moment and the screen after every whole frame."""
         deadline = time.perf_counter() + seconds
         while self.read_more(deadline):
             if self.emulator.is_whole:
@@ -138,12 +138,12 @@ class PseudoTerminal:
 
     @property
     def attributes(self) -> list[Any]:
-        """How the terminal is set now, as termios has it."""
+        """The terminal's current termios settings."""
         return termios.tcgetattr(self.theirs)
 
     @property
     def modes_left_changed(self) -> set[str]:
-        """The private modes that are not as they were before the program started."""
+        """The private modes that differ from those before the program's start."""
         last = {
             number: letter == b"h"
             for numbers, letter in _MODE.findall(self.written)
@@ -158,7 +158,7 @@ class PseudoTerminal:
         os.write(self._ours, text.encode())
 
     def read_more(self, deadline: float) -> bool:
-        """Read what there is, waiting for it; False at the deadline, or when an ended program is all read."""
+        """Wait for output and read it; return False at the deadline, or at the end of the output."""
         left = max(0.0, deadline - time.perf_counter())
         ready, _, _ = select.select([self._ours, self._alive], [], [], left)
         if self._ours in ready:

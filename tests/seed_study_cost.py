@@ -1,7 +1,7 @@
-"""What a study of many seeds costs the live run.
+"""The cost of a study of many seeds for the live run.
 
-The live run plays at full speed, a reader takes snapshots as often as a screen draws them, and the process of
-the study is stopped and goes on in turns: so short ones that what else the machine does is much the same.
+The live run plays at full speed, and a reader takes snapshots at the rate of a screen. The study's process is
+stopped and continued in turns. They are short, to expose both to the same load from other work.
 """
 
 from __future__ import annotations
@@ -68,9 +68,9 @@ class _LiveRun:
 
 
 async def seed_study_cost(rounds: int) -> list[tuple[float, float]]:
-    """Return what is left beside a study, each round: of the speed, and of the steps a second of processor.
+    """Return, per round, the fractions left during a study: of the speed, and of the steps per CPU second.
 
-    The second leaves out what others took away, and shows what is lost in the caches.
+    The second leaves out time taken by other processes, and shows losses in the caches.
     """
     processes: list[subprocess.Popen[bytes]] = []
     start_process = background.python_process

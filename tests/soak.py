@@ -1,10 +1,8 @@
-"""The real program at full speed for a long time: ``python tests/soak.py [MINUTES] [--untouched]``.
+"""Run the real program at full speed for a long time: ``python tests/soak.py [MINUTES] [--untouched]``.
 
-Prints a row of figures a minute, sixty by default, and at the end how the last minute compares with the
-first. What it writes is counted, not looked at: only now and then is a screen drawn anew and read.
-
-With ``--untouched`` no key is pressed once it runs at full speed, and all that is looked at is memory, which
-has to stay where it is after ten minutes, up to 2 %.
+It prints one row a minute, sixty by default, then a comparison of the last minute with the first. Output is
+counted but rarely looked at: now and then a screen is redrawn and read. With ``--untouched`` no key is
+pressed at full speed, and only memory counts. It must stay constant within 2 % after ten minutes.
 """
 
 from __future__ import annotations
@@ -43,21 +41,20 @@ FULL: Final = "▶ max"  # as the status line has it
 PAUSED: Final = "paused"
 MINUTE: Final = 60.0
 MOST_GROWTH: Final = 1.25  # of memory and of frame time, from the first minute to the last
-START: Final = 120.0  # seconds until the first frame at most; kernels may have to be compiled
-PATIENCE: Final = 10.0  # seconds until what a key asks for has to be seen
+START: Final = 120.0  # seconds until the first frame at most: kernels may need compiling
+PATIENCE: Final = 10.0  # seconds until the effect of a key is visible
 QUIET: Final = 0.4  # seconds without a byte: the screen stands still
 _FRAME_END: Final = b"\x1b[?2026l"
 _MEGABYTE: Final = 2**20
 _END_KEPT: Final = 1_000_000  # bytes, to tell why it ended
 _TICKS: Final = os.sysconf("SC_CLK_TCK")
-# What the program asks of its terminal: whether it knows synchronised output, and where it has just been told
-# to put its cursor
+# Queries of the program to its terminal: support for synchronised output, and the cursor after a move
 _KNOWS_SYNCHRONISED: Final = re.compile(rb"\x1b\[\?2026\$p")
 _WHERE: Final = re.compile(rb"\x1b\[(\d+)(?:;(\d+))?H\x1b\[6n")
 _TOLD: Final = re.compile(b"|".join((re.escape(_FRAME_END), _KNOWS_SYNCHRONISED.pattern, _WHERE.pattern)))
 _LONGEST: Final = 16  # bytes of such a sequence
 
-# What is typed in a minute: keys, and how long they are given. Space pauses and runs on.
+# The keys of a minute, and the time for each. Space pauses and continues.
 KEYS: Final = (
     *((" ", 0.5), ("v", 0.3), ("b", 0.5), ("bbb", 0.5), (" ", 0.5)),
     *(("1", 0.3), ("\x1b[C", 0.3), ("\x1b[D", 0.3), ("vvv", 0.5), ("?", 0.7), ("\x1b", 0.7), ("wm", 0.7)),
@@ -73,12 +70,12 @@ ELSEWHERE_EVERY: Final = 3  # minutes
 
 
 class Minute(NamedTuple):
-    """Figures of a minute: of the whole program, and of its screen while the run goes on undisturbed.
+    """Measures of one minute: of the whole program, and of its screen while the run continues undisturbed.
 
-    ``memory`` is the resident set in bytes, ``steps`` those of a second; ``frame`` and ``gap`` are the time
-    of the processor that the screen's thread takes for a frame, and the 95th percentile of the time from one
-    frame to the next, in milliseconds; ``written`` the bytes of a frame, ``key`` the milliseconds until a key
-    is answered by a paused run.
+    ``memory`` is the resident set in bytes, ``steps`` is steps per second and ``written`` is bytes per frame.
+    ``frame`` is the CPU time of the screen's thread for a frame, in milliseconds. ``gap`` is the 95th
+    percentile of the time between frames, in milliseconds. ``key`` is the time until a paused run answers a
+    key, in milliseconds.
     """
 
     memory: int
@@ -151,7 +148,7 @@ class Program:
 
     @property
     def ended(self) -> bool:
-        """Whether it is no longer there."""
+        """Whether the process has ended."""
         return self._process.poll() is not None
 
     def press(self, keys: str) -> None:
@@ -165,7 +162,7 @@ class Program:
         return self._process.wait(START)
 
     def look(self) -> str:
-        """Return what stands on the screen, which is drawn anew for it."""
+        """Redraw the screen and return its text."""
         screen = pyte.Screen(*SIZE)
         stream = pyte.ByteStream(screen)
         self._copies = []
@@ -208,7 +205,7 @@ class Program:
         return (int(fields[11]) + int(fields[12])) / _TICKS
 
     def wait_until(self, is_over: object, seconds: float) -> None:
-        """Wait until ``is_over`` says so, at most so long."""
+        """Wait until ``is_over`` returns true, at most ``seconds``."""
         deadline = time.perf_counter() + seconds
         while time.perf_counter() < deadline and not (callable(is_over) and is_over()):
             time.sleep(0.002)
@@ -258,7 +255,7 @@ def steps_kept(folder: Path) -> int:
 
 
 def run_on(program: Program) -> None:
-    """See that it runs at full speed; raise SystemExit where the playground is not on the screen any more."""
+    """Make sure it runs at full speed; raise SystemExit if the playground is no longer on the screen."""
     for _ in range(60):
         if program.ended:
             return
@@ -275,7 +272,7 @@ def run_on(program: Program) -> None:
 
 
 def minute(program: Program, folder: Path, number: int) -> Minute:
-    """Let a minute pass: most of it undisturbed, then keys; return the figures."""
+    """Let a minute pass, mostly undisturbed, then press keys; return the measures."""
     deadline = time.perf_counter() + MINUTE
     undisturbed = MINUTE / 2
     begun, frames, written, worked = (
@@ -328,7 +325,7 @@ def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
 
 
 def untouched(minutes: int) -> int:
-    """Print the memory of each minute; return 1 where it does not stay where it is after some."""
+    """Print the memory of each minute; return 1 if it does not become constant."""
     with tempfile.TemporaryDirectory() as name, Program(Path(name), UNTOUCHED) as program:
         program.wait_until(lambda: program.frames > 0, START)
         program.wait_for_quiet()
@@ -358,7 +355,7 @@ def untouched(minutes: int) -> int:
 
 
 def main() -> int:
-    """Print the figures; return 1 where they are not flat or the program broke down."""
+    """Print the measures; return 1 if they are not flat or the program broke down."""
     numbers = [argument for argument in sys.argv[1:] if argument.isdecimal()]
     minutes = int(numbers[0]) if numbers else 60
     if "--untouched" in sys.argv:

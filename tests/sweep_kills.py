@@ -1,4 +1,4 @@
-"""Kill a sweep at random moments, and see what its store has kept: ``python tests/sweep_kills.py 50``."""
+"""Kill a sweep at random moments and check its store: ``python tests/sweep_kills.py 50``."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ with Store.to_write(Path(sys.argv[1])) as store:
 
 
 class Kill(NamedTuple):
-    """What one kill came to: ``lost`` is for how long, in seconds, the oldest run lost had been finished."""
+    """The result of one kill. ``lost`` is the age, in seconds, of the oldest finished run that was lost."""
 
     kept: int
     lost: float
 
 
 def plan_of(cells: int) -> SweepPlan:
-    """Return a plan of so many cells, of 2 runs each."""
+    """Return a plan of ``cells`` cells, of 2 runs each."""
     vary = read_variation(f"alpha=0.01:1:{cells}")
     return SweepPlan(find("maze"), (vary,), {"algorithm": "q-learning"}, episodes=100, runs=2)
 
@@ -69,14 +69,14 @@ def kill(store: Path, cells: int, chance: random.Random) -> Kill:
         child.kill()
         killed = time.monotonic()
         child.wait()
-    told.pop((-1, 0), None)  # it came to its end
+    told.pop((-1, 0), None)  # it finished
     kept = kept_in(store, plan_of(cells))
     lost = [killed - moment for place, moment in told.items() if place not in kept]
     return Kill(len(kept), max(lost, default=0.0))
 
 
 def kept_in(store: Path, plan: SweepPlan) -> set[tuple[int, int]]:
-    """Return cell and seed of each run in ``store``, which may not be there; raise where it is not sound."""
+    """Return cell and seed of each run in ``store``, which may be missing. Raise if it is not valid."""
     if not store.exists():
         return set()
     with sqlite3.connect(store) as database:
@@ -98,9 +98,9 @@ def csv_of(plan: SweepPlan, store: Store) -> str:
 
 
 def kills(count: int, seed: int, cells: int = 400) -> Iterator[Kill]:
-    """Yield what came of ``count`` kills; raise where the end of a sweep is not what it is without them.
+    """Yield the results of ``count`` kills; raise if a sweep's result differs from one without kills.
 
-    A sweep that has come to its end before is followed by another one.
+    A sweep that finishes before its kill is followed by another one.
     """
     chance, plan = random.Random(seed), plan_of(cells)
     with Store.without_file() as whole:

@@ -1,4 +1,4 @@
-"""What is done after somebody else's module was imported, and that the import is otherwise the same."""
+"""Actions after the import of somebody else's module; the import itself stays the same."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The real program, killed at any moment, has kept what was done; ``tests/crashes.py`` does it more often."""
+"""The real program saves its work even if killed; ``tests/crashes.py`` tries more moments."""
 
 from __future__ import annotations
 

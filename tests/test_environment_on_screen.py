@@ -1,4 +1,4 @@
-"""The real program with an environment that prints, hangs and fails: keys act, the screen stays clean."""
+"""The real program with an environment that prints, hangs and fails: keys work, the screen stays clean."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def check_left_as_it_was(terminal: PseudoTerminal) -> None:
     assert terminal.attributes == terminal.attributes_before
     written = visible(terminal.written)
     assert "Traceback" not in written
-    # what is printed before the screen is taken goes to the terminal, as any message does
+    # output before the screen starts goes to the terminal, like any message
     assert "NOISE" not in written[written.index("Odd-v0") :]
 
 

@@ -1,4 +1,4 @@
-"""The first start of all, with nothing compiled yet: the real program in a terminal, and its compiler."""
+"""The very first start, with nothing compiled yet: the real program in a terminal, and its compiler."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def compilers_of(pid: int) -> list[int]:
 
 
 def becomes(condition: Callable[[], bool]) -> bool:
-    """Whether ``condition`` holds soon."""
+    """Return whether ``condition`` becomes true soon."""
     end = time.perf_counter() + MOST_SECONDS
     while not condition() and time.perf_counter() < end:
         time.sleep(0.01)
@@ -52,7 +52,7 @@ def becomes(condition: Callable[[], bool]) -> bool:
 
 
 def is_gone(pid: int) -> bool:
-    """Whether the process has ended, be it that nobody has asked how."""
+    """Return whether the process has ended, even if nothing has waited for it."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
     except OSError:

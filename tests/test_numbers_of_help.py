@@ -1,4 +1,4 @@
-"""Every number in README, docs and what the program says of itself: held, or in need of nothing."""
+"""Every number in README, docs and help is checked, or needs no check."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ ELSEWHERE: Final = (
     "time without a key | 10 minutes",  # rl_tui.screen.app
     "up to 15 steps a second",  # rl_tui.screen.panels.grid.motion
 )
-"""What other tests hold."""
+"""Claims that other tests check."""
 
 
 def texts_of_panels() -> Iterator[str]:
@@ -72,7 +72,7 @@ def texts_of_glossary() -> Iterator[str]:
 
 
 def texts_of_commands(command: click.Command = program) -> Iterator[str]:
-    """What is written of commands and options; ranges and defaults are put behind that by the program."""
+    """Return the help of commands and options. The program appends ranges and defaults."""
     yield inspect.cleandoc(command.help or "")
     for parameter in command.params:
         yield getattr(parameter, "help", None) or ""
@@ -107,7 +107,7 @@ TEXTS: Final = {
     "agents": re.sub(r"<!-- made by .*?<!-- end -->", "", AGENTS, flags=re.DOTALL),
     **{path.stem: prose_of(path) for path in GUIDES},
 }
-"""By their names; what the page of agents has from the program is left out."""
+"""The texts by name, without the generated parts of the page of agents."""
 OF_GUIDES: Final = {path.stem: "guides" for path in GUIDES}
 FILES: Final = {name: OF_GUIDES.get(name, name if name in ("README", "agents") else "help") for name in TEXTS}
 PAGES: Final = ("README", "agents", "guides")

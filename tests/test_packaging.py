@@ -22,7 +22,7 @@ VERSION = rl_tui.__version__
 
 
 def build(source: Path, target: Path, *what: str) -> None:
-    """Build from ``source`` with what is installed here; nothing is fetched."""
+    """Build from ``source`` with the installed tools, without downloads."""
     subprocess.run(
         [sys.executable, "-m", "build", "--no-isolation", *what, "--outdir", str(target), str(source)],
         check=True,

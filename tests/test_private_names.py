@@ -1,4 +1,4 @@
-"""Tests go through what is public. A private name that one cannot do without stands here, with the reason."""
+"""Tests use public names. Necessary private names are listed here, with the reason."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ WHY: Final = {
     "_position": "an episode of ten million steps, and a choice that is taken back",
 }
 PUBLIC: Final = {
-    *("_asdict", "_exit", "_field_defaults", "_fields", "_make", "_replace"),  # Python says so
+    *("_asdict", "_exit", "_field_defaults", "_fields", "_make", "_replace"),  # by Python's own convention
     "_repr_html_",  # and IPython: by it a notebook asks any object how it looks
 }
 BY_NAME: Final = {"delattr", "getattr", "hasattr", "setattr"}

@@ -1,4 +1,4 @@
-"""A pseudo-terminal at the end of a slow link: what the program writes arrives at so many bytes a second."""
+"""A pseudo-terminal at the end of a slow link, with a limited rate of bytes."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from typing import Any
 
 from pseudo_terminal import PseudoTerminal
 
-_PIECE = 0.01  # seconds: what arrives in so long arrives at once
+_PIECE = 0.01  # seconds: bytes within this time arrive together
 
 
 class ThrottledTerminal(PseudoTerminal):
-    """Lets ``rate`` bytes a second through, all there are if it is None; it may be changed at any time.
+    """Passes ``rate`` bytes a second, or everything at once if it is None. The rate may change at any time.
 
-    Between the program and the link lies a buffer of ``room`` bytes, as SSH has one, besides the kernel's.
+    A buffer of ``room`` bytes lies between the program and the link, as with SSH, in addition to the
+    kernel's.
     """
 
     def __init__(

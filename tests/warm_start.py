@@ -1,9 +1,8 @@
-"""Programs that tests start are forked from a process that has imported what they import.
+"""Start the programs of tests by forking a process that has already imported their modules.
 
-Starting Python and importing takes most of the time of such a test. Where the start is what a test is about
-it asks for the fixture ``real_start``. What could not be forked faithfully is started anew too: programs of
-other kinds, those before which something is to be done, and those whose environment differs in what is
-read when Python starts or imports.
+Starting Python and importing takes most of the time of such a test. Tests about the start itself use the
+fixture ``real_start``. Some programs cannot be forked faithfully and start normally: other kinds of programs,
+those with a ``preexec_fn``, and those with environment variables that Python reads at its start or on import.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ _READ_AT_START: Final = re.compile(
 )
 _OF_SERVERS: Final = {"LC_ALL": "C.UTF-8", "OPENBLAS_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
 _MEANS_THE_SAME: Final = {"PYTHONPATH": str(_SERVER.parents[1]), **dict.fromkeys(_OF_SERVERS)}
-"""Besides the value that a server has."""
+"""Values that mean the same as the server's own."""
 _SET_CHILD_SUBREAPER: Final = 36
 _START: Final = inspect.signature(subprocess.Popen._execute_child)  # type: ignore[attr-defined]
 _PATIENCE: Final = 300.0  # seconds, on a machine that is busy
@@ -68,7 +67,7 @@ class ForkServer:
         return value in (ours, _MEANS_THE_SAME.get(name, ours))
 
     def fork(self, request: Mapping[str, Any], descriptors: Sequence[int]) -> int | None:
-        """Return the number of a new child of this process, None where there is none."""
+        """Return the process id of a new child of this process, or None."""
         message = json.dumps(request).encode()
         if len(message) > LARGEST or len(descriptors) > MOST_DESCRIPTORS:
             return None
@@ -84,7 +83,7 @@ class ForkServer:
                 _adopt(False)
 
     def end(self) -> None:
-        """End it; programs that it forked stay."""
+        """End the server. The programs it forked continue."""
         self._door.close()
         self._process.kill()
         self._process.wait()

@@ -1,4 +1,4 @@
-"""A real headless Chromium, driven over the DevTools protocol; needs aiohttp only."""
+"""A real headless Chromium, driven over the DevTools protocol. It needs only aiohttp."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ import aiohttp
 from emulator import Emulator
 
 BINARY: Final = 2  # the kind of a WebSocket's frame
-DEADLINE: Final = 120.0  # seconds for something to happen; a broken program is told by it, not a slow machine
+DEADLINE: Final = 120.0  # seconds until an event: only a broken program takes longer
 _FLAGS: Final = (
     "--headless=new --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
     " --disable-component-update --disable-sync --disable-dev-shm-usage --hide-scrollbars"
@@ -32,16 +32,16 @@ _FLAGS: Final = (
 
 
 def chromium() -> str | None:
-    """Return where the browser is, None where there is none."""
+    """Return the path of the browser, or None."""
     return next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
 class Chromium:
-    """Starts the browser with a new profile in ``folder``; used as an async context."""
+    """Starts the browser with a new profile in ``folder``. Use it as an async context."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        # It has a socket there, whose path may be 107 bytes long; a folder for tests may have a longer name
+        # The profile holds a socket. Its path has at most 107 bytes, and a folder for tests may be longer
         self._short = TemporaryDirectory(prefix="rl-tui-", dir="/tmp", ignore_cleanup_errors=True)
         self._errors = (folder.parent / "chromium.log").open("wb")
         program = chromium()
@@ -113,7 +113,7 @@ class Chromium:
             content = json.loads(message.data)
             if "id" in content:
                 answer = self._answers.pop(content["id"])
-                if answer.done():  # nobody waits for it any more
+                if answer.done():  # nothing waits for it any more
                     continue
                 if "error" in content:
                     answer.set_exception(RuntimeError(content["error"]["message"]))
@@ -147,7 +147,7 @@ class Tab:
                 self.asked_for.append(parameters["request"]["url"])
             case "Network.webSocketCreated":
                 self.asked_for.append(parameters["url"])
-                self.emulator = Emulator(80, 24)  # the page tells its size as soon as it is connected
+                self.emulator = Emulator(80, 24)  # the page sends its size as soon as it is connected
             case "Runtime.exceptionThrown":
                 self.faults.append(json.dumps(parameters["exceptionDetails"]))
             case "Log.entryAdded" if parameters["entry"]["level"] == "error":

@@ -1,4 +1,4 @@
-"""The real server, started as a person would, and the app processes behind it."""
+"""The real server, started as from the command line, and the app processes behind it."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def is_running(process: int) -> bool:
 
 @contextmanager
 def serving(*arguments: str, **environment: str) -> Iterator[Served]:
-    """Start the server on a free port; it is gone afterwards."""
+    """Start the server on a free port and stop it at the end."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rl_tui", "serve", "--port", "0", *arguments],
         stdin=subprocess.DEVNULL,

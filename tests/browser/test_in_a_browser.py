@@ -1,4 +1,4 @@
-"""The app in a real browser: keys, mouse, colours, sizes, and that nothing stays behind."""
+"""The app in a real browser: keys, mouse, colours, sizes, and cleanup."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ async def test_it_is_the_same_app(browser: Chromium, server: Served, tmp_path: P
 
     await until(lambda: len(set(heat(tab).values()) - cold) > 5, "the table to be tinted")
 
-    # what the app means is what the window shows
+    # the window shows the values of the app
     values = heat(tab)
     deadline = time.perf_counter() + DEADLINE
     while await shown(tab, list(values)) != list(values.values()):
@@ -105,7 +105,7 @@ async def test_it_is_the_same_app(browser: Chromium, server: Served, tmp_path: P
 
 
 async def move_the_first_slider(tab: Tab) -> None:
-    """Click on the right end of the slider of α, which stands at 0.1."""
+    """Click on the right end of the slider of α, which starts at 0.1."""
     await tab.wait_for(r"α step size\W+0\.100")
     lines = tab.emulator.text.splitlines()
     row = next(row for row, line in enumerate(lines) if re.search(r"α step size\W+0\.100", line))

@@ -1,4 +1,4 @@
-"""What README and docs say of the program is what it is, and their links lead somewhere."""
+"""README and docs describe the program correctly, and their links have targets."""
 
 from __future__ import annotations
 

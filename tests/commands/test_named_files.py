@@ -1,4 +1,4 @@
-"""Every file that a command is given: a pipe is not waited for, and nothing without an end is read."""
+"""Every file option: commands do not wait for a pipe, and do not read an endless file."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ KINDS: Final[dict[str, tuple[Kind, ...]]] = {
 """By what help calls a file: how its name ends, and what reads it."""
 NAMES_FILE: Final = re.compile(r"FILE|FOLDER|SCRIPT|RESULTS|SESSION|\.(toml|json|sqlite|py)\b")
 WRITTEN: Final = {"csv", "curve", "out"}
-"""Parameters that name a file to be written alone."""
+"""Parameters for files that are only written."""
 
 
 def commands() -> Iterator[tuple[str, click.Command]]:

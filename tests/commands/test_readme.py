@@ -1,4 +1,4 @@
-"""What README and docs show is what the program does."""
+"""The examples of README and docs match the program."""
 
 from __future__ import annotations
 

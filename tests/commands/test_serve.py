@@ -1,4 +1,4 @@
-"""What ``rl-tui serve`` refuses and what it warns of, without a browser."""
+"""The refusals and warnings of ``rl-tui serve``, without a browser."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What counts before a command: display options, variables, ctrl+C."""
+"""Settings before a command: display options, variables, ctrl+C."""
 
 from __future__ import annotations
 

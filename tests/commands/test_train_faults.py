@@ -1,4 +1,4 @@
-"""What ``train`` does with an environment that fails, prints or never answers."""
+"""``train`` with an environment that fails, prints or never answers."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_ctrl_c_ends_what_never_answers(tmp_path: Path, runs: tuple[str, ...]) -
     out, err = child.communicate(timeout=120)
     assert (child.returncode, out) == (130, "")
     assert "Traceback" not in err
-    finished = "" if runs else "1,1,5.0,5\n"  # what hangs in a thread cannot be asked for its rows
+    finished = "" if runs else "1,1,5.0,5\n"  # a thread that hangs cannot report its rows
     assert rows.read_text() == f"run,episode,return,length\n{finished}"
 
 

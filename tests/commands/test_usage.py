@@ -1,4 +1,4 @@
-"""What is refused, with which words and which exit status."""
+"""Usage errors, with their words and exit status."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def run(*args: str) -> Result:
 
 
 def one_line(result: Result) -> str:
-    """Return the only line of stderr; nothing else may have been printed."""
+    """Return the only line of stderr. Stdout must be empty."""
     assert result.stdout == ""
     assert "Traceback" not in result.stderr
     assert result.stderr.count("\n") == 1

@@ -1,4 +1,4 @@
-"""What the notes of scenarios say that no figure of tests/said/ can: it is worked out from the table."""
+"""Claims in the notes of scenarios that tests/said/ cannot express, computed from the table."""
 
 from __future__ import annotations
 

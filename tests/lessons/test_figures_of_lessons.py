@@ -1,4 +1,4 @@
-"""Figures of lessons: values of the literature, those of commands, and what is told where they are not so."""
+"""Figures of lessons: values of the literature and of commands, and reports of wrong ones."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ RUNS: Final = (
 
 
 def finding(value: str, by: str) -> str:
-    """What is wrong with a figure that is written ``value``, in one line; empty where it is so."""
+    """The error in a figure written as ``value``, in one line; empty if it is right."""
     lesson = with_figures(f"tried = {{ value = {json.dumps(value)}, by = {json.dumps(by)} }}")
     found = LessonFigures(lesson).finding("tried")
     return "" if found is None else f"{found.location[-1]}: {found.found}; {found.expected}"
@@ -235,7 +235,7 @@ def test_exact_figures_are_those_of_the_commands() -> None:
 
 
 def counted(by: str, budget: StepBudget) -> str:
-    """What is wrong with a figure that may take no more than ``budget``; empty where it is worked out."""
+    """The error in a figure with this ``budget``; empty if it can be computed."""
     lesson = with_figures(f"tried = {{ value = '1', by = {json.dumps(by)} }}")
     try:
         LessonFigures(lesson, budget).value("tried")

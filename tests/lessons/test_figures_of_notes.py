@@ -1,7 +1,7 @@
-"""What the notes of scenarios say of learning, counted again with fewer runs.
+"""Claims about learning in the notes of scenarios, computed again with fewer runs.
 
-A claim is read from the notes themselves: ``70.9 ± 0.7`` is a mean and its standard error. A mean of fewer
-runs has to lie within four standard errors of it, those of both taken together.
+The notes contain each claim: ``70.9 ± 0.7`` is a mean and its standard error. The mean of fewer runs must
+agree within four standard errors, where both errors are combined.
 """
 
 from __future__ import annotations

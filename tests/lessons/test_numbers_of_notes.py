@@ -1,4 +1,4 @@
-"""Every number in the notes of a scenario: it is worked out again, or it needs nothing behind it."""
+"""Every number in the notes of a scenario is computed again, or needs no check."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ def text_of(scenario: str) -> str:
 
 @functools.cache
 def rewards_of(scenario: str) -> frozenset[float]:
-    """The rewards of its table and of its file without their signs; none where it has no table.
+    """The absolute rewards of its table and of its file; empty if it has no table.
 
-    In a table a goal pays what its step costs as well.
+    In a table the reward of a goal includes the cost of its step.
     """
     mdp = begin(recipe(scenario)).world.mdp
     if mdp is None:
@@ -153,7 +153,7 @@ def test_every_number_is_held(scenario: str) -> None:
         value = number(mention.number)
         if rewards and _PAYS.search(mention.before):
             return value in rewards
-        if _RUNS.match(mention.behind):  # how well a figure is known; for the notes more are run than here
+        if _RUNS.match(mention.behind):  # the precision of a figure: the notes use more runs than this test
             return mention.has_piece
         is_condition = mention.has_piece and (
             mention.is_setting or _EPISODES.match(mention.behind) is not None

@@ -1,4 +1,4 @@
-"""What is measured of a run for a task: against numbers worked out by hand, or elsewhere in the program."""
+"""Measures of a run for a task, compared with hand calculations or other parts of the program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sessions keep themselves: begun by the first action, gone on with, never two programs in one file."""
+"""Sessions save themselves: begun by the first action, continued later, one program per file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rl_tui.worlds.editing.edit import read_edits
 
 
 def resumed(path: Path, folder: Path) -> tuple[Autosave, Record]:
-    """Go on with a session; return also what it stood at."""
+    """Continue a session; return also its saved state."""
     session = read_session(path)
     record = session.record()
     return Autosave(record, folder, session), record

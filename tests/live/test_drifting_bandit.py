@@ -1,4 +1,4 @@
-"""The drifting bandit against a plain transcription: every figure is of the means of its own moment."""
+"""The drifting bandit against a plain transcription: every number uses the means of its own moment."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def drifting(tmp_path: Path) -> Recipe:
 
 @dataclass
 class Plain:
-    """The pulls of a run, one after the other, and what they came to."""
+    """The pulls of a run in order, and their results."""
 
     means: list[float]
     rewards: list[float]

@@ -1,4 +1,4 @@
-"""A person draws, steps, goes back, branches: every lane and branch is what its journal says, to the bit."""
+"""A person draws, steps, goes back, branches: every run and branch equals its journal, to the bit."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def play(playback: Playback, what: list[Any]) -> Playback:
 
 
 def names_of_breakpoints(playback: Playback) -> set[Any]:
-    """What they are on, whatever its numbers are."""
+    """The targets of breakpoints, without their numbers."""
     run, breakpoints = playback.group.current.run, playback.breakpoints
     draft, space = run.edited.draft_in(run.recipe), run.world.space
     states, actions = draft.state_keys(run.world), draft.action_keys(run.world)
@@ -133,7 +133,7 @@ def names_of_breakpoints(playback: Playback) -> set[Any]:
 
 
 def straight(playback: Playback) -> Run:
-    """The run shown, from its recipe and its journal alone."""
+    """The visible run, rebuilt from its recipe and journal."""
     record = playback.group.current.record
     run = Run(record.recipe, episode_limit=playback.group.current.run.world.budget)
     run.advance(steps=0)
@@ -142,7 +142,7 @@ def straight(playback: Playback) -> Run:
 
 
 def assert_all_as_written(playback: Playback) -> None:
-    """Every branch of every lane stands as the straight replay of its recipe and its journal does."""
+    """Assert that every branch of every run equals the straight replay of its recipe and journal."""
     for lane in range(len(playback.group.runs)):
         do(playback, ChooseLane(lane))
         for branch in range(len(playback.group.current.timeline.branches)):

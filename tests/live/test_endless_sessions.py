@@ -1,4 +1,4 @@
-"""A session that claims more steps than anybody can replay: it says how far it is, and can be left."""
+"""A session that claims too many steps to replay: it shows its progress, and you can leave it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Environments that break down, hang or are slow: all before it is kept, and can be gone back to."""
+"""Environments that fail, hang or are slow: everything before is kept, and you can go back to it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rl_tui.worlds.environment import EnvironmentFailedError
 
 
 class Willing(gymnasium.Env[int, int]):
-    """Walks up and down three states; in step ``fails_at`` of its life it fails, in ``hangs_at`` it waits."""
+    """Walks up and down three states. In step ``fails_at`` of its life it fails, in ``hangs_at`` it waits."""
 
     observation_space = gymnasium.spaces.Discrete(3)
     action_space = gymnasium.spaces.Discrete(2)

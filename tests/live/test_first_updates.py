@@ -1,4 +1,4 @@
-"""What snapshots say of the wait for the first update."""
+"""The wait for the first update in snapshots."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is kept of the past, checkpoints and the history of a cell: true, and within bounds."""
+"""The memory of the past (checkpoints and cell history): true, and limited in size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Session files that nobody saved: each gives one short line, whatever was put into it."""
+"""Manipulated session files: each gives one short line, whatever its content."""
 
 # ruff: noqa: E501
 

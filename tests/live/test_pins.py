@@ -1,4 +1,4 @@
-"""What a person pinned to states and actions stays with them, whatever becomes of the world."""
+"""A person's pins on states and actions stay with them through every change of the world."""
 
 from __future__ import annotations
 

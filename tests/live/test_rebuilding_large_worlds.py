@@ -1,4 +1,4 @@
-"""An edit of a large world is drawn at once; learning waits for the world, which is built beside it."""
+"""An edit of a large world is drawn at once. Learning waits until the world is rebuilt in the background."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ pytestmark = pytest.mark.unit
 
 
 class Site:
-    """Where worlds are built: each is held until it is let through."""
+    """A place where worlds are built. Each build waits for its release."""
 
     def __init__(self) -> None:
         self.begun: list[str] = []

@@ -1,4 +1,4 @@
-"""Session files: what goes in comes out, and every file that is none says so in one line."""
+"""Session files: saved content loads unchanged, and any other file is refused in one line."""
 
 from __future__ import annotations
 

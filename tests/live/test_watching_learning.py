@@ -1,4 +1,4 @@
-"""Watching it learn: what is learned sets the speed, and changes nothing else."""
+"""Watching it learn: learning progress sets the speed, and changes nothing else."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Clock:
 
 
 class Watched:
-    """A playback that was told to be watched, and a clock on which nothing takes time but waiting."""
+    """A playback in watching mode, with a clock on which only waiting takes time."""
 
     def __init__(self, made_from: Recipe, *, automatic: bool = True) -> None:
         self.clock = Clock()
@@ -60,7 +60,7 @@ class Watched:
 
 
 def with_value(shown: Snapshot) -> int:
-    """How many states have a value."""
+    """The number of states with a value."""
     space = shown.world.space
     best = [max(shown.agent.q[pairs]) for each in range(space.states) if (pairs := space.pairs_of(each))]
     return int(np.count_nonzero(best))

@@ -1,4 +1,4 @@
-"""What one is told of an edit: the draft and its base, what it turned, and where no end can be reached."""
+"""Information about an edit: the draft and its base, the changed actions, and states without an end."""
 
 from __future__ import annotations
 

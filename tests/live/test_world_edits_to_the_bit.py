@@ -1,4 +1,4 @@
-"""Edits of a world are part of the run: whatever was done, what stands there is what the journal says."""
+"""Edits of a world are part of the run: after any actions its state equals its journal."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ pytestmark = pytest.mark.unit
 
 
 def differing(run: Run, other: Run) -> list[str]:
-    """What of all that a run knows, and of the world that it knows it of, is not the same in two runs."""
+    """Return the differences between two runs and between their worlds."""
     one, two = _known(run), _known(other)
     return [name for name in one if one[name] != two[name]]
 
@@ -81,7 +81,7 @@ def deeds(strokes: st.SearchStrategy[Any]) -> st.SearchStrategy[list[Any]]:
 
 
 def done(run: Run, what: list[Any]) -> None:
-    """Do all of it; what is refused must leave no trace."""
+    """Apply all commands. Refused ones must change nothing."""
     kept: list[RunState] = []
     run.advance(steps=0)  # the mark of the beginning is taken before anything is tried
     for deed in what:
