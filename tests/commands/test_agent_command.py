@@ -1,4 +1,4 @@
-"""``rl-tui agent new``: skeletons that run unchanged, and learn correctly once the missing line is filled in."""
+"""``rl-tui agent new``: skeletons that run unchanged, and learn once the missing line is filled in."""
 
 from __future__ import annotations
 

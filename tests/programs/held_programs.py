@@ -1,4 +1,4 @@
-"""Scripts that tests let go step by step."""
+"""Scripts that tests run step by step."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rl_tui.programs.watched.program_process import ProgramProcess, ProgramReque
 
 
 class Held:
-    """A program that goes only as far as it may; ``log`` is what it told so far."""
+    """A program that takes only permitted steps. ``log`` holds its messages so far."""
 
     def __init__(self, process: ProgramProcess) -> None:
         self.process, self.log = process, ProgramLog()
@@ -41,7 +41,7 @@ class Held:
         self.log.stopped_by = None
         self.process.ask({"stop": conditions})
         self.process.allow(NO_LIMIT)
-        asked = self.process.asked - 1  # what it may have met before it heard of this is nothing
+        asked = self.process.asked - 1  # ignores conditions met before it received them
         log = self.until(lambda log: (log.stopped_by is not None and log.heard >= asked) or log.ended)
         self.process.allow(log.recording.count)
         return log

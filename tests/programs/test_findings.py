@@ -1,4 +1,4 @@
-"""Which faults are told of steps that were made, and which are not."""
+"""The findings about given steps, and their limits."""
 
 from __future__ import annotations
 
@@ -179,12 +179,12 @@ def test_a_fault_is_told_alone_and_nothing_speaks_against_it(name: str, seed: in
 
 
 def undiscounted(table: FloatArray, step: Step) -> None:
-    """Weighs all rewards alike."""
+    """Weighs all rewards equally."""
     moved(table, step, step.reward + best(table, step))
 
 
 def short_sighted(table: FloatArray, step: Step) -> None:
-    """Sees this reward alone."""
+    """Sees only the next reward."""
     moved(table, step, step.reward)
 
 

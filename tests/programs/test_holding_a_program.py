@@ -1,4 +1,4 @@
-"""A program that is let go and held again at once comes to rest, and then takes just the steps it may."""
+"""A program that is released and held again at once stops, and then takes only permitted steps."""
 
 from __future__ import annotations
 

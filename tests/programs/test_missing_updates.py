@@ -1,4 +1,4 @@
-"""What is said of updates that are not written, not reached, or leave the next state out."""
+"""Findings about updates that are missing, not reached, or without the next state."""
 
 from __future__ import annotations
 

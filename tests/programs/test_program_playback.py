@@ -1,4 +1,4 @@
-"""A watched program with a play button: exact steps, its past, its end, its file, ours beside it."""
+"""Playing a watched program: exact steps, its past, its end, its file, a built-in agent next to it."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def test_its_end_is_said_and_all_stays_on_screen(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("line", "words", "known"),
-    # what a killed program had not words yet is lost
+    # a killed program loses its unsent messages
     [("1 / 0", "ZeroDivisionError", (4,)), ("import os; os.kill(os.getpid(), 9)", "SIGKILL", range(5))],
     ids=["raises", "is killed"],
 )
@@ -208,7 +208,7 @@ for _ in range(20):
     assert snapshot.results.greedy_return is None
     assert np.isnan(snapshot.results.marks.expected_return).all()
     assert snapshot.counters.step == 60
-    assert snapshot.agent.visits.sum() == 60  # where it went is known also without estimates
+    assert snapshot.agent.visits.sum() == 60  # the next state is known even without estimates
     assert not snapshot.agent.q.any()
 
 
@@ -391,7 +391,7 @@ def test_a_breakpoint_set_on_the_way_does_not_change_what_is_counted(tmp_path: P
         watcher.do(commands.Train(3))
         begun = playback.history.newest.episodes
         playback.handle(commands.RunUntil(Until(Event.EPISODE_END, 900)))
-        for number in range(10):  # hole 5 and 7 end an episode: nobody leaves them
+        for number in range(10):  # holes 5 and 7 end an episode: no step leaves them
             playback.work()
             playback.handle(commands.ToggleBreakpoint(pair=playback.program.world.world.space.pair_of(5, 0)))
             assert playback.state is State.UNTIL, number
@@ -436,7 +436,7 @@ def test_a_cell_is_followed_anew_as_it_goes_on_and_into_the_past(tmp_path: Path)
 
 
 class _Editor:
-    """A program that is watched, whose file is saved again; time passes with each look."""
+    """A watched program whose file is saved again. Time passes with each look."""
 
     def __init__(self, folder: Path, episodes: int) -> None:
         self.path = written(folder, episodes=episodes)
@@ -456,7 +456,7 @@ class _Editor:
         _until(self.watcher, lambda: words in self.playback.restarts.words)
 
     def trained(self, steps: int, words: str = "") -> None:
-        """Take so many steps, or those that are left, and wait until ``words`` are said of it."""
+        """Take some steps, or the remaining ones, and wait until its finding contains ``words``."""
         self.playback.handle(commands.Train(steps))
         _until(self.watcher, lambda: not self.playback.on_the_way)
         _until(self.watcher, lambda: words in self.playback.restarts.words)

@@ -1,4 +1,4 @@
-"""Each step and each change of a script is told exactly: compared with what the script itself wrote down."""
+"""Each step and change of a script is reported exactly: compared with the script's own notes."""
 
 from __future__ import annotations
 

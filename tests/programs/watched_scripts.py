@@ -1,4 +1,4 @@
-"""Scripts that tests write down and watch."""
+"""Scripts that tests write and watch."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def lives(process: int) -> bool:
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
-    """Wait for what another process does; fail when it does not come."""
+    """Wait for an event in another process; fail if it does not happen."""
     until = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < until, "it did not come"

@@ -1,4 +1,4 @@
-"""A branch as a lane beside another of the same run: it has the bits of the branch, and a life of its own."""
+"""A branch next to another of the same run: it has the bits of the branch and continues on its own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ EXPLORE = SetParameter("epsilon", 0.3)
 
 
 def forked(scenario: str = "frozenlake-slippery", **overrides: str) -> Playback:
-    """A run that came to step 1,000, and to 701 on a second branch from step 400; it stands there."""
+    """A run that reached step 1,000, then step 701 on a second branch from step 400. It is at 701."""
     playback = begin(recipe(scenario, **overrides))
     do(playback, Train(1000), GoTo(400), Apply(EXPLORE), Train(200), Take(0), Train(100))
     return playback
@@ -116,7 +116,7 @@ def test_only_another_branch_can_and_there_must_be_room() -> None:
     assert len(shown.run_group.lanes) == 4
 
 
-# What lanes are called
+# Names of runs
 
 MADE = recipe("frozenlake-slippery", epsilon=0.1, alpha=0.1)
 SARSA = recipe("frozenlake-slippery", algorithm="sarsa", epsilon=0.1, alpha=0.1)

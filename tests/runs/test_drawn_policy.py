@@ -1,4 +1,4 @@
-"""A policy that a person draws: what it is, what keeps it, and the file it is written to."""
+"""A policy that a person draws: its actions, its storage, and its file."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def table_of(made_from: Recipe) -> TabularMDP:
     return mdp
 
 
-# What it is
+# Its actions
 
 
 def test_it_does_what_was_chosen_and_elsewhere_anything() -> None:

@@ -25,7 +25,7 @@ STUDENT = begin(recipe("student")).world.space
 
 
 def nobody() -> None:
-    """Nobody waits."""
+    """A listener that does nothing."""
 
 
 def test_small_worlds_are_answered_at_once_and_remembered() -> None:
@@ -216,7 +216,7 @@ def test_runs_side_by_side_in_two_worlds_have_each_its_answer_worked_out_once(
 
 @pytest.fixture
 def nears(monkeypatch: pytest.MonkeyPatch) -> list[FloatArray | None]:
-    """What each solved world was solved from: values near its own."""
+    """The start values of each solved world: values near its own."""
     nears: list[FloatArray | None] = []
 
     def noting(mdp: TabularMDP, gamma: float, near: FloatArray | None) -> Solution:

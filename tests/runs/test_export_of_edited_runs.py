@@ -1,4 +1,4 @@
-"""What is exported of a run whose world was drawn in is of that world, to the bit where it is a command."""
+"""Exports of a run with an edited world use that world. Commands reproduce it to the bit."""
 
 from __future__ import annotations
 

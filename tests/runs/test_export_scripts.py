@@ -1,4 +1,4 @@
-"""The exported scripts: they are plain, they are sound, and they do what the program does."""
+"""The exported scripts are plain and valid, and compute what the program computes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rl_tui.runs.run import Run
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import read_scenario
 
-ALIKE = "egg"  # its states look alike, which scripts do not know
+ALIKE = "egg"  # its states look equal, which scripts cannot express
 WITH_MODEL = [
     name
     for name in SHIPPED
@@ -89,7 +89,7 @@ def test_the_world_of_a_script_has_the_same_states_outcomes_and_answer(scenario:
     mdp, names = table_of(recipe), ran(script(recipe, 1), "# How good is it?")
     live = [state for state in range(mdp.states) if mdp.pairs_of(state)]
     assert len(names["states"]) == len(live)
-    # A sweep that moves no value by more than 1e-9 leaves at most γ / (1 − γ) times that; at γ = 1 more
+    # A sweep that moves no value by more than 1e-9 leaves at most γ / (1 − γ) times that error; at γ = 1 more
     assert np.abs(q_of(names, mdp) - solve(mdp, recipe.hyperparameters.gamma).q).max() < 1e-6
 
 
@@ -113,7 +113,7 @@ K = {{ kind = "floor" }}
 "+" = {{ kind = "goal", reward = 1.5, exit = true }}
 {legend}
 """
-# On leaving nobody is paid by what is never left; with a way back there may be one start only
+# With rewards on leaving, a cell that is never left pays nothing. With a way back only one start is allowed
 LEGENDS = {
     "entering": """B = { kind = "cliff", reward = -2.0, back = true }
 "-" = { kind = "hole", reward = -1.0 }""",
@@ -204,7 +204,7 @@ def test_a_table_with_quoted_names_noise_and_several_starts(tmp_path: Path) -> N
 def test_without_chance_a_script_learns_bit_for_bit_the_same_up_to_rounding(
     algorithm: str, scenario: str
 ) -> None:
-    # Optimism explores in place of ε; both worlds are certain, and karpathy cuts its episodes off
+    # Optimism explores in place of ε. Both worlds are deterministic, and karpathy truncates its episodes
     changes = {
         "algorithm": algorithm,
         "epsilon": 0.0,

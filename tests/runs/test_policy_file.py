@@ -1,4 +1,4 @@
-"""Files that say what a policy does: what they mean, what is wrong with them, and how they are written."""
+"""Policy files: their meaning, their errors, and how they are written."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from rl_tui.runs.recipe import begin
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 STUDENT = begin(recipe("student")).world.space
-"""Class: study, check phone; Phone: scroll, quit; Pass: sleep; Sleep is the end."""
+"""Class: study, check phone. Phone: scroll, quit. Pass: sleep. Sleep is the end."""
 LAKE = begin(recipe("frozenlake")).world.space
 
 
 def read(folder: Path, content: Any, space: FiniteSpace = STUDENT) -> dict[int, Choice]:
-    """What a file of this content, JSON or a text, means."""
+    """The policy in a file of this content, JSON or text."""
     path = folder / "policy.json"
     path.write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
     return read_policy(str(path), space)
 
 
 def faults(folder: Path, content: Any) -> list[str]:
-    """What is said of such a file, without its name."""
+    """The errors of such a file, without its name."""
     with pytest.raises(UserError) as caught:
         read(folder, content)
     return [line.removeprefix(f"{folder / 'policy.json'}: ") for line in str(caught.value).splitlines()]

@@ -1,4 +1,4 @@
-"""What policies are worth in a run: against a plain solution, and worked out no more often than need be."""
+"""Values of policies in a run: equal to a plain solution, and computed only if necessary."""
 
 from __future__ import annotations
 

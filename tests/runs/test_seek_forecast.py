@@ -1,4 +1,4 @@
-"""How long a seek is said to take."""
+"""The forecast of a seek's duration."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The trail of an episode: the steps of a plain replay, however one came to where the run stands."""
+"""The trail of an episode equals the steps of a plain replay, for every way to the current step."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def begin_at_once(made_from: Recipe) -> Playback:
 
 
 def plain_trail(made_from: Recipe, journal: tuple[JournalEntry, ...], steps: int) -> Trail:
-    """The trail of a run of which every single step is told."""
+    """The trail of a run, built from every single step."""
     run = Run(made_from)
     recorder = TrailRecorder()
     for step in range(1, steps + 1):

@@ -1,7 +1,7 @@
 """The book's figures for control, as ``train --runs --json`` gives them.
 
-Seeds are fixed. Where a figure of the book is a mean over runs, ours is held to it within four of its own
-standard errors and what can be read off the printed figure.
+Seeds are fixed. If a figure of the book is a mean over runs, ours must agree with it. The tolerance is four
+of our standard errors plus the reading error of the printed figure.
 """
 
 from __future__ import annotations
@@ -122,6 +122,6 @@ def test_double_q_learning_goes_left_far_less_often() -> None:
     assert went_left(single, 0, 2) == pytest.approx(0.5, abs=0.1)  # nothing is known yet
     assert went_left(single, 0, 100) > 0.6
     assert went_left(double, 0, 100) < 0.3
-    # ε = 0.1 alone makes 5 %: what is above is what the agents still believe
+    # ε = 0.1 alone makes 5 %: the excess comes from the agents' estimates
     assert 0.05 < went_left(double, 280, 300) < 0.09
     assert went_left(double, 280, 300) < went_left(single, 280, 300) < 0.15

@@ -1,4 +1,4 @@
-"""What many seeds say of the runs on screen: as ``train --runs`` has it, bounded, and ended with them."""
+"""A study of many seeds for the visible runs: equal to ``train --runs``, limited, and ended with them."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ GREEDY = AddLane((SetParameter("epsilon", 0.0),))
 
 
 def studied(made_from: Recipe, *before: Command) -> SeedStudy:
-    """What 8 seeds say, worked out in a process of its own."""
+    """The results of 8 seeds, computed in a process of their own."""
     told = do(begin(made_from), *before, StudySeeds()).study
     assert told is not None
     return told
@@ -81,7 +81,7 @@ def reports(made_from: Recipe, *before: Command, most: int = 8) -> list[SeedStud
 
 
 def assert_equal_to_runs(lane: LaneStudy, document: dict[str, Any]) -> None:
-    """Every bit of ``lane`` is that of the document of ``train --runs --json``."""
+    """Assert that every bit of ``lane`` equals the document of ``train --runs --json``."""
     there = {name: each for name, each in document["summary"].items() if each["count"]}
     assert list(lane.estimates) == list(there)
     for name, each in there.items():
@@ -270,7 +270,7 @@ def test_a_stepped_environment_has_eight_seeds() -> None:
     assert study_request(table.group, is_awaited=False).most == 256
 
 
-# Where there is nothing to be worked out
+# Runs without a study
 
 
 def refusal_of(playback: Playback, *before: Command, state: StudyState = StudyState.REFUSED) -> str:
@@ -441,7 +441,7 @@ def test_a_study_under_way_ends(command: Command, processes: list[subprocess.Pop
 async def test_it_ends_with_the_player_and_two_players_have_each_their_own(
     processes: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def awaited(group: RunGroup, **_: bool) -> StudyRequest:  # beside other tests the last priority is none
+    def awaited(group: RunGroup, **_: bool) -> StudyRequest:  # other tests already run at the lowest priority
         return replace(study_request(group, is_awaited=True), most=256)
 
     monkeypatch.setattr(seed_studies, "study_request", awaited)

@@ -1,4 +1,4 @@
-"""The check of the world on screen: the command's figures, for what is in force, in a process of its own."""
+"""The world check on screen: the command's numbers for the current settings, in its own process."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class Beside:
         self.checks = WorldChecks(self.has_news.set, automatic=True)
 
     def until(self, run: Run, holds: Callable[[WorldCheckView], bool]) -> WorldCheckView:
-        """Look at each piece of news until what is known of ``run`` is as wanted."""
+        """Look at each piece of news until the knowledge about ``run`` is as wanted."""
         while True:
             self.has_news.clear()
             view = self.checks.of(run)

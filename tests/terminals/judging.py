@@ -1,4 +1,4 @@
-"""What a screen of the playground has to be, whatever the terminal."""
+"""Requirements for a screen of the playground in every terminal."""
 
 from __future__ import annotations
 

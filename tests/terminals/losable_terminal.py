@@ -1,4 +1,4 @@
-"""A terminal that can go away, or stop reading, while a program is on it."""
+"""A terminal that can vanish, or stop reading, while a program runs in it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rl_tui.live.sessions.session import sessions_in
 
 _LOOK_AGAIN: Final = 0.02  # seconds
 _RUN = "; os.execvp(sys.argv[1], sys.argv[1:])"
-# What runs in it has it as its controlling terminal, as in a window: it is told when that is closed
+# It is the controlling terminal of its program, as in a window: closing it sends a signal
 CONTROLLING: Final = (
     sys.executable,
     "-c",
@@ -50,7 +50,7 @@ class LosableTerminal(PseudoTerminal):
             os.close(end)
 
     def wait_reading(self, condition: Callable[[], bool], what: str) -> None:
-        """Read, and answer, until something holds that need not be seen on the screen, or fail."""
+        """Read and answer until a condition holds that may be invisible on the screen, or fail."""
 
         def holds() -> bool:
             for _ in self.reading(_LOOK_AGAIN):

@@ -56,12 +56,12 @@ class Tmux:
 
     @property
     def screen(self) -> str:
-        """What stands in the window, a line a row, without blanks at their ends."""
+        """The text in the window, one line per row, without trailing blanks."""
         return self.coloured.text
 
     @property
     def coloured(self) -> Emulator:
-        """What stands in the window, with its colours."""
+        """The content of the window, with its colours."""
         columns, rows = map(int, self._do("display", "-p", "#{window_width} #{window_height}").split())
         emulator = Emulator(columns, rows)
         lines = self._do("capture-pane", "-p", "-e").splitlines()[:rows]
@@ -71,7 +71,7 @@ class Tmux:
 
     @property
     def modes(self) -> str:
-        """How the window is set: whether it has its alternate screen, a cursor, reports of the mouse."""
+        """The modes of the window: the alternate screen, the cursor, mouse reports."""
         return self._do(
             "display", "-p", "alternate #{alternate_on}, cursor #{cursor_flag}, mouse #{mouse_any_flag}"
         ).strip()
@@ -123,7 +123,7 @@ def in_tmux(
 def in_screen(
     command: Sequence[str], size: tuple[int, int], environment: Mapping[str, str | None] | None = None
 ) -> Iterator[PseudoTerminal]:
-    """Run ``command`` in a GNU screen of its own, on a pseudo-terminal; it ends with that at the latest."""
+    """Run ``command`` in its own GNU screen on a pseudo-terminal; it ends with the block at the latest."""
     if shutil.which("screen") is None:
         pytest.skip("needs GNU screen: apt-get install screen")
     with TemporaryDirectory(prefix="rl-tui-", dir=_SHORT) as folder:

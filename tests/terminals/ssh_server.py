@@ -1,4 +1,4 @@
-"""An OpenSSH server on this machine that is thrown away after use, and how to log in to it."""
+"""A temporary OpenSSH server on this machine, and the command to log in to it."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ def _server() -> str | None:
 
 
 class SshServer:
-    """Serves on a free port of the loopback interface, from ``folder`` alone, with keys of its own.
+    """Serves on a free port of the loopback interface, only from ``folder``, with keys of its own.
 
-    Whoever logs in has ``environment`` there. ``rules`` are more lines of its configuration.
+    Each login has ``environment``. ``rules`` are more lines of its configuration.
     """
 
     def __init__(self, folder: Path, environment: Mapping[str, str], rules: str = "") -> None:
@@ -82,7 +82,7 @@ class SshServer:
     def __enter__(self) -> SshServer:
         deadline = time.perf_counter() + DEADLINE
         while not self._start(deadline):
-            assert "in use" in self.log, self.log  # somebody else took the port, and may answer there
+            assert "in use" in self.log, self.log  # another program took the port, and may answer there
         return self
 
     def __exit__(
@@ -111,11 +111,11 @@ class SshServer:
 
     @property
     def log(self) -> str:
-        """What the server has to say."""
+        """The log of the server."""
         return (self._folder / "log").read_text(encoding="utf-8", errors="replace")
 
     def login(self, *options: str) -> list[str]:
-        """Return the command that logs in, up to the name of the host; what is to be run there follows."""
+        """Return the login command up to the host name. Append the remote command to it."""
         return ["ssh", *self._settings, "-p", str(self.port), *options, f"{getpass.getuser()}@127.0.0.1"]
 
     def transfer(self, program: str, *options: str) -> list[str]:

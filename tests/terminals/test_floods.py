@@ -1,4 +1,4 @@
-"""More is typed than anybody can type, and the program is told to end in the middle of it."""
+"""More input than a person can type, and a request to end in the middle of it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from losable_terminal import CONTROLLING, LosableTerminal, kept_step
 from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
 FLOOD = "\0" * 60_000
-MOST_GROWTH = 40  # megabytes; what each key costs until it is done comes to more if all of these are kept
+MOST_GROWTH = 40  # megabytes; keeping every pending key takes more
 NOTHING_ELSE_HAPPENS = (
     sys.executable,
     "-c",
@@ -104,7 +104,7 @@ def test_stop_and_go_on_at_once_leaves_it_going(tmp_path: Path) -> None:
                 terminal.press("s")
                 next(terminal.reading(0.1), None)
                 pressed += 1
-                if pressed % 50 == 0:  # it may have been told to go on between its last look and the stop
+                if pressed % 50 == 0:  # the SIGCONT may have arrived between its last look and its stop
                     terminal.process.send_signal(signal.SIGCONT)
         terminal.press("qq")
         assert terminal.wait_for_end() == 0

@@ -1,4 +1,4 @@
-"""Which characters the environment of a terminal asks for."""
+"""The characters that the environment of a terminal requests."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rl_tui.screen.theme.glyphs import encoding_of
 @pytest.mark.parametrize(
     ("environ", "utf8_mode", "encoding"),
     [
-        ({"LANG": "C", "LC_CTYPE": "C.UTF-8"}, True, "ascii"),  # what Python makes of LANG=C
+        ({"LANG": "C", "LC_CTYPE": "C.UTF-8"}, True, "ascii"),  # Python's reading of LANG=C
         ({"LC_ALL": "C"}, True, "ascii"),
         ({"LC_ALL": "POSIX", "LANG": "en_GB.UTF-8"}, True, "ascii"),
         ({"LANG": "C", "LC_CTYPE": "C.UTF-8"}, False, "UTF-8"),

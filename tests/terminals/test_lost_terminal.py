@@ -1,4 +1,4 @@
-"""A terminal that is gone, that does not read, and a program that is told to end or fails on it."""
+"""A terminal that is gone or does not read, and a program that is ended or fails in it."""
 
 from __future__ import annotations
 

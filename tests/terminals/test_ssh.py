@@ -1,4 +1,4 @@
-"""Over a real SSH connection: everything arrives, and a connection that breaks leaves nothing behind."""
+"""Over a real SSH connection: everything arrives, and a broken connection leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def environment(sessions: Path) -> dict[str, str]:
 
 
 def classroom() -> str:
-    """Return the rules by which whoever logs in gets the program, and nothing else."""
+    """Return rules that give every login the program, and nothing else."""
     return f"""
         Match User {getpass.getuser()}
             ForceCommand {shlex.join(RL_TUI)}
@@ -59,7 +59,7 @@ def serving(folder: Path, rules: str = "") -> Iterator[SshServer]:
 
 @contextmanager
 def student(server: SshServer, folder: Path) -> Iterator[LosableTerminal]:
-    """Log in and play; the program's number and that of the process which serves it are in ``folder``."""
+    """Log in and play. ``folder`` holds the process ids of the program and of its server process."""
     numbers = f"echo $$ > {folder}/program; echo $PPID > {folder}/server"
     program = shlex.join([*RL_TUI, "play", "student"])
     client = [*CONTROLLING, *KEPT_OPEN, *server.login("-tt"), f"{numbers}; exec {program}"]
@@ -137,7 +137,7 @@ def test_from_the_classroom_recipe_there_is_no_way_out(tmp_path: Path) -> None:
 
 
 def refused(command: list[str], sent: bytes = b"") -> str:
-    """Run ``command``, which must fail and get nothing; return the reason given."""
+    """Run ``command``, which must fail without output; return the reason."""
     result = subprocess.run(command, input=sent, capture_output=True, timeout=DEADLINE, check=False)
     assert result.returncode != 0
     assert result.stdout.replace(b"sftp> pwd\n", b"") == b""

@@ -1,4 +1,4 @@
-"""Going to the shell and coming back, and being stopped from outside."""
+"""Going to the shell and back, and stops from outside."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ STEPS = 3
 CTRL_Z = "\x1a"
 TAKEN = b"\x1b[?1049h"  # the screen that a program has for itself, empty to begin with
 PROMPT = "now_yours:"
-# Older ones stand on the screen too, and show as soon as the program has left it; but what is typed before it
-# has also given back how lines are typed never ends for the shell
+# Older prompts are on the screen too, and show as soon as the program has left it. A line typed before the
+# program restores the line mode never ends for the shell
 ASKS = rf"{PROMPT}\s*\Z"
 STOPPED = rf"(?s)Stopped.*{ASKS}"
 SHELL = ("bash", "--norc", "--noprofile", "--noediting", "-i")

@@ -1,4 +1,4 @@
-"""The real program in terminals of every kind: each shows all of it, in the colours and characters it has."""
+"""The real program in terminals of every kind: each shows everything, with its own colours and characters."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STEPS: Final = 5
 BEGIN: Final = "s" * STEPS + "wh"  # shows the answer, which the student hides
 REDRAW: Final = "\x0c"  # ctrl+l
 ESCAPE: Final = "\x1b[27u"
-DIALOGS: Final = {  # keys, and what then stands on the screen
+DIALOGS: Final = {  # keys, then the expected text on the screen
     "?": "Words  Pages",
     "ao": "All settings",
     "u": "Run until",
@@ -92,7 +92,7 @@ def fresh(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[int, int], str
             begin(terminal)
             terminal.wait_for(EXACT)
             terminal.wait_for(FLIP)
-            terminal.blank()  # of a screen that comes in several frames all has come then
+            terminal.blank()  # a screen of several frames is complete then
             terminal.press(REDRAW)
             terminal.wait_for(EXACT)
             terminal.wait_for(FLIP)

@@ -1,4 +1,4 @@
-"""The exact table of blackjack against Gymnasium's own game, and against the book's figure 5.2."""
+"""The exact table of blackjack, compared with Gymnasium's own game and the book's figure 5.2."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def name_of(environment, observation) -> str:
 
 
 def steps(kwargs, episodes: int, seed: int) -> Iterator[tuple[str, int, str, float]]:
-    """Play at random; yield state, action, where it led (the ends by their reward) and the reward."""
+    """Play at random; yield state, action, next state (for ends: their reward) and reward."""
     environment = gymnasium.make("Blackjack-v1", disable_env_checker=True, **kwargs)
     generator = np.random.default_rng(seed)
     observation, _ = environment.reset(seed=seed)
@@ -60,7 +60,7 @@ def steps(kwargs, episodes: int, seed: int) -> Iterator[tuple[str, int, str, flo
 
 
 def unlikely(counts: np.ndarray, expected: np.ndarray) -> float:
-    """Return the probability of a χ² as large as that of these counts; rare cells are put together."""
+    """Return the probability of a χ² at least as large as for these counts. Rare cells are combined."""
     rare = expected < 5.0
     if rare.any():
         counts = np.append(counts[~rare], counts[rare].sum())
@@ -111,7 +111,7 @@ def test_sizes():
 
 @pytest.mark.parametrize(("showing", "bust"), [(6, 0.4231), (10, 0.2121), (1, 0.1153)])
 def test_how_often_the_dealer_goes_bust(showing, bust):
-    """Known for an infinite deck and a dealer who stands on soft 17, to four digits."""
+    """The known value, to four digits, for an infinite deck and a dealer who stands on soft 17."""
     ends = dealer_showing(showing)
     assert sum(ends.values()) == pytest.approx(1.0)
     assert sum(p for hand, p in ends.items() if hand.sum > 21) == pytest.approx(bust, abs=1e-4)

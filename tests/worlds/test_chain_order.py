@@ -1,4 +1,4 @@
-"""Which worlds are chains, and the order of their states."""
+"""The worlds that are chains, and the order of their states."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rl_tui.worlds.sections.chain import Move, chain_order
 
 
 def walk(action: str = "walk", states: int = 5) -> list[Move]:
-    """Each inner state leads to both neighbours; the numbers of the ends are the greatest."""
+    """Each inner state leads to both neighbours. The ends have the largest numbers."""
     row = [states - 2, *range(states - 2), states - 1]
     return [
         Move(row[place], action, {row[place - 1]: 0.5, row[place + 1]: 0.5}) for place in range(1, states - 1)

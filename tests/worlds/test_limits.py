@@ -1,4 +1,4 @@
-"""What is too large is refused by one line that tells the limit, whatever it would have taken."""
+"""Oversized input is refused by one line with the limit, however large it would become."""
 
 # ruff: noqa: E501
 
@@ -20,8 +20,8 @@ from rl_tui.worlds.files.scenario import read_scenario
 BINS = '[gymnasium]\nid = "CartPole-v1"\nbins = '
 LAKE = '[gymnasium]\nid = "FrozenLake-v1"\nkwargs = '
 TRANSITION = '{{ state = "s{0}", action = "a{1}", reward = 1, to = "s{2}" }}'
-GENEROUS = 20.0  # seconds; what is refused late takes minutes
-SPARE = 1_500  # MB; what is refused late takes tens of thousands
+GENEROUS = 20.0  # seconds; a late refusal takes minutes
+SPARE = 1_500  # MB; a late refusal takes tens of thousands
 
 
 def transitions(*places: tuple[int, int, int]) -> str:

@@ -1,4 +1,4 @@
-"""What was drawn, as the text of its file: only what says something else differs."""
+"""The file of an edited world differs from the original only in the edits."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ ODD = {
     "blanks in heads": HEAD + "[ grid ]\nmap='''\nS..\n.#G\n'''\n[ grid . legend ]\nG={kind='goal'}\n",
     "mixed line ends": "[grid]\r\nmap = '''\nS..\n.#G\n'''\n[defaults] # end\r\nalpha = 1",
 }
-"""What people and other programs write."""
+"""Files in the style of people and other programs."""
 GRIDS |= ODD
 CHAIN = """[mdp]
 start = "A" # here

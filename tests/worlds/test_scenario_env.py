@@ -34,12 +34,12 @@ LEAST_PLAUSIBLE = 0.001
 
 @pytest.fixture(autouse=True)
 def _advice_is_given(monkeypatch):
-    """Gymnasium warns, which fails a test; others may have silenced it."""
+    """Enable Gymnasium's warnings, which fail a test, even if something silenced them."""
     monkeypatch.setattr(gymnasium.logger, "min_level", gymnasium.logger.WARN)
 
 
 def outcomes(mdp, pair):
-    """Probability of each (next state, reward, terminated), as outcomes that land alike look from outside."""
+    """Return the probability of each (next state, reward, terminated). Equal outcomes are combined."""
     expected = Counter()
     for o in mdp.outcomes_of(pair):
         expected[int(mdp.next_state[o]), float(mdp.reward[o]), bool(mdp.terminated[o])] += mdp.probability[o]
@@ -47,7 +47,7 @@ def outcomes(mdp, pair):
 
 
 def episode_of(environment, seed, steps=60):
-    """What ``steps`` steps bring, over episodes."""
+    """Return the results of ``steps`` steps, over episodes."""
     seen = [environment.reset(seed=seed)[0]]
     for step in range(steps):
         state, reward, terminated, truncated, _ = environment.step(step % environment.action_space.n)

@@ -1,4 +1,4 @@
-"""Which cells cannot be told from the best: against plain tests, by properties, and how often it errs."""
+"""Cells tied with the best: compared with plain tests, checked by properties, and by error rate."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def five_best(seed: int = 1, runs: int = 30) -> np.ndarray:
 
 
 def plainly(values: np.ndarray) -> set[int]:
-    """The cells that are alike, one test after the other."""
+    """The tied cells, found by one test after the other."""
     best = max(range(len(values)), key=lambda cell: np.nanmean(values[cell]))
     tests = []
     for cell in set(range(len(values))) - {best}:
@@ -108,7 +108,7 @@ def test_a_cell_that_ran_away_hides_no_difference_between_others() -> None:
 def test_cells_with_few_seeds_in_common_are_not_compared() -> None:
     values = np.full((5, 20), NOTHING)
     values[0, :10], values[1, 10:], values[2, 1:11] = 1.0, 0.5, 0.5
-    values[3, 0], values[4] = 9.0, np.arange(20) - 50.0  # a single run is no best cell
+    values[3, 0], values[4] = 9.0, np.arange(20) - 50.0  # a single run cannot be a best cell
     found = not_different(values)
     assert found.best == 0
     assert list(found.compared) == [True, False, False, False, True]

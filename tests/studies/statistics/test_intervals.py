@@ -1,4 +1,4 @@
-"""The middle of many runs and the interval of their mean: against SciPy, by properties, by coverage."""
+"""The mean of many runs and its interval: compared with SciPy, checked by properties and coverage."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MANY = st.lists(NUMBERS, min_size=FEWEST_RUNS, max_size=40)
 
 
 class Drawn:
-    """What SciPy takes for a bootstrap that was done before."""
+    """A finished bootstrap, in the form that SciPy accepts."""
 
     def __init__(self, means: np.ndarray) -> None:
         self.bootstrap_distribution = means
@@ -86,7 +86,7 @@ def test_every_value_is_drawn_as_often_as_any_other_and_each_resample_has_its_mi
 def test_it_covers_the_true_mean_in_93_to_97_percent(kind: str, runs: int) -> None:
     trials = 1_000
     covered = coverage_of_mean(kind, runs, trials).covered
-    # Were the truth 93 or 97 %, so few trials would stray further than this once in a thousand times
+    # If the truth were 93 or 97 %, this few trials would deviate further only once in a thousand times
     assert (
         scipy.stats.binom.ppf(0.001, trials, 0.93)
         <= covered * trials

@@ -12,14 +12,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Final
 
-LONGEST_START: Final = 60.0  # seconds; a machine may be busy
+LONGEST_START: Final = 60.0  # seconds, for a busy machine
 _HERE: Final = Path(__file__).parent
 _ALLOWED_FAILURES: Final = "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"
 _QUIET: Final = {"DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning"}
 
 
 class Cluster:
-    """A scheduler, and the workers that are started; all of them end with the ``with`` block."""
+    """A scheduler and its workers. All of them end with the ``with`` block."""
 
     def __init__(self, folder: Path, allowed_failures: int | None = None) -> None:
         self._folder = folder
@@ -51,7 +51,7 @@ class Cluster:
     def start(
         self, number: int, environment: Mapping[str, str] | None = None, preload: str = ""
     ) -> list[str]:
-        """Start so many workers of one thread, each of which runs ``preload`` first; return their addresses.
+        """Start workers of one thread, each of which runs ``preload`` first; return their addresses.
 
         ``environment`` is added to theirs.
         """

@@ -1,4 +1,4 @@
-"""Which batch goes where on a cluster, and who is to blame when workers die."""
+"""The placement of batches on a cluster, and the blame when workers die."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stores that somebody else has changed: refused in one line, before anything in them is used."""
+"""Manipulated stores are refused in one line, before any of their content is used."""
 
 from __future__ import annotations
 

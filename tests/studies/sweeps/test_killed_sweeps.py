@@ -1,4 +1,4 @@
-"""A sweep that is killed has kept what was finished; ``tests/sweep_kills.py`` kills more of them."""
+"""A killed sweep keeps its finished runs; ``tests/sweep_kills.py`` kills more sweeps."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path: Path) -> None:
         stderr=subprocess.PIPE,
         text=True,
     ) as child:
-        log = path.with_name(f"{path.name}-wal")  # whoever reads before it is there may be in the way
+        log = path.with_name(f"{path.name}-wal")  # an early reader may block the writer
         while child.poll() is None and not (log.exists() and rows_in(path)):
             pass
         child.send_signal(signal.SIGINT)
@@ -49,7 +49,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path: Path) -> None:
     kept = rows_in(path)
     assert kept > 0
     assert f"interrupted: {kept:,} of 90,000 runs" in complained
-    with Store.to_write(path):  # nobody holds it any more
+    with Store.to_write(path):  # its lock is free
         pass
 
 

@@ -1,4 +1,4 @@
-"""What a seed of a cell comes to: the figures of a single run, and when it arrived."""
+"""The row of a seed in a cell: the metrics of a single run, and its episodes to 95 %."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_rows_of_a_batch_are_those_of_each_seed_alone(
     assert loop is not None
     compile_here(loop)
     with monkeypatch.context() as patch:
-        patch.setattr(runs, "Run", None)  # none is trained alone
+        patch.setattr(runs, "Run", None)  # no run is trained singly
         in_batches = {row.seed: row.figures for row in run_rows(cell, range(5, 12))}
     monkeypatch.setattr(runs, "runs_in_batches", lambda cell: None)
     assert in_batches == {row.seed: row.figures for row in run_rows(cell, range(5, 12))}

@@ -1,4 +1,4 @@
-"""A sweep as it runs: each row once, coarse cells first, and on from where it stopped."""
+"""A sweep in progress: each row once, coarse cells first, and continued after a stop."""
 
 from __future__ import annotations
 
@@ -231,9 +231,9 @@ class AtOnce(InTurn):
 
 
 def peak_of(cells: int, path: Path) -> int:
-    """Return the most memory, in bytes, that a sweep of so many cells has taken."""
+    """Return the peak memory, in bytes, of a sweep of some cells."""
     plan = plan_of("maze", f"alpha=0.1:0.9:{cells}")
-    run_sweep(plan_of("maze", "alpha=0.1"), Store.without_file(), workers=AtOnce())  # what is made once
+    run_sweep(plan_of("maze", "alpha=0.1"), Store.without_file(), workers=AtOnce())  # built once
     with Store.to_write(path) as store:
         tracemalloc.start()
         try:

@@ -1,4 +1,4 @@
-"""What a sweep came to: the best, what is like it, the best again, and the document of all."""
+"""The result of a sweep: the best cell, ties with it, fresh seeds, and the whole document."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rl_tui.studies.sweeps.sweep import run_again, run_sweep
 
 
 def row(seed: int, failed: str | None = None, **figures: float | None) -> RunRow:
-    """Return a row with these ``figures``; it was trained for 100 episodes."""
+    """Return a row with these ``figures``, trained for 100 episodes."""
     if failed is not None:
         return RunRow(seed, NO_FIGURES, failed)
     return RunRow(seed, {**NO_FIGURES, "episodes": 100, **figures})

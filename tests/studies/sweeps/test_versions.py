@@ -1,7 +1,7 @@
-"""Stored runs are those that would be trained now: what changes their bits raises a number of the key.
+"""Stored runs equal runs trained now: a change of their bits raises a number in the key.
 
-What stands here is how many steps 30 episodes take, and what 200 pulls win: whole numbers, which any change
-of bits is likely to change, and which are the same on every machine.
+The expected numbers are the steps of 30 episodes and the wins of 200 pulls. They are whole numbers, equal on
+every machine, and almost any change of bits changes them.
 """
 
 from __future__ import annotations
