@@ -1,4 +1,4 @@
-"""How colours look: luminance, contrast, and distances for eyes that lack one kind of cone."""
+"""The look of colours: luminance, contrast, and distances for eyes that lack one kind of cone."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def contrast(one: Color, other: Color) -> float:
 
 
 def distance(one: Color, other: Color, eye: str) -> float:
-    """CIE 1976 distance as ``eye`` sees both; about 2 is the least that is noticed."""
+    """CIE 1976 distance as ``eye`` sees both. About 2 is the smallest visible distance."""
     return float(np.linalg.norm(_lab(one, EYES[eye]) - _lab(other, EYES[eye])))
 
 

@@ -30,7 +30,7 @@ def _no_scenarios(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.Temp
 
 async def all_done(*_: float) -> None:
     """Wait until what was typed or sent until now is done."""
-    for _turn in range(3):  # of the loop, until what a driver sends is with the app
+    for _turn in range(3):  # of the loop, until the app has the driver's messages
         await asyncio.sleep(0)
     app = active_app.get()
     await _reached(app.call_later)
@@ -103,7 +103,7 @@ def _styles_parsed_once() -> Iterator[None]:
 
 @pytest.fixture
 def make_app() -> MakeApp:
-    """An app whose steps pass only as it is told: the playground of a scenario, or the catalogue."""
+    """Make an app that takes steps only on request: the playground of a scenario, or the start screen."""
 
     def make(scenario: str | None = None, *, seed: int = 0, **display: object) -> RlTuiApp:
         recipe = recipe_for(find(scenario), {}, seed) if scenario else None
@@ -117,7 +117,7 @@ def make_app() -> MakeApp:
 
 @pytest.fixture
 def is_typed(monkeypatch: pytest.MonkeyPatch) -> asyncio.Event:
-    """What has to be set before a player shows anything: until then there is no world on screen."""
+    """Set this event to let a player publish snapshots. Until then no world is on screen."""
     event, snapshots = asyncio.Event(), Player.snapshots
 
     async def late(player: Player) -> AsyncIterator[Snapshot]:

@@ -1,4 +1,4 @@
-"""Two ways to draw a map: with keys alone, and with the mouse alone."""
+"""Two ways to draw a map: with keys only, and with the mouse only."""
 
 from __future__ import annotations
 
@@ -41,17 +41,17 @@ class Plan:
 
     lines: tuple[str, ...]
     rewards: Mapping[float, Sequence[Cell]] = field(default_factory=dict)
-    """What cells pay that do not pay what their brush says."""
+    """Rewards of cells that differ from those of their brush."""
     jump: tuple[Cell, Cell] | None = None
     numbers: Mapping[str, float] = field(default_factory=dict)
-    """What sliders are to show."""
+    """The numbers to set on sliders."""
     on_leaving: bool = False
 
 
 def plan_of(scenario: str) -> Plan:
-    """What has to be drawn for the map of ``scenario``.
+    """Return the strokes for the map of ``scenario``.
 
-    In its file other characters stand for goals, holes and exits; the table does not tell them.
+    Its file may use any characters for goals, holes and exits, and the table cannot distinguish them.
     """
     draft = first_draft(find(scenario), 0)
     assert isinstance(draft, GridDraft)
@@ -88,7 +88,7 @@ def app_of_template(template: str) -> RlTuiApp:
 
 
 def map_drawn(pilot: Pilot[UserError]) -> GridDraft:
-    """The map as it is drawn."""
+    """The map on screen."""
     draft = snapshot(pilot).editor.draft
     assert isinstance(draft, GridDraft)
     return draft
@@ -231,7 +231,7 @@ class Mouse(Hands):
                     self._places.setdefault(cell, (x + view.gutter.left, y + view.gutter.top))
 
     def offset(self, cell: Cell) -> tuple[int, int]:
-        """Where ``cell`` is drawn in the view."""
+        """The place of ``cell`` in the view."""
         drawing = snapshot(self.pilot).world.drawing
         assert isinstance(drawing, Grid)
         return self._places[cell[0] * drawing.columns + cell[1]]

@@ -1,4 +1,4 @@
-"""Snapshots of runs side by side, made by hand."""
+"""Snapshots of several runs, made by hand."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LANES: tuple[tuple[str, str, dict[str, Any], float, float, int], ...] = (
 
 
 def lane_views(count: int) -> tuple[LaneView, ...]:
-    """So many runs of the slippery lake, which end apart from one another."""
+    """Runs of the slippery lake, with different ends."""
     q, base = _lake().agent.q, _lake().agent.hyperparameters
     return tuple(
         LaneView(
@@ -46,7 +46,7 @@ def lane_views(count: int) -> tuple[LaneView, ...]:
 
 
 def side_by_side(count: int, shown: int = 0, **changes: Any) -> Snapshot:
-    """So many runs of the slippery lake; ``shown`` is the number, from 0, of the one on screen."""
+    """Runs of the slippery lake. ``shown`` is the index of the one on screen."""
     lanes = lane_views(count)
     return paired(changed(showing(_lake(), lanes[shown]), lanes=lanes, shown=shown, **changes))
 
@@ -75,7 +75,7 @@ def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:
 
 
 def without_episodes(lane: LaneView) -> LaneView:
-    """``lane`` as it was before its first episode ended."""
+    """``lane`` before the end of its first episode."""
     return changed(lane, step=0, episodes=0, curve=Curve(), marks=marks(0, 0.0, 0.0, 0), return_last_100=None)
 
 

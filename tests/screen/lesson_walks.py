@@ -1,4 +1,4 @@
-"""Somebody who takes a lesson: reads its pages, answers, and does with keys what they ask."""
+"""A learner who takes a lesson with keys: reads its pages, answers, and does its tasks."""
 
 from __future__ import annotations
 
@@ -50,26 +50,26 @@ _NAMED: Final = {"-": "minus", ".": "full_stop", ",": "comma"}
 
 @dataclass
 class Learner:
-    """Takes ``lesson`` by the keys of ``pilot``; no page may turn but by its key."""
+    """Takes ``lesson`` by the keys of ``pilot``. Pages turn only by their keys."""
 
     pilot: Pilot[UserError]
     lesson: Lesson
 
     @property
     def now(self) -> Snapshot:
-        """What the playground shows."""
+        """The playground's snapshot."""
         return snapshot(self.pilot)
 
     @property
     def view(self) -> LessonView:
-        """How the lesson stands."""
+        """The state of the lesson."""
         view = self.now.lesson
         assert view is not None
         return view
 
     @property
     def record(self) -> LessonRecord:
-        """How far the learner has come."""
+        """The learner's progress."""
         return self.view.record
 
     @property
@@ -91,7 +91,7 @@ class Learner:
     # Reading
 
     async def read(self) -> str:
-        """Have the page in view; return what is seen of it, in one line."""
+        """Show the page and return its visible text, in one line."""
         place = playground(self.pilot).board.lesson
         if not place.is_in_view:
             await self.keys("enter")

@@ -96,7 +96,7 @@ def program(**changes: Any) -> ProgramView:
 
 
 def watched(view: ProgramView | None = None, step: int = 12_400, **changes: Any) -> Snapshot:
-    """A program on the slippery lake after so many steps, its update known, with ``changes``."""
+    """A program on the slippery lake after some steps, with a known update and ``changes``."""
     return replace(changed(lake(step), **changes), program=view or program())
 
 
@@ -105,7 +105,7 @@ def unknown(reason: str = "several cells moved in most steps", **changes: Any) -
     picture = watched(program(verdict=ProgramVerdict(update=UpdateFound(reason=reason))))
     last = picture.counters.last_step
     moved = last.after - last.before
-    # what a playback fills in where it knows nothing: terms that come to the estimate after it
+    # a playback's values for unknown parts: terms that follow the estimate
     open_step = replace(last, step_size=1.0, gamma=1.0, gathered=last.after, discount=0.0, bootstrap=0.0)
     open_step = replace(open_step, bootstrap_state=-1, **changes)
     assert moved
@@ -132,7 +132,7 @@ def drawn(
     height: int = 20,
     **options: Any,
 ) -> str:
-    """What a panel of a program draws of ``snapshot``, row by row."""
+    """The rows that a panel of a program draws for ``snapshot``."""
     panel = sized(kind(look(**options)), width, height)
     panel.snapshot = snapshot
     rows = panel.picture(snapshot, width, height)

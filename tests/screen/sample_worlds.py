@@ -1,4 +1,4 @@
-"""Small worlds made by hand, without gymnasium or numba, and their exact answers."""
+"""Small worlds made by hand, without gymnasium or numba, and their exact values."""
 
 from __future__ import annotations
 
@@ -125,6 +125,6 @@ def best_values(mdp: TabularMDP, q: FloatArray) -> FloatArray:
 
 
 def learned_q(exact: Solution, share: float = 0.7) -> FloatArray:
-    """Q somewhat below the exact answer, a little different in every pair; the same at every call."""
+    """Q somewhat below the exact values, a little different in every pair; equal at every call."""
     wobble = 1.0 - 0.05 * np.abs(np.sin(np.arange(len(exact.q), dtype=np.float64)))
     return np.asarray(exact.q * share * wobble)

@@ -24,12 +24,12 @@ def seed_curve(low: float, high: float, bins: int = 40, width: int = 50, stderr:
 
 
 def difference(mean: float, stderr: float, greater: int, equal: int = 0, count: int = 64) -> PairedDifference:
-    """What the lane shown has more than another."""
+    """The advantage of the visible run over another."""
     return PairedDifference(Estimate(mean, stderr, count), greater, equal)
 
 
 def lake_study(**changes: Any) -> SeedStudy:
-    """64 of 256 seeds of the slippery lake, 500 episodes each; the exact return is that of this seed."""
+    """64 of 256 seeds of the slippery lake, 500 episodes each. The exact return belongs to this seed."""
     lane = LaneStudy(
         {"return_last_100": Estimate(0.402, 0.0104, 64), "expected_return": Estimate(0.71, 0.006, 64)},
         {"return_last_100": 0.41, "expected_return": 0.73},

@@ -68,7 +68,7 @@ SHAPES = MAPS | {
     "long walk": Shape(Graph(tuple((x, 0) for x in range(21)), tuple(range(21))), 19, 1),
     "not known yet": Shape(),
 }
-# what is asked of the function, and what of the shape
+# arguments of the function, then fields of the shape
 STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "plain": ({}, {}),
     "panel": ({"opened": "microscope"}, {}),

@@ -1,4 +1,4 @@
-"""? explains the word under the mouse; elsewhere it shows the keys, then the words of the panel in focus."""
+"""? explains the word under the mouse. Elsewhere it shows the keys, then the words of the focused panel."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def facts(pilot: Pilot[UserError]) -> str:
 
 
 def heading(pilot: Pilot[UserError]) -> str:
-    """What the details are about."""
+    """The heading of the details."""
     return words_of(pilot.app.screen.query_one("#heading")).rstrip("─- ")
 
 

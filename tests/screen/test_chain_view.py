@@ -32,7 +32,7 @@ def random_walk(**changes: object) -> Snapshot:
 
 
 def choices(states: int = 7) -> Snapshot:
-    """States in which one may go left or right; the ends pay −1 and +1, right is better everywhere."""
+    """States with the choice of left or right. The ends pay −1 and +1; right is better everywhere."""
     mdp = tabular_mdp(
         [f"s{state}" for state in range(states)],
         ("left", "right"),

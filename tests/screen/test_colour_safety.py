@@ -1,4 +1,4 @@
-"""What colours promise beyond their order: both signs are as strong, text is readable, focus shows."""
+"""Colours: both signs are equally strong, text is readable, and focus is visible."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of the curve is off its axis: outliers of the mean, and greedy policies far below."""
+"""Values of the curve off its axis: outliers of the mean, and greedy policies far below."""
 
 from __future__ import annotations
 

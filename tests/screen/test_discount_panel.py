@@ -1,4 +1,4 @@
-"""The panel of γ: Q*(γ) of one state, its crossings, and the flips with what they earn."""
+"""The panel of γ: Q*(γ) of one state, its crossings, and the flip points with their returns."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_it_is_drawn_at_any_size(size: tuple[int, int]) -> None:
         assert drawn(shown, *size, ascii=True).isascii()
 
 
-# What is said
+# Texts
 
 
 def test_of_the_student_it_tells_the_one_flip_and_what_it_earns() -> None:
@@ -259,7 +259,7 @@ def test_names_of_actions_are_whole_in_a_terminal_of_eighty_columns() -> None:
     assert any(row.endswith("check phone") for row in chart(student(), 0, 36, 13))
 
 
-# What there is room for
+# Sizes
 
 
 def framed(shown: Snapshot, width: int, height: int, *downs: int) -> tuple[DiscountPanel, list[str]]:

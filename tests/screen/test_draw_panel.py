@@ -1,4 +1,4 @@
-"""The panel of tools: what stands in it, its sliders, and that all of it is found by its name too."""
+"""The panel of tools: its content, its sliders, and the search by name."""
 
 from __future__ import annotations
 
@@ -311,7 +311,7 @@ async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.Monkey
             await press(pilot, "w", letter)
             assert "at most 17 cells" in notes(pilot.app)[-1]
             assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4
-        # what is pasted over the edge is cut off there: nothing makes a map larger but its lines
+        # a paste over the edge is cut there: only lines make a map larger
         await press(pilot, "w", "m", "down", "w", "c")
         await press(pilot, "down", "down", "right", "right", "w", "v")
         assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4

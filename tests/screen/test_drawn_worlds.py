@@ -1,4 +1,4 @@
-"""Worlds that everybody knows, drawn from a blank one: with keys alone, and with the mouse alone."""
+"""Well-known worlds, drawn from a blank one: with keys only, and with the mouse only."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ async def type_lines(pilot: Pilot[UserError], *texts: str) -> None:
 
 
 async def go_to(pilot: Pilot[UserError], state: str) -> None:
-    """Go from state to state until the cursor stands on ``state``."""
+    """Move from state to state until the cursor is on ``state``."""
     names = snapshot(pilot).world.space.state_names
     view = playground(pilot).board.world
     assert view.cursor is not None
@@ -77,7 +77,7 @@ async def test_the_student_evening_is_drawn_from_a_blank_graph_by_keys() -> None
         await set_action(pilot, "Phone", "scroll", "Phone pays -1")
         await set_action(pilot, "Phone", "quit", "Class")
         await set_action(pilot, "Pass", "sleep", "Sleep pays 10")
-        # the actions by which the states came to be stand first; at first one of several outcomes is chosen
+        # the actions that created the states come first. Initially, one of several outcomes is selected
         await go_to(pilot, "Class")
         await press(pilot, "shift+up", "shift+up", "delete", "delete")
         await go_to(pilot, "Phone")

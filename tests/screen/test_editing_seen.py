@@ -1,4 +1,4 @@
-"""What one sees while one draws, with real keys: the draft, what turned, changes, two worlds."""
+"""The screen during drawing, with real keys: the draft, changed actions, changes, two worlds."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ async def test_the_cursor_keeps_its_arm(make_app: MakeApp) -> None:
 
 
 async def two_lanes(pilot: Pilot[UserError], *strokes: str) -> Snapshot:
-    """Lead a lane in the world as it was, and beside it the one in which ``strokes`` were drawn."""
+    """Show a run in the old world, and next to it a run in the world with ``strokes``."""
     await settle(pilot)
     await train(pilot, 2_000)
     await press(pilot, "w", "d", *strokes, "escape", "b", "a", "t")

@@ -1,4 +1,4 @@
-"""The marks on the slider of γ: where they stand, when they come, and the keys that go beyond them."""
+"""The flip points on the slider of γ: their places, their arrival, and the keys that go beyond them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a map shows besides values and arrows: trail, slips, wind, cells never reached, state numbers."""
+"""A map's other marks: trail, slips, wind, unreachable cells, state numbers."""
 
 from __future__ import annotations
 

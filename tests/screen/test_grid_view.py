@@ -33,7 +33,7 @@ from rl_tui.worlds.world import World
         ((60, 12), CellForm(14, 3)),  # at 120×40
         ((118, 36), CellForm(22, 5)),  # zoomed
         ((20, 4), CellForm(5, 1)),
-        ((19, 4), CellForm(4, 1)),  # arrows alone
+        ((19, 4), CellForm(4, 1)),  # only arrows
         ((8, 4), CellForm(2, 1)),
         ((7, 4), CellForm(5, 1)),  # does not fit
         ((40, 3), CellForm(8, 1)),  # nor does it in height

@@ -1,4 +1,4 @@
-"""Where a lesson keeps something back, texts say that it does, and name no key that would show it."""
+"""Texts about hidden parts of a lesson say that they are hidden, and name no key that would show them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table of actions: which keys there are, what people expect of them, and its words."""
+"""The table of actions: its keys, the usual meanings of keys, and its words."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ PAIRS = {("b", "B")}
 
 
 def usual(place: Place) -> list[Action]:
-    """What can be done without a lesson and without a watched program."""
+    """The actions available without a lesson and without a watched program."""
     return [each for each in actions_of(place) if not each.of_lesson and not each.of_program]
 
 

@@ -66,7 +66,7 @@ def test_where_there_is_room_the_others_tell_their_greedy_return_too() -> None:
     text = "\n".join(drawn(side_by_side(3), BROAD)[0])
     assert "α 0.5: .32, greedy .60" in text
     assert "SARSA: .44, greedy .70" in text
-    assert "α 0.1: .50 " in text  # that of the run shown has a label of its own
+    assert "α 0.1: .50 " in text  # the visible run has its own label
 
 
 def test_a_narrow_panel_says_which_run_is_shown() -> None:

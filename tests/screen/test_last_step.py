@@ -259,7 +259,7 @@ def test_a_bandit_has_no_next_state() -> None:
     assert "γ" not in text
 
 
-# How the action came about
+# The origin of the action
 
 
 def choice(q_before: list[float], pair: int, *, explored: bool) -> str:

@@ -1,4 +1,4 @@
-"""Panels say what they are and what their signs mean, until that is hidden."""
+"""Panels show their caption and legend until these are hidden."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_a_legend_has_signs_that_are_drawn_and_no_others(kind: str, made: object
     panel: Panel = made(snapshot, look(in_ascii))
     drawn = "\n".join(strip.text for strip in panel.picture(snapshot, 58, 22))
     for sign in panel.legend(snapshot):
-        of_blocks = () if in_ascii else ("◉", "●", "★", "▲")  # where cells are large
+        of_blocks = () if in_ascii else ("◉", "●", "★", "▲")  # with large cells
         told = sign.sign.strip() in ("tint", "bold", *of_blocks)
         assert told or set(sign.sign) <= set(drawn), sign
 

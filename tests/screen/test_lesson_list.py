@@ -124,7 +124,7 @@ def at_end(lesson: Lesson, *given: Given, is_passed: bool = True) -> LessonRecor
 
 
 def keep(tmp_path: Path, record: LessonRecord, step: int = 4, order: int = 0) -> Path:
-    """Write a session of ``record``, its run at ``step``; of two that of the higher ``order`` is newer."""
+    """Write a session of ``record``, its run at ``step``. The higher ``order`` is newer."""
     beginning = beginning_of(record)
     lane = beginning.lanes[0]
     branch = replace(lane.branches[0], end=step, here=step)

@@ -1,4 +1,4 @@
-"""A lesson on the playground, with real keys, beside the world and in turn with it."""
+"""A lesson in the playground, with real keys, next to the world or in its place."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def page_panel(pilot: Pilot[UserError]) -> LessonPanel:
 
 
 async def refusal(pilot: Pilot[UserError], *keys: str) -> str:
-    """Press ``keys``; return why that cannot be done, as the menu says it in its last row, or a message."""
+    """Press ``keys``; return the reason for their refusal, from the menu's last row or a message."""
     await press(pilot, *keys)
     if not isinstance(pilot.app.screen, MenuStrip):
         assert isinstance(pilot.app.screen, Playground), keys
@@ -322,7 +322,7 @@ async def test_a_question_is_answered_until_it_is_right(size: tuple[int, int]) -
 
 
 def held(run: Snapshot) -> Snapshot:
-    """``run`` as it is when the task of page learn holds."""
+    """``run`` after passing the task of page learn."""
     assert run.lesson is not None
     assert run.lesson.task is not None
     task = replace(run.lesson.task, passed=Passed("learn", run.recipe, (), 0))

@@ -1,4 +1,4 @@
-"""While a lesson keeps the answer back, no panel and no dialog shows anything that depends on it."""
+"""While a lesson hides the exact values, no panel and no dialog shows anything that depends on them."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def _other_study(study: SeedStudy) -> SeedStudy:
 
 
 def _other_lane(lane: LaneStudy) -> LaneStudy:
-    """What many seeds say of ``lane``, its exact figures other ones, and in other seeds the greater."""
+    """The study of ``lane`` with other exact numbers, which are larger for the other seeds."""
     return replace(
         lane,
         estimates={
@@ -152,9 +152,9 @@ def _other_worth(worth: PolicyAnswer) -> PolicyAnswer:
 
 
 async def pictures(pilot: Pilot[Any], study: SeedStudy | None = None) -> tuple[str, str]:
-    """What is on screen, colours and all, and what would be there if the answer were another one.
+    """Return the screen, with colours, and the screen for other exact values.
 
-    ``study`` is what many seeds have said by now.
+    ``study`` is the current result of many seeds.
     """
     await settle(pilot)
     screen, now = playground(pilot), snapshot(pilot)
@@ -195,7 +195,7 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
             await press(pilot, *keys)
             before, other = await pictures(pilot)
             assert before == other, keys
-        # what explains, the model, and the slider of γ with its flips
+        # help, the model, and the slider of γ with its flip points
         for keys in (["question_mark"], ["escape", "w", "m"], ["escape", "2"], ["escape"]):
             await press(pilot, *keys)
             before, other = await pictures(pilot)
@@ -213,7 +213,7 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
 
 
 async def test_the_pictures_would_tell() -> None:
-    """What is asked for above can fail: with the answer shown, the pictures differ, with each of these."""
+    """Prove that the test above can fail: with exact values visible, the pictures differ every time."""
     taught = lesson("student")
     app = RlTuiApp(
         Display(fps=1000.0), recipe_of(taught, "only"), partial(Player, automatic=False), picture=True

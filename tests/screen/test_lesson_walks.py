@@ -1,4 +1,4 @@
-"""Every shipped lesson is taken from its first page to its end, by keys, as it asks."""
+"""Every shipped lesson is taken from its first page to its end, with the keys it names."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def walks() -> Iterator[Any]:
 
 TASKS = [(lesson.id, page.id) for lesson in LESSONS.values() for page in lesson.tasks]
 WAITED = (1, 1, 1, 7, 90, 400, 500, 1000, 1000, 1000, 1000)
-"""Steps between two looks at a task that nobody does anything for: 5,000 in all."""
+"""Steps between two looks at a task that needs no action: 5,000 in total."""
 
 
 async def do_by_hand(learner: Learner) -> None:
@@ -47,7 +47,7 @@ async def do_by_hand(learner: Learner) -> None:
 
 
 async def predict(learner: Learner, ask: Ask) -> None:
-    """Say what is right, let the run come to the truth where the page wants it to, and read it."""
+    """Give the right answer, run to the step that resolves it if the page asks for it, and read it."""
     await learner.answer(ask, right_answer(ask))
     given = learner.record.given_on(learner.page.id)
     assert given is not None

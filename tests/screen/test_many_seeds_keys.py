@@ -1,4 +1,4 @@
-"""Many seeds on the real screen, with real keys: the panel, the curve behind it, and the dialog of lanes."""
+"""Many seeds on the real screen, with real keys: the panel, the curve's band, and the dialog of runs."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[C
 
 
 async def fed(pilot: Pilot[UserError], study: SeedStudy | None) -> str:
-    """Show what the playground shows, with ``study``; return all that is drawn then."""
+    """Show the current snapshot with ``study``; return the text on screen."""
     screen = playground(pilot)
     assert screen.snapshot is not None
     show(screen, replace(screen.snapshot, study=study))

@@ -1,4 +1,4 @@
-"""What the panel of many seeds shows, at any size, and that its figures say no more than is known."""
+"""The panel of many seeds at any size. Its numbers claim no more than is known."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def lanes(study: SeedStudy, **changes: Any) -> Snapshot:
     return side_by_side(2, 1, study=study, **changes)
 
 
-# What one run says
+# Texts for one run
 
 
 def test_each_figure_stands_beside_its_mean_and_error() -> None:

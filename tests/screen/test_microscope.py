@@ -1,4 +1,4 @@
-"""What the microscope says of a step, from snapshots made by hand."""
+"""The microscope's explanation of a step, from snapshots made by hand."""
 
 from __future__ import annotations
 

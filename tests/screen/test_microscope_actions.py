@@ -47,7 +47,7 @@ async def test_d_opens_and_closes_it_and_keys_and_wheel_scroll_it(
         assert not board(pilot).shows(TABLE)
         assert widget.has_focus
         assert "Q(0," in lines(pilot)
-        if size == (80, 24):  # where it is longer than its place
+        if size == (80, 24):  # longer than its panel
             assert "The step" in top(pilot)
             await press(pilot, "down")
             assert "state" in top(pilot)

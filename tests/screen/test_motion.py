@@ -1,4 +1,4 @@
-"""What moves on a map after a step: the chip, the value, the frame; and where nothing does."""
+"""Motion on a map after a step: the chip, the value, the frame; and cases without motion."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def pair_at(moment: Snapshot, state: int, action: int) -> int:
 
 
 def learned(**q: float) -> Snapshot:
-    """A learned lake; ``s9=.4`` is the estimate of going down in state 9, and ``.1`` that of its others."""
+    """A learned lake. ``s9=.4`` is the estimate of going down in state 9, ``.1`` of its other actions."""
     moment = changed(lake(), phase=Phase.PAUSED)
     values = moment.agent.q.copy()
     for name, value in q.items():

@@ -235,7 +235,7 @@ def test_unvisited_looks_like_no_value(palette: Palette) -> None:
 
 
 def shade(number: int) -> int:
-    """How light xterm draws a grey of its ramp or of its cube, 0 to 255."""
+    """The lightness, 0 to 255, of a grey in xterm's ramp or cube."""
     return 8 + 10 * (number - 232) if number >= 232 else {145: 175, 188: 215}.get(number, -1)
 
 

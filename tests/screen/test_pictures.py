@@ -19,7 +19,7 @@ from rl_tui.worlds.files.catalogue import scenarios
 
 SAMPLES: Final = Path(__file__).parent / "sample_scenarios"
 SIZES: Final = [(80, 24), (120, 40)]
-SCENES: Final = {  # a scenario, then keys; a number lets so many steps pass
+SCENES: Final = {  # a scenario, then keys. A number takes that many steps
     "bandit-halfway": ("bandit", 300),
     "bandit-spent": ("bandit", 1_000),
     "student-started": ("student", 1),

@@ -1,4 +1,4 @@
-"""The panel of policies, and what world, table and curve show of the one that is studied: with real keys."""
+"""The panel of policies, and the selected policy in world, table and curve: with real keys."""
 
 from __future__ import annotations
 
@@ -251,7 +251,7 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert "V of" not in headings(pilot)[0]
         assert "4.04" not in screen_text(pilot.app)
         assert (await press(pilot, "t", "p", "down", "escape")).answers.studied is None
-        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.GREEDY  # where the cursor was
+        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.GREEDY  # the row of the cursor
         assert (await press(pilot, "d")).answers.studied is None
 
 

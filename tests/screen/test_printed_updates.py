@@ -1,4 +1,4 @@
-"""Whoever works out the printed update gets what is printed: of any size, sign and form of update."""
+"""A printed update can be recalculated from its printed numbers, for any size, sign and form of update."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def last_digit(text: str) -> float:
 
 
 def contradictions(text: UpdateText, *, bootstraps: bool) -> list[str]:
-    """What is printed and cannot be worked out from what is printed before it."""
+    """The printed results that do not follow from the printed numbers before them."""
     before, gathered = value(text.before), value(text.gathered)
     bootstrap = value(text.discount) * value(text.bootstrap) if bootstraps else 0.0
     error = gathered + bootstrap - before

@@ -1,4 +1,4 @@
-"""A watched script on the playground: real keys, and a real process behind it."""
+"""A watched script in the playground: real keys, and a real process behind it."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ REFUSED = {
     "w left_square_bracket": "esc goes there",
     "w right_square_bracket": "esc goes there",
 }
-"""What cannot be done here, by its keys, and what is said of it."""
+"""The refused actions by their keys, and their refusals."""
 
 
 async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(

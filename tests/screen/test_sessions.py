@@ -1,4 +1,4 @@
-"""Sessions on screen: saved, listed, gone on with, deleted."""
+"""Sessions on screen: saved, listed, continued, deleted."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def details(pilot: Pilot[UserError]) -> str:
 
 
 def about(pilot: Pilot[UserError]) -> str:
-    """What the details say they are about."""
+    """The heading of the details."""
     return words_of(pilot.app.screen.query_one("#heading")).rstrip("─- ")
 
 

@@ -1,4 +1,4 @@
-"""Two lanes side by side: the same moment, cursor, layer and part in view, and where they differ."""
+"""Two visible runs: the same moment, cursor, layer and map section, and their differences."""
 
 from __future__ import annotations
 
@@ -212,7 +212,7 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
 
 async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-slippery"), notifications=True) as pilot:
-        await press(pilot, "c", "o")  # with one run it says so
+        await press(pilot, "c", "o")  # the message with one run
         assert ONE_RUN in screen_text(pilot.app)
         await press(pilot, "escape")
         await open_lane(pilot, "alpha", "0.5")
@@ -224,7 +224,7 @@ async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> Non
         assert left.snapshot is snapshot(pilot)
         await press(pilot, "c", "o")
         assert board.is_paired
-        await press(pilot, "f")  # of the lane led, which stands at the right
+        await press(pilot, "f")  # of the controlled run, which is on the right
         assert board.zoomed == "world-beside"
         await press(pilot, "c", "l")
         assert board.zoomed == "world"

@@ -96,7 +96,7 @@ def no_processes(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def opened(pilot: Pilot[UserError]) -> list[object]:
-    """What can be open over the playground, or in it."""
+    """Everything that can open over the playground, or in it."""
     boards = [each.board for each in pilot.app.screen_stack if isinstance(each, Playground)]
     return [*pilot.app.screen_stack, *(board.opened for board in boards)]
 

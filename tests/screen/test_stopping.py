@@ -1,4 +1,4 @@
-"""Run until and breakpoints with real keys: what is asked for, and what is said."""
+"""Run until and breakpoints with real keys: the requests and the messages."""
 
 from __future__ import annotations
 
@@ -210,7 +210,7 @@ async def test_breakpoints_are_listed_in_the_dialog_and_a_planner_stops_at_them(
         assert rows(pilot)[-2:] == ["Breakpoints", "9   state 0"]
         assert "5   state 0 is reached: breakpoint on" in rows(pilot)
         await press(pilot, "up", "delete")
-        await settle(pilot)  # the dialog stays; what the key asks for is done beneath it
+        await settle(pilot)  # the dialog stays open, and the key's effect happens beneath it
         cleared = await press(pilot)
         assert not cleared.playback.breakpoints
         assert rows(pilot)[-1] == "No breakpoints. t b sets one at the cursor."

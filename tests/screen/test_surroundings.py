@@ -61,7 +61,7 @@ def drawn(snapshot: Snapshot, size: tuple[int, int], *, plain: bool = False) -> 
     return view, [strip.text for strip in view.picture(snapshot, region.width - 1, region.height)]
 
 
-# How much room
+# Available space
 
 
 def test_a_third_of_the_height_shows_the_body_with_its_heading_at_most_nine_rows() -> None:

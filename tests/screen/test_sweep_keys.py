@@ -1,4 +1,4 @@
-"""Evaluation and improvement apart, with real keys: what is done, what is drawn and what is said."""
+"""Evaluation and improvement apart, with real keys: effects, drawing and messages."""
 
 from __future__ import annotations
 

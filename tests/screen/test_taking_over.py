@@ -22,7 +22,7 @@ LEFT, DOWN, RIGHT, UP = range(4)
 
 
 def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Keep all that is asked for in a list; what a person takes does not reach the player."""
+    """Record all requests in a list. A person's actions do not reach the player."""
     asked: list[Command] = []
     player = playground(pilot).player
     send: Callable[[Command], None] = player.send

@@ -1,4 +1,4 @@
-"""What a terminal sends, and what only looks like it."""
+"""Input of a terminal, and input that only looks like it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is on its way to the terminal, and what becomes of it."""
+"""Output on its way to the terminal, and its fate."""
 
 from __future__ import annotations
 

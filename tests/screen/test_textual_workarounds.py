@@ -1,4 +1,4 @@
-"""Screens that were left take no memory."""
+"""Closed screens take no memory."""
 
 from __future__ import annotations
 
@@ -26,6 +26,6 @@ async def open_and_close_dialogs(pilot: Pilot[None]) -> int:
 async def test_dialogs_that_were_closed_are_forgotten(make_app: MakeApp) -> None:
     gc.freeze()  # only what is made from here on is looked through
     async with on_screen(make_app("student")) as pilot:
-        # Textual itself holds the last one or two for a while; what is never forgotten only grows
+        # Textual itself holds the last one or two for a while. A leak would only grow
         kept = [await open_and_close_dialogs(pilot) for _ in range(9)]
         assert 0 < min(kept[5:]) <= max(kept[:3])

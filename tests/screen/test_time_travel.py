@@ -1,4 +1,4 @@
-"""The five keys of time travel on all kinds of scenarios: every panel shows what it showed then."""
+"""The five keys of time travel on all kinds of scenarios: every panel shows its earlier content again."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world_views import make_world_view
 
 Moment = tuple[str, ...]
-"""What the panels say, and the bits behind it."""
+"""The text of the panels, and the bits behind it."""
 
 
 def text_of(widget: Widget) -> str:
@@ -33,7 +33,7 @@ def moment(pilot: Pilot[UserError]) -> Moment:
     board, shown = playground(pilot).board, snapshot(pilot)
     assert board.world is not None
     if shown.world.new_environment is not None:
-        shown = replace(shown, trail=())  # of an environment that is stepped it is what was recorded
+        shown = replace(shown, trail=())  # a stepped environment has only its recorded trail
     fresh = (
         (board.world, make_world_view(shown.world, board.look)),
         (board.table, QTable(board.look)),
@@ -52,7 +52,7 @@ def moment(pilot: Pilot[UserError]) -> Moment:
 
 
 def bits(shown: Snapshot) -> tuple[str, str]:
-    """Return where the agent stands, and what was learned."""
+    """Return the agent's position, and everything learned."""
     counters = shown.counters
     where = counters.state, counters.episodes, counters.episode_step
     learned = (
@@ -113,7 +113,7 @@ async def test_every_panel_shows_what_it_showed_then(scenario: str, planner: boo
                 Phase.PAUSED,
                 end,
             )
-            # where an episode begins only what was learned is as it was at the end of the one before
+            # at the start of an episode, only the learned values equal those at the end of the one before
             told = slice(-1, None) if key == "B" and here else slice(None)
             assert here not in then or moment(pilot)[told] == then[here][told], (key, here)
         assert "◀ the past" in text_of(playground(pilot).query_one("#status"))
@@ -139,7 +139,7 @@ async def test_a_way_back_keeps_the_axes_and_a_new_start_forgets_them(make_app: 
         await press(pilot, "B")
         assert arms.scale == scale
         axis = board.curve.scale
-        for keys in (("m", "g", "0", "enter"), ("s",)):  # where the past has nothing on the axis
+        for keys in (("m", "g", "0", "enter"), ("s",)):  # the past has nothing on the axis
             await press(pilot, *keys)
             assert board.curve.scale == axis
         await press(pilot, "r", "r")

@@ -88,7 +88,7 @@ def mark_at(snapshot: Snapshot, step: int, width: int = 62) -> str:
     return drawn(snapshot, width)[found.start + found.cell_of(step)]
 
 
-# How it looks
+# Its look
 
 
 def test_the_present_is_a_full_line_with_the_handle_at_its_end() -> None:

@@ -1,4 +1,4 @@
-"""What a person asked for counts until a snapshot has caught up with it."""
+"""A person's wish stays on screen until a snapshot fulfils it."""
 
 from __future__ import annotations
 
