@@ -28,7 +28,7 @@ def only(folder: Path) -> StoredSession:
 
 
 def kept(folder: Path, *offered: Record, **how: Any) -> Autosave:
-    """An autosave that was offered these, and closed."""
+    """Return a closed autosave that has received these records."""
     autosave = Autosave(OPENED, folder, **how)
     for record in offered:
         autosave.offer(record)

@@ -82,7 +82,7 @@ def act(terminal: PseudoTerminal, lane: BranchingRun, chance: random.Random) -> 
         stands = []
         if keys == "ats":
             lane.apply(SetParameter("ties", "first"))
-            stands.append(stand_of(lane.record))  # it may be kept before the step is done
+            stands.append(stand_of(lane.record))  # the save may come before the step is done
         if keys == "b":
             lane.seek_to(step=lane.run.step - 1)
             arrive(lane)
@@ -112,7 +112,7 @@ def stand_of(record: RunRecord) -> Any:
 
 
 def lane_of(session: Path | None) -> BranchingRun:
-    """Return what the program should have in its memory when it has begun."""
+    """Return the expected state of the program after its start."""
     if session is None:
         recipe = recipe_for(find(SCENARIO))
         return BranchingRun(RunRecord(recipe), EditedWorld(begin(recipe).world))
@@ -172,7 +172,7 @@ def crashes(count: int, seed: int) -> Iterator[Crash]:
 
 
 def main() -> None:
-    """Print figures of as many kills as the first argument says."""
+    """Print figures for this many kills (first argument)."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 50
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else random.randrange(2**32)
     print(f"{count} kills, seed {seed}", flush=True)

@@ -30,7 +30,7 @@ CURIOUS = Policy(
 
 @pytest.fixture
 def curious(monkeypatch: pytest.MonkeyPatch) -> str:
-    """Put the policy into the catalogue and return its id."""
+    """Add the policy to the catalogue and return its id."""
     monkeypatch.setitem(POLICY_BY_ID, CURIOUS.id, CURIOUS)
     return CURIOUS.id
 
@@ -48,7 +48,7 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 
 @inlined
 def untried(visits: IntArray, first: int, last: int) -> int:
-    """Return how many of the pairs ``first`` .. ``last`` were never tried."""
+    """Return the number of untried pairs from ``first`` to ``last``."""
     count = 0
     for pair in range(first, last):
         count += visits[pair] == 0

@@ -100,7 +100,7 @@ _MAP_EDITS = st.one_of(
         st.integers(0, 4),
     ),
     st.sampled_from(["noise=0.5", "noise=0", "noise=7", "time_limit=5", "time_limit=0", "wind[1]=1"]),
-    # the start is moved, the only goals are taken away, all is wall
+    # moves the start, removes the only goals, fills the map with walls
     st.sampled_from(["cell[0,0]=.;cell[2,0]=.;cell[0,2]=S", "cell[0:3,0:4]=#", "cell[0:2,0:2]=."]),
 )
 _GRAPH_EDITS = st.sampled_from(

@@ -93,7 +93,7 @@ class Emulator(pyte.Screen):
         return self.buffer[row][column]
 
     def draw(self, data: str) -> None:
-        """Write ``data`` at the cursor: as pyte does, but quicker for plain text, which most is."""
+        """Write ``data`` at the cursor like pyte, but faster for plain text, the usual case."""
         cursor = self.cursor
         is_plain = data.isascii() or all(map(self._is_narrow, data))
         if not is_plain or cursor.x + len(data) > self.columns or pyte.modes.IRM in self.mode or self.charset:
@@ -128,7 +128,7 @@ class Emulator(pyte.Screen):
             self.dirty.update(range(self.lines))
 
     def report_device_status(self, mode: int = 0, **options: Any) -> None:
-        """Say where the cursor is, if told to."""
+        """Report the cursor's place, if enabled."""
         if self._tells_position or mode != 6:
             super().report_device_status(mode)
 
@@ -137,7 +137,7 @@ class Emulator(pyte.Screen):
         self._answer(data)
 
     def _colour(self, numbers: str) -> None:
-        """Change the colours of what is written from now on."""
+        """Set the colours of the text that follows."""
         key = (self.cursor.attrs, numbers)
         if key not in self._coloured:
             self.select_graphic_rendition(*(int(number or 0) for number in numbers.split(";")))

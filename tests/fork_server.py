@@ -28,7 +28,7 @@ LARGEST: Final = 200_000
 """Bytes of a request, which is one datagram."""
 MOST_DESCRIPTORS: Final = 32
 _ABOVE: Final = 300
-"""Descriptors from there on are those that no program is given."""
+"""Programs get no descriptors from this number on."""
 
 Request = dict[str, Any]
 
@@ -39,7 +39,7 @@ class _Ending:
     status: int | None = None
 
     def leave(self) -> None:
-        """Skip Python's own farewell, which takes apart all that was imported: a tenth of a second."""
+        """Skip Python's own shutdown, which destroys every imported module in a tenth of a second."""
         if self.status is not None:
             for stream in (sys.stdout, sys.stderr):
                 with suppress(Exception):
@@ -55,7 +55,7 @@ def serve(door: socket.socket) -> tuple[Request, list[int]] | None:
             return None
         held, release = os.pipe()
         reading, writing = os.pipe()
-        # The one in between ends at once, so that the program becomes a child of the process that asked
+        # The process between ends at once. The program then becomes a child of the process that asked
         between = os.fork()
         if between == 0:
             program = os.fork()
@@ -63,7 +63,7 @@ def serve(door: socket.socket) -> tuple[Request, list[int]] | None:
                 os.write(writing, str(program).encode())
                 os._exit(0)
             os.close(release)
-            os.read(held, 1)  # until it is
+            os.read(held, 1)  # until it is adopted
             for each in (held, reading, writing):
                 os.close(each)
             door.close()
@@ -75,7 +75,7 @@ def serve(door: socket.socket) -> tuple[Request, list[int]] | None:
 
 
 def prepare(request: Request, descriptors: Sequence[int]) -> None:
-    """Make this process what it would be, had it been started anew."""
+    """Give this process the state of a newly started one."""
     if request["session"]:
         os.setsid()
     os.umask(request["umask"])
@@ -102,7 +102,7 @@ def _place(descriptors: Sequence[int], numbers: Sequence[int]) -> None:
 
 
 def _stream(number: int, like: Any) -> io.TextIOWrapper:
-    """Open a descriptor as Python opens it when it starts, with the encoding of ``like``."""
+    """Open a descriptor as Python does at its start, with the encoding of ``like``."""
     mode = "r" if number == 0 else "w"
     is_raw = like.write_through
     binary: Any = open(number, f"{mode}b", 0 if is_raw and number else -1, closefd=False)  # noqa: SIM115
@@ -120,7 +120,7 @@ def _stream(number: int, like: Any) -> io.TextIOWrapper:
 
 
 def run(command: Sequence[str], path: Sequence[str], ending: _Ending) -> None:
-    """Run what ``command``, which begins with Python and its options, says: a module or a text."""
+    """Run ``command``, which begins with Python and its options: a module or a text."""
     arguments = list(command[1:])
     is_safe = arguments[0] == "-P"
     how, what, *rest = arguments[is_safe:]
@@ -175,18 +175,18 @@ def import_for_ours() -> None:
 
 
 IMPORTS: Final = {"ours": import_for_ours, "watched": import_for_watched_programs}
-"""Of each kind of program, what it imports."""
+"""By kind of program: its import function."""
 
 
 def begin(door: int, kind: str) -> None:
     """Import the modules for this kind of program, report it at the ``door``, and serve there."""
     ending, path = _Ending(), [each for each in sys.path if each]
-    atexit.register(ending.leave)  # the first one registered is called last
+    atexit.register(ending.leave)  # callbacks run in reverse order
     IMPORTS[kind]()
     if len(os.listdir("/proc/self/task")) > 1:
-        return  # threads are not forked, and leave their locks behind
+        return  # threads do not survive a fork, but their locks do
     gc.collect()
-    gc.freeze()  # so that looking for garbage copies no memory
+    gc.freeze()  # so that garbage collection copies no memory
     with socket.socket(fileno=door) as listening:
         listening.send(b"ready")
         asked = serve(listening)

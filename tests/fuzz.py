@@ -24,8 +24,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fuzz_inputs import LESSON, SCENARIO, SESSION, input_of
 
 CHILD: Final = Path(__file__).parent / "fuzz_child.py"
-HANGS: Final = 120.0  # seconds without a word, on a busy machine
-CHUNK: Final = 400  # inputs a process: one that grows is not hidden for ever
+HANGS: Final = 120.0  # seconds of silence, on a busy machine
+CHUNK: Final = 400  # inputs per process, to reveal one that grows
 SCREENS: Final = 40
 
 
@@ -40,7 +40,6 @@ class Figures:
     largest: tuple[int, int] = (0, -1)
 
     def add(self, number: int, outcome: dict[str, object]) -> None:
-        """Count one input."""
         self.inputs += 1
         self.results[str(outcome["result"])] += 1
         self.slowest = max(self.slowest, (float(str(outcome["seconds"])), number))

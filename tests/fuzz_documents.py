@@ -176,7 +176,7 @@ documents = st.one_of(
 
 @cache
 def block(number: int) -> list[dict[str, Any]]:
-    """Return documents, the same for the same ``number``."""
+    """Return documents, equal for equal ``number``."""
     drawn: list[dict[str, Any]] = []
 
     @seed(number)

@@ -56,7 +56,7 @@ def _session(chance: random.Random, seed: int, number: int) -> bytes:
     match number % 5:
         case 0:
             return mutated_bytes(text, chance.choice(session_seeds()), chance)
-        case 1:  # a fault in the text, with a checksum all the same
+        case 1:  # an error in the text, with a valid checksum
             faulty = mutated_bytes(text, chance.choice(session_seeds()), chance)
             try:
                 fields = json.loads(faulty)
@@ -73,7 +73,7 @@ def _session(chance: random.Random, seed: int, number: int) -> bytes:
 
 
 def _plain(value: Any) -> Any:
-    """Return ``value`` with nothing in it that JSON has not."""
+    """Return ``value`` without anything that JSON lacks."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, list):

@@ -37,7 +37,7 @@ def kind_of(item: pytest.Item) -> str:
     if marked is not None:
         return marked
     room = item.path.relative_to(TESTS).parts[0]
-    if room in ("browser", "terminals", item.path.name):  # the last: at the top there is no room
+    if room in ("browser", "terminals", item.path.name):  # the last case: a file at the top has no folder
         return "process"
     plays = "snap_compare" in item.fixturenames or inspect.iscoroutinefunction(item.function)
     return "screen" if room == "screen" and plays else "unit"
@@ -122,7 +122,7 @@ def _imported(path: Path) -> frozenset[str]:
 
 
 def is_everyday(item: pytest.Item, named: Collection[str]) -> bool:
-    """Return whether a test runs without ``--all``: it is not exhaustive, or the command line names tests."""
+    """Return whether a test runs without ``--all``: it is not exhaustive, or the command line names it."""
     mark = item.get_closest_marker("exhaustive")
     if mark is None or any("::" in name for name in named):
         return True
@@ -130,14 +130,14 @@ def is_everyday(item: pytest.Item, named: Collection[str]) -> bool:
 
 
 def take_few_examples(test: Any) -> None:
-    """Let a property test try a fifth of its examples, which is enough to notice what is always wrong."""
+    """Limit a property test to a fifth of its examples, enough to notice constant errors."""
     asked_for = test._hypothesis_internal_use_settings
     fewer = settings(asked_for, max_examples=max(3, asked_for.max_examples // 5))
     test._hypothesis_internal_use_settings = fewer
 
 
 def is_quick(item: pytest.Item) -> bool:
-    """True for unit tests that take no seconds, and for the small pictures, in which every screen is seen."""
+    """True for fast unit tests, and for the small pictures, which show every screen."""
     if item.path.stem == "test_pictures":
         return "80x24" in item.name
     return kind_of(item) == "unit" and not item.get_closest_marker("slow")

@@ -73,7 +73,7 @@ def start(rate: float | None, depth: str, room: int, options: argparse.Namespace
     terminal.wait_for("paused")
     terminal.press(FULL_SPEED)
     terminal.wait_for(r"▶ max +ep .* step +[\d,.]{5,}")
-    terminal.press("1")  # the first slider gets the arrow keys
+    terminal.press("1")  # focuses the first slider, for the arrow keys
     return terminal
 
 
@@ -85,7 +85,7 @@ def finish(terminal: ThrottledTerminal) -> None:
 
 
 def watch(terminal: ThrottledTerminal, seconds: float) -> Frames:
-    """Read for a while, until the run is seen to have gone on in any case."""
+    """Read for a while, at least until the run has advanced."""
     before, began = len(terminal.written), time.perf_counter()
     steps: list[tuple[float, float]] = []
     while time.perf_counter() < began + seconds or len({step for _, step in steps}) < 3:
@@ -152,7 +152,7 @@ def report(rate: float | None, depth: str, room: int, options: argparse.Namespac
 
 
 def come_back(options: argparse.Namespace) -> None:
-    """Print the frame rate before a link turns slow, meanwhile, and after."""
+    """Print the frame rate before, during and after a slow period of the link."""
     with start(None, "256", SSH_BUFFER, options) as terminal:
         rates = []
         for rate in (None, 10_000, None):
@@ -164,12 +164,10 @@ def come_back(options: argparse.Namespace) -> None:
 
 
 def name_of(rate: float | None) -> str:
-    """Return a rate in words."""
     return f"{rate / 1e3:.0f} kB/s" if rate else "no limit"
 
 
 def main() -> None:
-    """Measure, a link at a time."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rates", type=float, nargs="*", default=RATES, help="bytes a second, 0: no limit")
     parser.add_argument("--depths", nargs="*", default=DEPTHS, choices=DEPTHS)

@@ -137,7 +137,7 @@ def bench(rounds: int) -> Rows:
 
 
 def algorithms(rounds: int) -> Rows:
-    """Every one-step rule on a scenario of its own, against the plain Gymnasium loop, in turns."""
+    """Every one-step rule on its own scenario, against the plain Gymnasium loop, in turns."""
     speeds: dict[str, list[float]] = {name: [] for name in ONE_STEP}
     plain = []
     for _ in range(rounds):
@@ -152,7 +152,7 @@ def algorithms(rounds: int) -> Rows:
 
 
 def sizes(rounds: int) -> Rows:
-    """Q-learning on open grids of growing size: the cost of a step should not grow with them."""
+    """Q-learning on open grids of growing size: the cost of a step should stay constant."""
     with TemporaryDirectory() as folder:
         speeds: dict[int, list[float]] = {side: [] for side in SIDES}
         for side in SIDES:
@@ -192,7 +192,7 @@ def evaluation(rounds: int) -> Rows:
 
 
 def frames(rounds: int) -> Rows:
-    """A frame on a small and on a large map at 120×40, and the snapshot it shows."""
+    """A frame on a small and on a large map at 120×40, and its snapshot."""
     small, large = ([asyncio.run(frame_times(side)) for _ in range(rounds)] for side in (4, 1_000))
     for name in ("frame", "snapshot"):
         few, many = (median(getattr(each, name) for each in times) for times in (small, large))
@@ -242,7 +242,7 @@ def _time_to(command: tuple[str, ...], is_painted: Callable[[PseudoTerminal], bo
 
 
 def live(rounds: int) -> Rows:
-    """The playground at full speed at 120×40 against headless training, and how soon keys show meanwhile."""
+    """The playground at full speed at 120×40 against headless training, and the delay of keys meanwhile."""
     headless, on_screen, changes, layers = [], [], [], []
     for _ in range(rounds):
         headless.append(_headless_speed())
@@ -282,7 +282,7 @@ def _live_speed(terminal: PseudoTerminal) -> float:
 
 
 def _delay(terminal: PseudoTerminal, turn: int, key: str, text: str) -> float:
-    """Return the milliseconds from pressing ``key``, at no particular moment of a frame, to ``text``."""
+    """Return the milliseconds from pressing ``key``, at a random moment of a frame, to ``text``."""
     for _ in terminal.reading(0.1 + 0.011 * turn):
         pass
     start = time.perf_counter()
@@ -296,7 +296,7 @@ def _percentile(delays: list[float]) -> float:
 
 
 def travel(steps: int) -> Rows:
-    """Yield how long it takes to go to a random moment of a long run: median and slowest."""
+    """Yield the time to jump to a random moment of a long run: median and slowest."""
     for scenario, length in ((SCENARIO, steps), ("cliff", steps), ("blackjack", min(steps, 20_000))):
         kinds: dict[str, list[float]] = {}
         for kind, milliseconds in journeys(scenario, length):
@@ -325,7 +325,6 @@ def memory(steps: int) -> Rows:
 
 
 def main() -> None:
-    """Measure, a line at a time."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "what",
@@ -336,7 +335,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
     options = parser.parse_args()
-    compile_dir(PACKAGE, quiet=1)  # as where it is installed, also where Python may not write bytecode itself
+    compile_dir(PACKAGE, quiet=1)  # an installed package has bytecode, even if Python may not write it
     measures: dict[str, Callable[[], Rows]] = {
         "start-up": lambda: start_up(options.rounds),
         "beginnings": lambda: beginnings(options.rounds),

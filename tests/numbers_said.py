@@ -63,7 +63,7 @@ class Said:
 
     @property
     def expressions(self) -> str:
-        """All by which its figures are worked out."""
+        """All expressions of its figures."""
         return " ".join(figure.by for figure in self.figures_by_name.values())
 
     @property
@@ -98,7 +98,7 @@ def said_of(text_id: str) -> Said:
 
 
 def _put_in(value: str, form: str | None) -> str:
-    """Return a figure as its piece has it: in digits, as a word, or as one that counts places."""
+    """Return a figure in the form of its piece: digits, a word, or an ordinal."""
     if form is None:
         return value
     word = _WORDS[int(number(value))]
@@ -118,7 +118,7 @@ def copied(scenario: Scenario, changes: Mapping[str, str]) -> str:
 
 
 def _held(name: str) -> float:
-    """Return the number ``module:NAME``, the one at a place ``module:NAME[2]``, or how many there are."""
+    """Return the number ``module:NAME``, its item ``module:NAME[2]``, or the length."""
     found = re.fullmatch(r"([\w.]+):(\w+)(?:\[(\d+)\])?", name)
     assert found, name
     module, constant, place = found.groups()
@@ -129,13 +129,13 @@ def _held(name: str) -> float:
 
 
 def plain(text: str) -> str:
-    """Return ``text`` without the breaks of its lines."""
+    """Return ``text`` without line breaks."""
     return " ".join(text.split())
 
 
 @functools.cache
 def held_by_tests(path: Path) -> tuple[str, ...]:
-    """Return the strings with numbers of a test module: pieces of texts which its tests hold."""
+    """Return the strings with numbers in a test module, the pieces of texts that its tests check."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     strings = {each.value for each in ast.walk(tree) if isinstance(each, ast.Constant)}
     return tuple(

@@ -56,7 +56,7 @@ def open_grid(side: int, time_limit: int = 0) -> World:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OpenSection:
-    """In place of the world's table of a scenario file."""
+    """Replaces the world's table of a scenario file."""
 
     side: int
     drawn_from_seed: bool = False

@@ -13,7 +13,7 @@ from types import CodeType
 
 
 def rename(names: list[str]) -> None:
-    """Have each of ``names`` replaced in every module of Textual that is imported from now on."""
+    """Replace each of ``names`` in every module of Textual that is imported later."""
     found = re.compile(rf"(?<!drivers\.)(?<!textual\.)\b(?:{'|'.join(map(re.escape, names))})\b".encode())
     get_code = SourceFileLoader.get_code
 

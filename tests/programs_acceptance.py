@@ -84,7 +84,6 @@ def _more(others: Counter[tuple[str, ...]], runs: list[Seen]) -> str:
 
 
 def main() -> None:
-    """Watch them all."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--only", default="", help="programs whose path holds this")

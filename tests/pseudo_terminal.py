@@ -32,10 +32,10 @@ _NOT_INHERITED: Final = ("NO_COLOR", "COLORTERM", "TERM_PROGRAM", "TMUX", "STY")
 
 
 class PseudoTerminal:
-    """Starts ``command`` in a terminal of ``size`` (columns, rows) and shows what it writes on ``emulator``.
+    """Starts ``command`` in a terminal of ``size`` (columns, rows) and shows its output on ``emulator``.
 
-    ``environment`` is added to this process's own, None takes a variable away. The terminal says where its
-    cursor is if ``tells_position``, and that it can hold back unfinished frames if it ``synchronises``.
+    ``environment`` is added to this process's own; None removes a variable. The terminal reports its cursor
+    if ``tells_position``, and supports synchronised output if it ``synchronises``.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class PseudoTerminal:
         self._ours, self.theirs = pty.openpty()
         self._set_size(*size)
         self.attributes_before = termios.tcgetattr(self.theirs)
-        self._alive, alive = os.pipe()  # its other end is only held by the program, and closed when that ends
+        self._alive, alive = os.pipe()  # only the program holds its other end, and closes it by ending
         self.written = b""
         self.emulator = Emulator(*size, self._send, tells_position=tells_position, synchronises=synchronises)
         self.started = time.perf_counter()
@@ -73,7 +73,7 @@ class PseudoTerminal:
     ) -> None:
         if self.process.poll() is None:
             with suppress(ProcessLookupError):
-                os.killpg(self.process.pid, signal.SIGKILL)  # with what it has started
+                os.killpg(self.process.pid, signal.SIGKILL)  # with its child processes
         self.process.wait()
         for descriptor in (self._ours, self.theirs, self._alive):
             os.close(descriptor)
@@ -83,14 +83,14 @@ class PseudoTerminal:
         self._send(keys)
 
     def blank(self) -> None:
-        """Have nothing on the screen: what is found there from now on was written later.
+        """Clear the screen: anything found on it later is new.
 
-        A program does not know of it, and has to be made to draw everything.
+        The program does not notice, and must be made to draw everything again.
         """
         self.emulator.erase_in_display(2)
 
     def resize(self, columns: int, rows: int) -> None:
-        """Make the terminal another size, and let the program know as a terminal does."""
+        """Resize the terminal, and send the program the signal of a terminal."""
         self._set_size(columns, rows)
         self.emulator.resize(rows, columns)
         self.process.send_signal(signal.SIGWINCH)
@@ -115,14 +115,14 @@ class PseudoTerminal:
     def wait_until(
         self, condition: Callable[[], bool], seconds: float = DEADLINE, what: str = "what was waited for"
     ) -> None:
-        """Read until ``condition`` holds on a whole frame, or fail."""
+        """Read until ``condition`` is true on a whole frame, or fail."""
         deadline = time.perf_counter() + seconds
         while not (self.emulator.is_whole and condition()):
             if not self.read_more(deadline):
                 raise AssertionError(f"{what!r} did not appear; what stands there:\n{self.screen}")
 
     def wait_for_end(self, seconds: float = DEADLINE) -> int:
-        """Read until the program has ended, and return its exit status."""
+        """Read until the program ends; return its exit status."""
         deadline = time.perf_counter() + seconds
         while self.read_more(deadline):
             pass
@@ -170,12 +170,12 @@ class PseudoTerminal:
 
 
 def visible(written: bytes) -> str:
-    """Return what was written without the sequences that steer the terminal."""
+    """Return the output without escape sequences."""
     return _SEQUENCE.sub(b"", written).decode("utf-8", errors="replace")
 
 
 def environment_with(changes: Mapping[str, str | None]) -> dict[str, str]:
-    """Return this process's environment without what says anything of its terminal, and ``changes``."""
+    """Return this process's environment without facts about its terminal, and with ``changes``."""
     kept = {
         name: value
         for name, value in os.environ.items()

@@ -31,23 +31,23 @@ AnyWidget = TypeVar("AnyWidget", bound=Widget)
 
 
 def notes(app: App[Any]) -> list[str]:
-    """The messages that are shown, oldest first."""
+    """The visible messages, oldest first."""
     assert isinstance(app, RlTuiApp)
     return app.messages.texts
 
 
 def screen_text(app: App[Any]) -> str:
-    """All that is drawn, row by row."""
+    """All text on screen, row by row."""
     return "\n".join(strip.text for strip in app.screen._compositor.render_strips())
 
 
 def playground(pilot: Pilot[Any]) -> Playground:
-    """The playground, which may be beneath a dialog."""
+    """The playground, perhaps beneath a dialog."""
     return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
 
 
 def snapshot(pilot: Pilot[Any]) -> Snapshot:
-    """The snapshot that the playground shows."""
+    """The playground's current snapshot."""
     shown = playground(pilot).snapshot
     assert shown is not None
     return shown
@@ -74,7 +74,7 @@ def app_at(start: object = None, **options: Any) -> RlTuiApp:
 async def on_screen(
     app: App[Any], size: tuple[int, int] = (80, 24), **options: Any
 ) -> AsyncIterator[Pilot[Any]]:
-    """Run ``app`` in a terminal of ``size`` columns and rows, once all is drawn that it begins with."""
+    """Run ``app`` in a terminal of ``size`` columns and rows, and wait for its first drawing."""
     async with app.run_test(size=size, **options) as pilot:
         await settle(pilot)
         yield pilot
@@ -115,7 +115,7 @@ async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002
 
 
 async def switch(pilot: Pilot[UserError], algorithm: str) -> None:
-    """Let ``algorithm`` take over, with keys."""
+    """Switch to ``algorithm`` with keys."""
     pilot.app.set_focus(None)
     await press(pilot, "a", "a")
     await choose(pilot, algorithm)

@@ -26,7 +26,7 @@ FRAME: Final = 1 / 30
 
 
 class _LiveRun:
-    """A player at full speed whose snapshots are read as a screen reads them."""
+    """A player at full speed, with snapshots read at the rate of a screen."""
 
     def __init__(self) -> None:
         self._player = Player(recipe_named(SCENARIO), speed=None)
@@ -48,7 +48,7 @@ class _LiveRun:
             await asyncio.sleep(FRAME)
 
     async def speed(self) -> tuple[float, float]:
-        """Return its steps by seconds, and by seconds of processor."""
+        """Return its steps per second, and per CPU second."""
         before, start, used = self._steps, time.perf_counter(), time.process_time()
         await asyncio.sleep(SECONDS)
         steps = self._steps - before

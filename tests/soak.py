@@ -33,11 +33,11 @@ from rl_tui.live.sessions.session import sessions_in
 
 SCENARIO: Final = "frozenlake-slippery"
 UNTOUCHED: Final = "frozenlake"
-SETTLED: Final = 10  # minutes after which memory has to stay where it is,
-MOST_DRIFT: Final = 0.02  # up to this part of it
+SETTLED: Final = 10  # minutes after which memory must be constant,
+MOST_DRIFT: Final = 0.02  # within this share
 SIZE: Final = (120, 40)
 FULL_SPEED: Final = "+" * 9
-FULL: Final = "▶ max"  # as the status line has it
+FULL: Final = "▶ max"  # in the format of the status line
 PAUSED: Final = "paused"
 MINUTE: Final = 60.0
 MOST_GROWTH: Final = 1.25  # of memory and of frame time, from the first minute to the last
@@ -46,13 +46,13 @@ PATIENCE: Final = 10.0  # seconds until the effect of a key is visible
 QUIET: Final = 0.4  # seconds without a byte: the screen stands still
 _FRAME_END: Final = b"\x1b[?2026l"
 _MEGABYTE: Final = 2**20
-_END_KEPT: Final = 1_000_000  # bytes, to tell why it ended
+_END_KEPT: Final = 1_000_000  # bytes kept to explain an early end
 _TICKS: Final = os.sysconf("SC_CLK_TCK")
 # Queries of the program to its terminal: support for synchronised output, and the cursor after a move
 _KNOWS_SYNCHRONISED: Final = re.compile(rb"\x1b\[\?2026\$p")
 _WHERE: Final = re.compile(rb"\x1b\[(\d+)(?:;(\d+))?H\x1b\[6n")
 _TOLD: Final = re.compile(b"|".join((re.escape(_FRAME_END), _KNOWS_SYNCHRONISED.pattern, _WHERE.pattern)))
-_LONGEST: Final = 16  # bytes of such a sequence
+_LONGEST: Final = 16  # the length of such a sequence in bytes
 
 # The keys of a minute, and the time for each. Space pauses and continues.
 KEYS: Final = (
@@ -61,7 +61,7 @@ KEYS: Final = (
     *(("\x1b", 0.7), ("aa", 0.7), ("\x1b", 0.7), ("u", 0.7), ("\x1b", 0.7), ("d", 0.7), ("d", 0.5)),
     *(("f", 0.5), ("f", 0.5), ("mb", 0.7), ("\x1b", 0.7), ("\x10", 0.7), ("\x1b", 0.7)),
 )
-# Now and then: to another scenario and back, where the run begins anew, and on with two runs side by side
+# From time to time: another scenario and back, which restarts the run, then two visible runs
 ELSEWHERE: Final = (
     *(("w]", 2.0), (" " + FULL_SPEED, 2.0), ("w[", 2.0), (" " + FULL_SPEED, 2.0)),
     *(("ca", 1.0), ("\x1b[B\r", 5.0), ("cl", 1.0), ("cc", 1.0), ("\x1b[3~", 1.0), ("\x1b", 0.7)),
@@ -89,7 +89,7 @@ class Minute(NamedTuple):
     key: float
 
     def row(self, number: int) -> str:
-        """Return the figures as a line of the table."""
+        """Return the measures as a row of the table."""
         return (
             f"{number:6} {self.memory / _MEGABYTE:9.1f} {self.threads:7} {self.files:5} "
             f"{self.steps / 1e6:9.2f} {self.frames:8.1f} {self.frame:9.2f} {self.gap:8.1f} "
@@ -101,7 +101,7 @@ HEADER: Final = "minute  RSS (MB) threads files Msteps/s frames/s CPU ms/fr gap9
 
 
 class Program:
-    """The program in a terminal that takes in all it writes at once, and answers what it asks."""
+    """The program in a terminal that reads all output at once, and answers queries."""
 
     def __init__(self, sessions: Path, scenario: str = SCENARIO) -> None:
         self._ours, theirs = pty.openpty()
@@ -121,7 +121,7 @@ class Program:
             stderr=theirs,
             env=environment,
             start_new_session=True,
-            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # or it is not told of a new size
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # for the signals of new sizes
         )
         os.close(theirs)
         self.pid = self._process.pid
@@ -156,7 +156,7 @@ class Program:
         os.write(self._ours, keys.encode())
 
     def quit(self) -> int:
-        """Type what ends it, and return its exit status."""
+        """Type the keys to quit; return the exit status."""
         if not self.ended:
             self.press("qq")
         return self._process.wait(START)
@@ -174,11 +174,11 @@ class Program:
         return "\n".join(screen.display)
 
     def wait_for_quiet(self) -> None:
-        """Wait until nothing has been written for a while."""
+        """Wait until there is no output for a while."""
         self.wait_until(lambda: time.perf_counter() - self.last_byte > QUIET, PATIENCE)
 
     def answer_time(self, keys: str) -> float:
-        """Return in how many seconds ``keys`` are answered by a screen that stands still."""
+        """Return the seconds until a still screen answers ``keys``."""
         self.wait_for_quiet()
         before, start = self.bytes, time.perf_counter()
         self.press(keys)
@@ -186,21 +186,20 @@ class Program:
         return self.last_byte - start if self.bytes > before else PATIENCE
 
     def memory(self) -> int:
-        """Return the resident set in bytes."""
         pages = int(Path(f"/proc/{self.pid}/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
 
     def share(self) -> int:
-        """Return the resident set in bytes, of pages that others have too only its share."""
+        """Return the resident set in bytes; shared pages count by their share."""
         rollup = Path(f"/proc/{self.pid}/smaps_rollup").read_text()
         return sum(int(line.split()[1]) << 10 for line in rollup.splitlines() if line.startswith("Pss:"))
 
     def count(self, folder: str) -> int:
-        """Return how many entries ``folder`` of its process has: ``task`` or ``fd``."""
+        """Return the number of entries of a folder of its process: ``task`` or ``fd``."""
         return len(os.listdir(f"/proc/{self.pid}/{folder}"))
 
     def screen_seconds(self) -> float:
-        """Return how long the processor has worked for the thread of the screen."""
+        """Return the CPU time of the screen's thread."""
         fields = Path(f"/proc/{self.pid}/task/{self.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / _TICKS
 
@@ -230,7 +229,7 @@ class Program:
                 self._copies.append(data)
             seen = tail + data
             self.bytes += len(data)
-            # a sequence may be cut in two, but none must be counted twice
+            # a sequence may be divided, but none may count twice
             done = max((match.end() for match in _TOLD.finditer(seen)), default=0)
             tail = seen[done:][-_LONGEST:]
             ends = seen.count(_FRAME_END, 0, done)
@@ -244,12 +243,12 @@ class Program:
 
 
 def plain(written: bytes) -> str:
-    """Return what was written last, without the sequences that steer the terminal."""
+    """Return the latest output without escape sequences."""
     return re.sub(rb"\x1b\[[0-?]*[ -/]*[@-~]", b"", written).decode(errors="replace")
 
 
 def steps_kept(folder: Path) -> int:
-    """Return how far the run has come that was written last."""
+    """Return the latest step in the output."""
     sessions, _ = sessions_in(folder)
     return max(sessions, key=lambda session: session.written[1]).step if sessions else 0
 
@@ -313,7 +312,7 @@ def minute(program: Program, folder: Path, number: int) -> Minute:
 
 
 def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
-    """Return how ``last`` compares with ``first``, and whether it is flat."""
+    """Compare ``last`` with ``first``; return the text, and whether it is flat."""
     memory, frame = last.memory / first.memory, last.frame / first.frame
     is_flat = memory <= MOST_GROWTH and frame <= MOST_GROWTH and last.threads <= first.threads + 2
     words = (

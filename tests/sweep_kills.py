@@ -21,7 +21,7 @@ from rl_tui.studies.sweeps.store import Store
 from rl_tui.studies.sweeps.sweep import run_sweep
 
 ALLOWED_LOSS: Final = 0.25  # seconds
-# Says of each run that it is finished, and when, and then keeps it as every sweep does
+# Reports each finished run with its time, and then stores it as every sweep does
 CHILD: Final = """
 import os, sys, time
 from pathlib import Path
@@ -56,12 +56,12 @@ def plan_of(cells: int) -> SweepPlan:
 
 
 def kill(store: Path, cells: int, chance: random.Random) -> Kill:
-    """Sweep into ``store``, kill that, and raise where what is kept is not sound."""
+    """Sweep into ``store``, kill the sweep, and raise if the store is not valid."""
     command = [sys.executable, "-c", CHILD, str(store), str(cells)]
     told = dict[tuple[int, int], float]()
     with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=Path(__file__).parent) as child:
         assert child.stdout is not None
-        if chance.random() < 0.1:  # while it begins
+        if chance.random() < 0.1:  # while it starts
             time.sleep(chance.uniform(0.0, 0.6))
         for _ in range(chance.randint(0, cells // 4)):
             index, seed, moment = (child.stdout.readline() or b"-1 0 0").split()
@@ -82,7 +82,7 @@ def kept_in(store: Path, plan: SweepPlan) -> set[tuple[int, int]]:
     with sqlite3.connect(store) as database:
         assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
         if database.execute("SELECT COUNT(*) FROM sqlite_master").fetchone() == (0,):
-            return set()  # killed before it had its tables
+            return set()  # killed before its tables existed
         pairs = database.execute("SELECT key, seed FROM rows").fetchall()
     database.close()
     assert len(pairs) == len(set(pairs))
@@ -91,7 +91,7 @@ def kept_in(store: Path, plan: SweepPlan) -> set[tuple[int, int]]:
 
 
 def csv_of(plan: SweepPlan, store: Store) -> str:
-    """Return the CSV of what ``store`` has."""
+    """Return the CSV of ``store``."""
     stream = io.StringIO()
     write_csv(stream, plan, store)
     return stream.getvalue()
@@ -118,7 +118,7 @@ def kills(count: int, seed: int, cells: int = 400) -> Iterator[Kill]:
 
 
 def main() -> None:
-    """Print figures of as many kills as the first argument says."""
+    """Print figures for this many kills (first argument)."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 50
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else random.randrange(2**32)
     print(f"{count} kills, seed {seed}", flush=True)

@@ -10,7 +10,7 @@ from pseudo_terminal import PseudoTerminal, visible
 
 from rl_tui.live.sessions.session import sessions_in
 
-TAKEN = b"\x1b[?1049h"  # the screen that a program has for itself
+TAKEN = b"\x1b[?1049h"  # the alternate screen
 
 SCRIPT = """
 import os, sys, threading, warnings
@@ -47,7 +47,7 @@ main()
 """
 
 
-# It never stops to print: in its steps, in a thread of its own, and when the interpreter ends
+# It prints all the time: in its steps, in its own thread, and at the interpreter's end
 LOUD = """
 import atexit, os, sys, threading, time
 import gymnasium

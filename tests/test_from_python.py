@@ -33,7 +33,7 @@ def without_times(document: dict) -> dict:
 
 
 def as_rows(array: np.ndarray, missing: float | None = None) -> list:
-    """The array as JSON has it: None where an action is not legal."""
+    """The array in its JSON form: None for unavailable actions."""
     absent = np.isnan(array) if missing is None else array == missing
     return [
         [None if gone else value for value, gone in zip(row, away, strict=True)]

@@ -124,7 +124,7 @@ def test_a_folder_that_is_listed_has_such_files(folder: Path, pattern: str) -> N
 
 
 def private_names_of_textual(path: Path) -> list[str]:
-    """Return what ``path`` imports of Textual that begins with one underscore."""
+    """Return the names in ``path``'s imports from Textual that begin with one underscore."""
     names: list[str] = []
     if "textual" not in path.read_text(encoding="utf-8"):
         return names

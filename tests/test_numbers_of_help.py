@@ -30,7 +30,7 @@ GUIDES: Final = [
     for path in sorted((TESTS.parent / "docs" / folder).glob("*.md"))
     if path.stem not in ("statistics", "charts-and-book-figures")
 ]
-"""All but the tables of tests/measure.py and of tests/studies/book_figures."""
+"""All pages except the tables of tests/measure.py and tests/studies/book_figures."""
 NEIGHBOURS: Final = (TESTS / "commands/test_readme.py", TESTS / "lessons/test_figures_of_notes.py")
 ELSEWHERE: Final = (
     "Python 3.11 or newer",  # below
@@ -85,7 +85,7 @@ def texts_of_commands(command: click.Command = program) -> Iterator[str]:
 
 
 def texts_of_help() -> Iterator[str]:
-    """The topics of the help, as its module has them, without names of keys."""
+    """The topics of the help from its module, without names of keys."""
     for node in ast.walk(ast.parse(inspect.getsource(help_screen))):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
             yield node.value

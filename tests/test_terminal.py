@@ -13,7 +13,7 @@ from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
 from rl_tui.live.sessions.session import sessions_in
 
-KEYBOARD_ON = re.compile(rb"\x1b\[>\d+u")  # the protocol that tells all keys apart
+KEYBOARD_ON = re.compile(rb"\x1b\[>\d+u")  # the protocol that distinguishes all keys
 KEYBOARD_OFF = b"\x1b[<u"
 FASTER = "+" * 9
 A_MILLION_STEPS = r"step\s+(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])"
@@ -26,7 +26,7 @@ def rl_tui(*args: str, cache: Path | None = None, status: int = 0, **more: str) 
     with PseudoTerminal([*RL_TUI, *args], environment) as terminal:
         yield terminal
         assert terminal.wait_for_end() == status
-        assert b"\x1b[?1049h" in terminal.written  # it did take the alternate screen
+        assert b"\x1b[?1049h" in terminal.written  # it did use the alternate screen
         assert terminal.modes_left_changed == set()
         assert len(KEYBOARD_ON.findall(terminal.written)) == terminal.written.count(KEYBOARD_OFF)
         assert terminal.attributes == terminal.attributes_before

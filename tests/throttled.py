@@ -34,7 +34,7 @@ class ThrottledTerminal(PseudoTerminal):
         self.rate = rate
         self._room = room
         self._waiting = b""
-        self._free_at = time.perf_counter()  # when the link has carried all that was given to it
+        self._free_at = time.perf_counter()  # the time when the link has carried all its input
 
     def read_more(self, deadline: float) -> bool:
         if self.rate is None and not self._waiting:
@@ -64,7 +64,7 @@ class ThrottledTerminal(PseudoTerminal):
         return len(self._waiting) >= max(self._room, int((self.rate or 65536) * _PIECE))
 
     def _fill(self, now: float) -> None:
-        """Take what the program has written, as far as there is room for it."""
+        """Read the program's output as far as the buffer has space."""
         while not self._is_full() and select.select([self._ours], [], [], 0.0)[0]:
             if not self._waiting:
                 self._free_at = max(self._free_at, now - _PIECE)

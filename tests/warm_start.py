@@ -35,7 +35,7 @@ _MEANS_THE_SAME: Final = {"PYTHONPATH": str(_SERVER.parents[1]), **dict.fromkeys
 """Values that mean the same as the server's own."""
 _SET_CHILD_SUBREAPER: Final = 36
 _START: Final = inspect.signature(subprocess.Popen._execute_child)  # type: ignore[attr-defined]
-_PATIENCE: Final = 300.0  # seconds, on a machine that is busy
+_PATIENCE: Final = 300.0  # seconds, on a busy machine
 
 
 class ForkServer:
@@ -58,7 +58,7 @@ class ForkServer:
         self.is_ready = self._door.recv(LARGEST) == b"ready"
 
     def takes(self, environment: Mapping[str, str]) -> bool:
-        """Return whether a program with this environment would have started as this process did."""
+        """Return whether a program with this environment would have started like this process."""
         names = filter(_READ_AT_START.fullmatch, {*environment, *self._environment})
         return all(self._has(name, environment.get(name)) for name in names)
 
@@ -90,12 +90,12 @@ class ForkServer:
 
 
 def _adopt(on: bool) -> bool:
-    """Let this process become the parent of those below it that lose theirs, or no longer."""
+    """Let this process adopt orphans below it, or stop doing so."""
     return bool(ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, int(on), 0, 0, 0) == 0)
 
 
 class WarmPopen(subprocess.Popen[Any]):
-    """Starts a program as subprocess does, but forked where that is the same."""
+    """Starts a program like subprocess, but forked if that makes no difference."""
 
     was_forked = False
 
@@ -112,7 +112,7 @@ class WarmPopen(subprocess.Popen[Any]):
 
 
 def _forked(asked: Mapping[str, Any]) -> int | None:
-    """Return the process that does what Popen is ``asked`` for, None where it has to be started anew."""
+    """Return the process that Popen is ``asked`` to start, or None if it cannot be forked."""
     usual = {"preexec_fn": None, "shell": False, "gid": None, "gids": None, "uid": None, "umask": -1}
     usual |= {"close_fds": True, "restore_signals": True, "process_group": -1, "executable": None}
     command = asked["args"]
@@ -170,5 +170,5 @@ def programs_are_forked() -> Iterator[None]:
 
 @pytest.fixture
 def real_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have the programs of a test started anew: how they start is what it is about."""
+    """Start the programs of a test without forking, for tests about the start."""
     monkeypatch.setattr(subprocess, "Popen", RealPopen)

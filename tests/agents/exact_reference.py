@@ -100,7 +100,7 @@ def probabilities(mdp: TabularMDP, pair: int) -> list[Fraction]:
 
 
 def deterministic_policies(mdp: TabularMDP) -> Iterator[dict[int, int]]:
-    """Yield every way to choose a pair in each live state."""
+    """Yield every choice of one pair in each live state."""
     states = live(mdp)
     for choice in itertools.product(*(mdp.pairs_of(state) for state in states)):
         yield dict(zip(states, choice, strict=True))
@@ -198,7 +198,6 @@ def policy_iteration_of_the_box(mdp: TabularMDP, gamma: float, theta: float = 1e
     value = [0.0] * mdp.states
     policy = {state: mdp.pairs_of(state)[0] for state in live(mdp)}
     while True:
-        # 2. Policy evaluation
         delta = theta
         while delta >= theta:
             delta = 0.0

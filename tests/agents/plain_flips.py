@@ -97,7 +97,6 @@ def optimal_pairs(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) ->
 
 
 def values(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) -> dict[int, Fraction]:
-    """Return the values of ``policy``."""
     states = list(policy)
     matrix = [
         [int(state == to) - gamma * world.moves[policy[state]].get(to, Fraction(0)) for to in states]
@@ -108,7 +107,9 @@ def values(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) -> dict[i
 
 
 def disagreements(mdp: TabularMDP, flips: tuple[Flip, ...], parts: int) -> Iterator[str]:
-    """Yield where the optimal sets on a grid of γ, and thrice between two flips, contradict ``flips``."""
+    """Yield the points where the optimal sets contradict ``flips``: on a grid of γ and three between two
+    flips.
+    """
     world = plain_world(mdp)
     policy = {state: pairs[0] for state, pairs in world.pairs.items()}
     ends = [Fraction(0), *(Fraction(flip.gamma) for flip in flips), Fraction(1)]

@@ -57,7 +57,6 @@ class PlainWorld:
         return int(next(state for state, cumulative in starts if draw < cumulative))
 
     def take(self, pair: int) -> Answer:
-        """Take a step."""
         self.steps_left -= 1
         self.visits[pair] += 1
         outcomes = list(self.mdp.outcomes_of(pair))
@@ -79,7 +78,7 @@ class PlainWorld:
         return list(self.mdp.pairs_of(state))
 
     def choose(self, state: int, q: Table) -> int:
-        """Choose by ε-greedy: one draw tells whether to explore and, stretched again, what to take."""
+        """Choose by ε-greedy: one draw decides whether to explore and, stretched again, what to take."""
         pairs, epsilon = self.pairs(state), self.epsilon
         draw = self.dice.random()
         if draw < epsilon:
@@ -99,7 +98,7 @@ class PlainWorld:
         return max((q[pair] for pair in self.pairs(state)), default=0.0)
 
     def probability(self, state: int, pair: int, q: Table) -> float:
-        """Return π(a|s) of the ε-greedy policy: ε is shared by all pairs, the rest by the greedy ones."""
+        """Return π(a|s) of the ε-greedy policy: all pairs share ε, and the greedy ones share the rest."""
         pairs = self.pairs(state)
         best = [each for each in pairs if q[each] == self.best(state, q)]
         greedy = best[:1] if self.hyperparameters.ties == "first" else best
@@ -107,7 +106,7 @@ class PlainWorld:
         return (1 - self.epsilon) * share + self.epsilon / len(pairs)
 
     def expectation(self, state: int, q: Table) -> float:
-        """Return what the ε-greedy policy may expect: its best with 1 − ε, the mean of all with ε."""
+        """Return the expectation of the ε-greedy policy: the best with 1 − ε, the mean of all with ε."""
         pairs = self.pairs(state)
         if not pairs:
             return 0.0
@@ -152,7 +151,7 @@ def as_array(table: Table | dict[int, int]) -> np.ndarray:
 
 
 def _sum(numbers: Iterable[float]) -> float:
-    """Add up from left to right, rounding after each: the built-in sum has rounded less since Python 3.12."""
+    """Add from left to right and round after each step. The built-in sum rounds less since Python 3.12."""
     total = 0.0
     for number in numbers:
         total += number

@@ -127,7 +127,7 @@ def trained(batch: RunBatch, budget: int) -> RunBatch:
 def alone(
     mdp: TabularMDP, seed: int, algorithm: str, values: Hyperparameters, steps: int, episodes: int
 ) -> tuple[Learner, list[Any], Stop]:
-    """Return a learner that did what a run of a batch is to do, its episodes, and why it came back."""
+    """Return a learner after the single run of a batch's member, its episodes, and its stop reason."""
     learner = Learner(mdp, algorithm, values, streams(seed))
     stop = learner.advance(steps, episodes)
     return learner, list(learner.drain_episodes()), stop
@@ -213,7 +213,7 @@ def test_estimates_are_kept_at_the_marks() -> None:
 
 
 def test_a_run_that_breaks_down_does_not_hold_up_the_others() -> None:
-    # One start pays what grows beyond all bounds, the other nothing
+    # One start leads to rewards that grow without bounds, the other to nothing
     pays = [Outcome(1.0, 0, 1e11, False)]
     ends = [Outcome(1.0, 2, 0.0, True)]
     transitions = [

@@ -123,7 +123,7 @@ def test_no_trace_of_watkins_leads_beyond_an_action_that_is_not_greedy(algorithm
 def test_a_trace_leads_beyond_a_greedy_action_of_a_person(algorithm: str) -> None:
     ours = learner(two_ways(), algorithm, FULL_STEP)
     ours.advance(1)
-    ours.take(JUMP)  # as good as to go on, as far as is known
+    ours.take(JUMP)  # as good as continuing, by current estimates
     assert ours.q.tolist() == [1.0, 0.0, 1.0, 0.0]
 
 

@@ -31,7 +31,7 @@ FOLDER = 0o040000
 
 @pytest.fixture
 def shared_group(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No group is that of one person."""
+    """Make every group one with several members."""
     monkeypatch.setattr(grp, "getgrgid", lambda _: SimpleNamespace(gr_name="many", gr_mem=["ada", "bob"]))
 
 

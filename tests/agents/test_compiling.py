@@ -23,7 +23,7 @@ LONGEST = 60.0
 
 
 class Machine:
-    """A process without numba: what it has, what its cache has, and what it did to come by it."""
+    """A process without numba: its code, its cache, and a log of its actions."""
 
     def __init__(self) -> None:
         self.compiled = set[Loop]()
@@ -52,7 +52,7 @@ class Machine:
 
 
 class Worker:
-    """A worker process that answers what ``script`` says, and is asked until it is ended."""
+    """A worker process that answers as ``script`` says, until it is ended."""
 
     script: Callable[[Machine, Loop], str | None]
 
@@ -94,7 +94,7 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
 
 
 class Asked(NamedTuple):
-    """A compiler that has asked its worker for a loop, and what lets the worker answer."""
+    """A compiler with a pending request to its worker, and a function that lets the worker answer."""
 
     compiler: BackgroundCompiler
     may_end: threading.Event
@@ -116,7 +116,7 @@ def asked(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Asked:
 
 
 def finish(compiler: BackgroundCompiler) -> None:
-    """Wait until it has nothing to do any more."""
+    """Wait until it has nothing left to do."""
     for thread in threading.enumerate():
         if thread.name == "background compiler":
             thread.join(LONGEST)

@@ -30,7 +30,7 @@ def lake() -> TabularMDP:
 
 
 class Table:
-    """A table stepped for real, drawing from ``seed``'s world stream just as the compiled loop does."""
+    """A table used as an environment, with draws from ``seed``'s world stream like the compiled loop."""
 
     def __init__(self, mdp: TabularMDP, seed: int) -> None:
         self._mdp, self._generator = mdp, streams(seed).world

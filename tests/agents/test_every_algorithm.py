@@ -67,7 +67,7 @@ def learner(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, s
 
 
 def everything(ours: Learner) -> list[Any]:
-    """Return all that a learner is, to be compared bit for bit, and forget the episodes."""
+    """Return the whole state of a learner for a comparison bit for bit, and forget the episodes."""
     state = ours.checkpoint()
     parts = (state.memory, state.rule, state.drift, state.position, state.record, ours.drain_episodes())
     return [
@@ -149,7 +149,7 @@ def test_a_checkpoint_brings_everything_back_in_any_learner(
 
 
 def eight_states(time_limit: int) -> TabularMDP:
-    """A ring that slips, with an end beside every state: more states than the time limit."""
+    """A ring that slips, with a terminal state next to every state: more states than the time limit."""
     return tabular_mdp(
         [f"s{state}" for state in range(9)],
         ["on", "back", "out"],
@@ -261,7 +261,7 @@ def test_the_last_td_errors_are_kept_with_the_pairs_that_moved(
         ours.advance(1)
         ours.drain_episodes()
         last = ours.last_step
-        if last.step == step and last.learned:  # a planner that is done takes no more
+        if last.step == step and last.learned:  # a finished planner takes no more steps
             updates.append((last.td_error, last.updated_pair))
     at_once.advance(ours.step)
     for counters in (ours.counters, at_once.counters):

@@ -196,8 +196,8 @@ def grown(asked: Any) -> float:
 
 
 def never_cached(kernel: Callable[..., Any]) -> Any:
-    """Return a dispatcher of ``kernel`` whose machine code is not read from a cache."""
-    dispatcher_of(ask)  # numba's typing then knows all that is marked
+    """Return a dispatcher of ``kernel`` that reads no machine code from a cache."""
+    dispatcher_of(ask)  # numba then knows the types of everything marked
     return numba.njit(kernel)
 
 
@@ -264,7 +264,7 @@ def test_a_call_of_machine_code_keeps_hold_of_nothing() -> None:
         return generator.random() + numbers[0]
 
     dispatcher_of(ask)
-    fresh = numba.njit(_nrt=False)(kernel)  # as the kernels are compiled, which count no references
+    fresh = numba.njit(_nrt=False)(kernel)  # like the kernels, which count no references
     generator, numbers = np.random.default_rng(0), np.zeros(1)
     fresh(generator, numbers)
     before = sys.getrefcount(generator), sys.getrefcount(numbers)

@@ -62,7 +62,7 @@ print(machine_code(3.0), machine_code(3), sum(machine_code.stats.cache_hits.valu
 
 
 def parsed_imports(tree: ast.AST) -> Iterator[str]:
-    """Yield what ``tree`` imports when it runs, as names of modules and of what they may hold."""
+    """Yield the imports of ``tree`` at run time: the names of modules and of their possible members."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
             for otherwise in node.orelse:
@@ -79,7 +79,7 @@ def parsed_imports(tree: ast.AST) -> Iterator[str]:
 
 
 def imported(file: Path) -> set[str]:
-    """Return the modules of this package that ``file`` imports, as Python reads it."""
+    """Return the modules of this package that ``file`` imports, parsed as Python does."""
     return MODULES.keys() & set(parsed_imports(ast.parse(file.read_bytes())))
 
 

@@ -22,7 +22,7 @@ def world(scenario: str) -> TabularMDP | None:
 
 
 def swept(mdp: TabularMDP, steps: int) -> list[bytes]:
-    """The values of a policy that leaves some actions out, and the best ones."""
+    """The values of a policy that omits some actions, and the optimal ones."""
     policy = np.random.default_rng(1).random(mdp.pairs)
     policy[::3] = 0.0
     values = (policy_values(mdp, policy, steps), best_values(mdp, 1.0, steps), best_values(mdp, 0.9, steps))

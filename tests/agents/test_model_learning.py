@@ -25,7 +25,7 @@ def corridor(length: int, reward: float = 1.0, time_limit: int = 0) -> TabularMD
 
 
 def coin(actions: int) -> TabularMDP:
-    """Each action stays or ends, by the toss of a coin."""
+    """Each action stays or ends, with equal chance."""
     outcomes = [Outcome(0.5, 0, 1.0, False), Outcome(0.5, 1, 2.0, True)]
     transitions = [Transition(0, action, outcomes) for action in range(actions)]
     return tabular_mdp(["here", "end"], [str(each) for each in range(actions)], transitions, {0: 1.0})

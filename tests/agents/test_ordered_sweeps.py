@@ -140,7 +140,7 @@ def stay_or_go() -> TabularMDP:
 @pytest.mark.parametrize("gamma", [0.0, 0.5])
 def test_an_improvement_that_changes_nothing_proves_nothing_before_values_are_at_rest(gamma: float) -> None:
     ours = planner(stay_or_go(), Hyperparameters(gamma=gamma, accuracy=1e-12))
-    assert sweep(ours, "improvement") is Stop.DONE  # as far as it sees, both are worth 1
+    assert sweep(ours, "improvement") is Stop.DONE  # in its view, both are worth 1
     assert ours.planning == "policy 1, improvement: 0 states changed"
     assert sweep(ours, "evaluation") is Stop.DONE
     assert ours.advance(FAR) is Stop.CONVERGED
@@ -169,7 +169,7 @@ def test_an_order_in_the_middle_of_a_sweep_is_for_the_next() -> None:
     assert (ours.phase, ours.ordered) == ("improvement", None)
     ours.advance(FAR, 1)
     ours.advance(1)
-    assert ours.phase == "evaluation"  # nothing more was ordered
+    assert ours.phase == "evaluation"  # no further orders
 
 
 def test_the_last_order_counts() -> None:

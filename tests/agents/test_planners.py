@@ -50,9 +50,9 @@ def shipped(name: str) -> TabularMDP:
 
 
 def row(rewards: list[float], time_limit: int = 0) -> TabularMDP:
-    """States in a row, terminal at its right end: each step right pays the reward of where it starts.
+    """States in a row with the end on the right.
 
-    From each one may also stay, for nothing.
+    A step right pays its state's reward; staying pays nothing.
     """
     transitions = []
     for state, reward in enumerate(rewards):

@@ -14,7 +14,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-# At the ends of their ranges and beyond them: a learner does not ask
+# At the ends of their ranges and beyond: a learner does not check them
 extreme_hyperparameters = st.builds(
     Hyperparameters,
     alpha=st.sampled_from([5e-324, 0.5, 1.0, 2.0, -1.0, 1e300, "sample-average"]),

@@ -35,7 +35,7 @@ watchings = st.builds(
 
 
 def known(watching: Watching, ours: Learner) -> Watching:
-    """Leave out what this world does not have."""
+    """Remove the events that this world does not have."""
     space = ours.space
     return Watching(
         watching.reward,
@@ -80,7 +80,7 @@ class Look:
 
 
 def assert_watched_alike(watched: Learner, single: Learner, watching: Watching, steps: int) -> None:
-    """Let ``watched`` stop by itself wherever a look at every step of ``single`` finds something."""
+    """Let ``watched`` stop automatically at each event that a look at every step of ``single`` finds."""
     watched.watch(watching)
     look = Look(single, watching)
     while single.step < steps:
@@ -92,7 +92,7 @@ def assert_watched_alike(watched: Learner, single: Learner, watching: Watching, 
         came = watched.advance(steps - watched.step)
         watched.drain_episodes()
         assert (watched.step, watched.noticed) == (single.step, seen)
-        if stop is not Stop.DONE:  # for good, or a planner that is done
+        if stop is not Stop.DONE:  # for good: a finished planner
             assert came is stop
             return
         assert came is (Stop.DONE if seen == NOTHING_NOTICED else Stop.NOTICED)

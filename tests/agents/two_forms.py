@@ -51,7 +51,7 @@ def examples(count: int) -> Callable[[Any], Any]:
 
 @contextmanager
 def interpreted() -> Iterator[None]:
-    """Let all that agents do run interpreted."""
+    """Run all code of agents interpreted."""
     with in_place_of_machine_code(machine_code.interpreted) as patch:
         patch.setattr(Learner, "is_compiled", False)
         yield
@@ -59,7 +59,7 @@ def interpreted() -> Iterator[None]:
 
 @contextmanager
 def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Iterator[pytest.MonkeyPatch]:
-    """Let all that agents do run in what ``stand_in`` makes of a function and an example of its arguments."""
+    """Run all code of agents through ``stand_in``, which gets a function and example arguments."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Learner, "is_compiled", True)
         patch.setattr(learner, "COMPILED_LOOPS", set())
@@ -81,7 +81,7 @@ def advance(ours: Learner, steps: int, *, is_interpreted: bool) -> int:
 
 @st.composite
 def bandits(draw: st.DrawFn) -> TabularMDP:
-    """Draw a bandit: of coins, or of arms that pay numbers, with noise or without."""
+    """Draw a bandit of coins, or of arms with numeric rewards, with or without noise."""
     coins, noise = draw(st.booleans()), draw(st.sampled_from([0.0, 1.0]))
     payments = st.sampled_from([0.2, 0.9] if coins else [-1.0, 0.0, 2.5])
     return bandit_of(
@@ -106,7 +106,7 @@ def learner_in(mdp: TabularMDP, loop: Loop, hyperparameters: Hyperparameters, se
     if not loop.stepped:
         return Learner(mdp, loop.algorithm, hyperparameters, streams(seed))
     ours = Learner(untabled(mdp), loop.algorithm, hyperparameters, streams(seed), Table(mdp, seed))
-    ours.rewindable = True  # so that it tells all that it is
+    ours.rewindable = True  # so that it exposes its whole state
     return ours
 
 

@@ -83,7 +83,7 @@ class Chromium:
     async def _end(self) -> None:
         if self._process.poll() is None:
             with suppress(ProcessLookupError):
-                os.killpg(self._process.pid, signal.SIGKILL)  # with all that it has started
+                os.killpg(self._process.pid, signal.SIGKILL)  # with all its child processes
         self._process.wait()
         self._errors.close()
         self._short.cleanup()
@@ -124,7 +124,7 @@ class Chromium:
 
 
 class Tab:
-    """A page: what its terminal shows (``emulator``), where it asked for things, what went wrong in it."""
+    """A page: its terminal (``emulator``), its requests and its errors."""
 
     def __init__(self, browser: Chromium, target: str, session: str) -> None:
         self._browser = browser
@@ -135,7 +135,6 @@ class Tab:
         self.faults: list[str] = []
 
     def happened(self, method: str, parameters: dict[str, Any]) -> None:
-        """Note an event."""
         match method:
             case "Network.webSocketFrameReceived" if parameters["response"]["opcode"] == BINARY:
                 self.emulator.feed(base64.b64decode(parameters["response"]["payloadData"]))
@@ -175,7 +174,7 @@ class Tab:
                 await self.send("Input.dispatchKeyEvent", type=kind, key=key, **text)
 
     async def click(self, x: float, y: float) -> None:
-        """Click at a place given in pixels."""
+        """Click at this place in pixels."""
         for kind in ("mousePressed", "mouseReleased"):
             await self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
@@ -188,7 +187,7 @@ class Tab:
         await until(found, repr(pattern), lambda: self.emulator.text)
 
     async def evaluate(self, expression: str) -> Any:
-        """Return the value of an expression of the page's own."""
+        """Return the value of a JavaScript expression in the page."""
         answer = await self.send(
             "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
         )
@@ -196,7 +195,7 @@ class Tab:
         return answer["result"].get("value")
 
     async def shows(self, expression: str) -> None:
-        """Wait until an expression of the page's own is true, or fail."""
+        """Wait until a JavaScript expression is true, or fail."""
         deadline = time.perf_counter() + DEADLINE
         while not await self._is_true(expression):
             assert time.perf_counter() < deadline, f"never true: {expression}"
@@ -209,7 +208,7 @@ class Tab:
             return False
 
     async def screenshot(self) -> bytes:
-        """Return what the window shows, as PNG."""
+        """Return a PNG image of the window."""
         return base64.b64decode((await self.send("Page.captureScreenshot", format="png"))["data"])
 
     async def cell(self) -> tuple[float, float]:
@@ -234,12 +233,11 @@ class Tab:
         return found
 
     async def close(self) -> None:
-        """Close the tab."""
         await self._browser.send("Target.closeTarget", targetId=self._target)
 
 
 async def until(condition: Callable[[], object], what: str, seen: Callable[[], str] = str) -> None:
-    """Wait until ``condition`` holds, or fail saying ``what`` did not happen and what was ``seen``."""
+    """Wait until ``condition`` is true; otherwise fail with ``what`` is missing and what was ``seen``."""
     deadline = time.perf_counter() + DEADLINE
     while not condition():
         assert time.perf_counter() < deadline, f"waited in vain for {what}; {seen()}"

@@ -34,13 +34,13 @@ async def browser(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Chr
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Served]:
-    """One for the tests of this file, of which the last one stops it."""
+    """A server shared by the tests of this file. The last test stops it."""
     with serving("frozenlake-slippery", "--most", "2", RL_TUI_KIOSK="1") as started:
         yield started
 
 
 def heat(tab: Tab) -> dict[tuple[int, int], str]:
-    """Return the cells (column, row) of the Q-table's values, and the colours the app wants behind them."""
+    """Return the cells (column, row) of the Q-table's values, with the app's background colours."""
     return {
         (found.start(), row): str(tab.emulator.cell(found.start(), row).bg)
         for row, line in enumerate(tab.emulator.text.splitlines())
@@ -76,7 +76,7 @@ async def test_it_is_the_same_app(browser: Chromium, server: Served, tmp_path: P
     deadline = time.perf_counter() + DEADLINE
     while await shown(tab, list(values)) != list(values.values()):
         assert time.perf_counter() < deadline, "the window has other colours"
-        values = heat(tab)  # the last frame may still have been on its way
+        values = heat(tab)  # the last frame may still be on its way
     picture = await tab.screenshot()
     (tmp_path / "window.png").write_bytes(picture)
     assert picture.startswith(b"\x89PNG")
@@ -131,7 +131,7 @@ async def test_nobody_else_gets_in_and_nothing_stays(browser: Chromium, server: 
     await until(lambda: len(server.apps) == 2, "two apps")
     third = await browser.open(server.url, (800, 600))
     await third.shows("document.body?.textContent.includes('Every place is taken: 2 at once')")
-    await third.close()  # it would ask again, and get the next place that is free
+    await third.close()  # otherwise it would ask again, and get the next free place
     await first.close()
     await until(lambda: len(server.apps) == 1, "its app to end")
     await second.wait_for("FrozenLake")

@@ -26,8 +26,8 @@ from rl_tui.common.limits import LARGEST_SCREEN
 
 Client = TestClient[web.Request, web.Application]
 
-# Says its number and size, then every packet it gets as JSON. It leaves at q, fails at x, writes much at f,
-# and does not hear that it shall end after h
+# Sends its process id and size, then every packet it gets, as JSON. It exits at q, fails at x, writes much at
+# f, and after h ignores requests to end
 APP = """
 import json, os, signal, sys
 def write(kind, data):

@@ -83,7 +83,7 @@ def test_ctrl_c_ends_what_never_answers(tmp_path: Path, runs: tuple[str, ...]) -
     for line in child.stderr:
         if "it hangs now" in line:
             break
-    while not rows.exists():  # runs in threads may hang before it is opened
+    while not rows.exists():  # threads may hang before it is opened
         time.sleep(0.01)
     child.send_signal(signal.SIGINT)
     out, err = child.communicate(timeout=120)

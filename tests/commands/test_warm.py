@@ -62,7 +62,7 @@ class Worker:
 
 @pytest.fixture
 def noted(monkeypatch: pytest.MonkeyPatch) -> set[Loop]:
-    """Three loops, of two algorithms, a cache with notes of those that are returned, and workers."""
+    """Three loops of two algorithms, a cache that notes the returned ones, and workers."""
     noted: set[Loop] = set()
     monkeypatch.setattr(Worker, "started", [], raising=False)
     monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: CodeOrigin.COMPILED), raising=False)

@@ -111,12 +111,12 @@ def digest_at(recipe: Recipe, step: int = 0, journal: tuple[JournalEntry, ...] =
 
 
 def guess(of: Lesson, answer: float = -1.5, step: int = 0, **how: Any) -> Given:
-    """An answer to the prediction, given where a run has taken no step unless ``how`` says otherwise."""
+    """An answer to the prediction at step 0 of a run, unless ``how`` differs."""
     return Given("guess", answer, abs(answer + 1.5) < 0.01, step, digest_at(setup(of), step, **how))
 
 
 def all_done(of: Lesson) -> LessonRecord:
-    """Everything done honestly."""
+    """Every page and task done properly."""
     return replace(
         begun(of).open("lake"),
         given=(guess(of), Given("quiz", 0, False), Given("quiz", 1, True)),

@@ -275,7 +275,7 @@ def test_runs_of_any_length_are_counted_by_what_they_took(by: str) -> None:
     assert counted(by, StepBudget(figure=free.taken)) == ""
     little = StepBudget(figure=free.taken - 1)
     assert counted(by, little).startswith(f"more than {free.taken - 1:,} steps of figure tried; ")
-    assert little.taken == free.taken - 1  # all that it was allowed, wherever its threads were
+    assert little.taken == free.taken - 1  # all of its budget, whatever its threads did
 
 
 def test_a_run_that_breaks_down_counts_as_what_it_took() -> None:

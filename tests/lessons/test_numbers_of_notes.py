@@ -67,7 +67,7 @@ def rewards_of(scenario: str) -> frozenset[float]:
 
 @functools.cache
 def own_numbers(scenario: str) -> frozenset[float]:
-    """0, 1, what the file says, and of its world the limits, the size of the map, rewards and chances."""
+    """0, 1, and the scenario's numbers: those of its file, limits, map size, rewards and chances."""
     file = find(scenario)
     raw = {name: value for name, value in tomllib.loads(file.text).items() if name != "notes"}
     world = begin(recipe(scenario)).world
@@ -136,7 +136,7 @@ def test_what_is_said_of_so_many_runs_is_counted_in_as_many(scenario: str) -> No
 
 
 def settings_of(said: Said) -> frozenset[float]:
-    """The numbers of settings, episodes and steps by which figures and claims of a text are worked out."""
+    """The numbers of settings, episodes and steps in the computations of a text."""
     claims = [claim for claim in CLAIMS if claim.scenario == said.id]
     numbers = {float(each) for each in re.findall(r"(?<![\w.])\d+(?:\.\d+)?", said.expressions)}
     numbers |= {float(claim.episodes) for claim in claims}

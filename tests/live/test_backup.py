@@ -34,7 +34,7 @@ def sources(snapshot: Snapshot) -> dict[int, float]:
 
 
 def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **changes: Any) -> Snapshot:
-    """A step of the student who studies: Q(Class, study) goes from 6.3 to 6.37, γ is .9."""
+    """A student's study step: Q(Class, study) rises from 6.3 to 6.37, γ is .9."""
     started = recipe("student", algorithm=algorithm, epsilon=epsilon)
     shown = SnapshotBuilder().before(started, begin(started).world, PlaybackView(), is_hidden=False)
     usual: dict[str, Any] = {
@@ -66,7 +66,7 @@ def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **change
 
 
 def test_the_greatest_of_the_next_state_is_what_q_learning_expects() -> None:
-    # .8 (−2 + .9·10) + .2 (−2 + .9·6.3): the estimate before the update counts where the student stays
+    # .8 (−2 + .9·10) + .2 (−2 + .9·6.3): if the student stays, the estimate before the update counts
     backup = backup_of(study("q-learning"))
     assert backup.expected == pytest.approx(0.8 * 7.0 + 0.2 * 3.67)
     assert backup.sampled == pytest.approx(7.0)

@@ -42,7 +42,7 @@ class Plain:
 
 
 def plain(made_from: Recipe, pulls: int) -> Plain:
-    """Follow the arms that a run pulls with a walk of the means of our own, from the same stream."""
+    """Follow a run's pulls with our own random walk of the means, from the same stream."""
     run, world = Run(made_from, evaluate=False), streams(made_from.seed).world
     done = Plain([0.5, 0.5, -1.0], [], [])
     for _ in range(pulls):

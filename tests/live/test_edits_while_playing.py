@@ -59,7 +59,7 @@ SMALL = st.integers(0, 30)
 
 
 def deeds(strokes: st.SearchStrategy[EditWorld], algorithms: list[str]) -> st.SearchStrategy[list[Any]]:
-    """Commands, "save" for a session that is saved and opened again, "again" for the start of the run."""
+    """Commands, "save" to save and reopen the session, "again" to restart the run."""
     draw = st.builds(lambda stroke: DrawWorld(stroke.edits), strokes)
     settings = st.one_of(
         st.builds(SetParameter, st.just("alpha"), st.sampled_from([0.1, 0.9])),
@@ -92,7 +92,7 @@ def deeds(strokes: st.SearchStrategy[EditWorld], algorithms: list[str]) -> st.Se
 
 
 def through_a_file(playback: Playback) -> Playback:
-    """The playback of the session that this one would leave."""
+    """Save this playback's session and open it again."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "session.json"
         path.write_bytes(encoded(playback.record))
@@ -152,7 +152,7 @@ def assert_all_as_written(playback: Playback) -> None:
 
 
 def kept(record: Record) -> Any:
-    """All of ``record`` but its scenario, which is another object."""
+    """All of ``record`` except its scenario, which is another object."""
     lanes = [(lane.branches, lane.branch) for lane in record.lanes]
     return lanes, record.shown, record.breakpoints, record.drawn
 

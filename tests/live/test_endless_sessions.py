@@ -19,7 +19,7 @@ FAR = 10**15
 
 
 def opened(folder: Path) -> tuple[Player, Path]:
-    """Resume, as the screen does, a session that was left very far on."""
+    """Resume, as the screen does, a session with a huge number of steps."""
     path = folder / "far.json"
     path.write_bytes(encoded(after(fresh(recipe("student")), FAR)))
     session = read_session(path)

@@ -85,7 +85,7 @@ def playback_of(recipe: Recipe, speed: float | None = None) -> Playback:
 
 
 def work_off(playback: Playback) -> Snapshot:
-    """Let it do what is due until it stands still, which here is soon."""
+    """Let it work until it is idle, which is soon here."""
     for _ in range(1_000):
         if not busy(playback) and playback.phase is not Phase.RUNNING:
             return playback.snapshot()
@@ -216,7 +216,7 @@ async def test_it_goes_on_once_it_is_answered(willing: type[Willing]) -> None:
 
 
 def test_a_slow_environment_gives_way_after_each_step(willing: type[Willing]) -> None:
-    """Its steps are few at first, and later no chunk outlasts the patience that it is given."""
+    """It begins with few steps. Later no chunk takes longer than the given patience."""
     playback = playback_of(made())
     playback.handle(Play())
     playback.work()

@@ -56,11 +56,11 @@ class Site:
             self._ended.release()
 
     def close(self) -> None:
-        """Hold nothing any more."""
+        """Release everything."""
         self._may_end.release(20)
 
     def let_through(self, playback: Playback) -> None:
-        """Let the world that is being built be done, and ``playback`` take it in."""
+        """Release the current build, and let ``playback`` receive its world."""
         self._may_end.release()
         assert self._ended.acquire(timeout=60)
         for each in threading.enumerate():
@@ -236,7 +236,7 @@ def test_starting_again_forgets_what_waits(site: Site) -> None:
 
 
 def left_and_opened(playback: Playback) -> Playback:
-    """The playback of the session that this one leaves, if it ends now."""
+    """The playback of this one's session, saved now."""
     record = playback.record
     return begin(record.lanes[record.shown].recipe, record)
 

@@ -126,7 +126,7 @@ def test_a_far_replay_waits_and_shows_what_was_learned(tmp_path: Path, wanted: l
     assert meanwhile.playback.interpreted
     assert meanwhile.timeline.current.here == FAR
     assert (meanwhile.results.greedy_return, meanwhile.counters.last_step) == (None, None)
-    assert meanwhile.exact_answer.solution is None  # it is worked out for the γ of step 0
+    assert meanwhile.exact_answer.solution is None  # computed for the γ of step 0
     assert all(loops == [Q_LEARNING] for loops in wanted)
     assert playback.table is None
     compile_here(Q_LEARNING)

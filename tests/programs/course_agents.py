@@ -209,7 +209,7 @@ UPDATES: Final = {
     "(reward + self.discount * best_next - self.q[state, action])",
     "function": "    q[s, a] += alpha * (r + gamma * best_next - q[s, a])",
 }
-"""The line that is missing in the skeleton of each style."""
+"""The missing line in the skeleton of each style."""
 
 
 def agent_in(folder: Path, text: str, name: str = "mine.py") -> Path:

@@ -22,7 +22,7 @@ class Held:
         self.process, self.log = process, ProgramLog()
 
     def until(self, is_so: Callable[[ProgramLog], bool]) -> ProgramLog:
-        """Take in what comes until it is so. Fails if that does not happen."""
+        """Read messages until the condition is true, or fail."""
         end = time.monotonic() + PATIENCE
         while not is_so(self.log):
             assert time.monotonic() < end, self.log
@@ -32,12 +32,12 @@ class Held:
         return self.log
 
     def go_to(self, steps: int) -> ProgramLog:
-        """Let it go on, and return the log when it waits at ``steps``."""
+        """Let it continue, and return the log when it waits at ``steps``."""
         self.process.allow(steps)
         return self.until(lambda log: log.waiting_at == steps and log.heard == self.process.asked)
 
     def stop_at(self, **conditions: Any) -> ProgramLog:
-        """Let it go until it meets one of the conditions."""
+        """Let it run until one of the conditions is met."""
         self.log.stopped_by = None
         self.process.ask({"stop": conditions})
         self.process.allow(NO_LIMIT)

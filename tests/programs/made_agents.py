@@ -108,7 +108,7 @@ class Made:
 
 
 def sent(recording: Recording) -> tuple[FloatArray, FloatArray]:
-    """Return the steps, [n, 8], and changes, [m, 4], of ``recording`` as they come through the pipe."""
+    """Return the steps, [n, 8], and changes, [m, 4], of ``recording`` in their pipe format."""
     steps, changes = recording.steps, recording.changes
     flags = steps.terminated * StepFlag.TERMINATED + steps.truncated * StepFlag.TRUNCATED
     rows = np.column_stack((*steps[:5], flags, steps.episode, steps.episode_step))

@@ -47,7 +47,7 @@ def recorded(
     greedy: float = 0.0,
     rewards: tuple[float, ...] = (-1.0, 0.0, 0.0, 1.0, 2.0),
 ) -> ProgramLog:
-    """Return what a program tells that learns by ``learner``, acts greedily so often, and else at random."""
+    """Return the messages of a program that learns by ``learner`` and acts greedily with a given chance."""
     rng = np.random.default_rng(seed)
     next_state = rng.integers(0, STATES, (STATES, ACTIONS, 2))
     reward = rng.choice(rewards, (STATES, ACTIONS, 2))

@@ -47,7 +47,7 @@ class Watcher:
         self.playback = playback
 
     def do(self, *commands: Command) -> Snapshot:
-        """Carry out ``commands`` to their ends, and return what is shown then."""
+        """Carry out ``commands`` to their ends, and return the snapshot."""
         self._rest()
         for command in commands:
             self.playback.handle(command)

@@ -19,7 +19,7 @@ from rl_tui.programs.watched.program_process import ProgramProcess, ProgramReque
 
 
 class Traced:
-    """Runs a script in which ``begin()`` begins to trace, and ``q`` is the table."""
+    """Runs a script: ``begin()`` starts the trace, and ``q`` is the table."""
 
     def __init__(self, folder: Path, text: str, changes: int = 1000) -> None:
         self.path = folder / "script.py"

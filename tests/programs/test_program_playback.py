@@ -25,7 +25,7 @@ pytestmark = pytest.mark.process
 
 
 def figures(snapshot: Snapshot) -> tuple[object, ...]:
-    """Return what a moment is known by, without what depends on how far the program has been."""
+    """Return the contents of a moment, without anything that depends on the program's progress."""
     counters, results, last = snapshot.counters, snapshot.results, snapshot.counters.last_step
     moved = None if last is None else (last.pair, last.next_state, last.reward)
     return (
@@ -378,7 +378,7 @@ def test_on_from_the_past_of_one_that_has_ended_is_its_last_moment(tmp_path: Pat
         for command in (commands.Step(), commands.Play(), commands.RunEpisode(), commands.Train(5)):
             past = watcher.do(commands.GoTo(step=last))
             assert past.timeline.in_past
-            # no episode ended there, so that the screen has to count the one under way, as the last step does
+            # no episode ended there: the screen counts the current one, like the last step
             assert past.playback.phase is Phase.PAUSED
             on = watcher.do(command)
             assert figures(on) == figures(ended)
@@ -447,7 +447,7 @@ class _Editor:
         self.watcher = Watcher(self.playback)
 
     def saved(self, text: str, words: str) -> None:
-        """Save ``text`` as editors do, under another name first, and wait until ``words`` are said of it."""
+        """Save ``text`` as editors do, under another name first, and wait until its finding has ``words``."""
         other = self.path.with_suffix(".new")
         other.write_text(text)
         self.path.unlink()
@@ -468,7 +468,7 @@ def test_what_is_saved_may_be_worse_shorter_or_broken(tmp_path: Path) -> None:
     try:
         editor.trained(1_200)
         episodes = playback.history.newest.episodes
-        editor.playback.handle(commands.GoTo(step=100))  # while the past is shown
+        editor.playback.handle(commands.GoTo(step=100))  # while the past is on screen
         editor.saved(LEARNS.replace("EPISODES", "300").replace("= 0.1,", "= 0.0,"), "from its seed")
         assert (playback.history.in_past, playback.history.newest.step) == (False, 0)
         editor.trained(5_000, f"worse than before after {episodes} episodes")

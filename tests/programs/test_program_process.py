@@ -214,7 +214,7 @@ def descriptors() -> list[str]:
 
 
 def children() -> list[str]:
-    """Return the processes that this one has started, ended ones too."""
+    """Return the child processes of this process, including ended ones."""
     ours = str(os.getpid())
     states = {folder.name: folder / "stat" for folder in Path("/proc").glob("[0-9]*")}
     return sorted(name for name, state in states.items() if parent_in(state) == ours)
@@ -223,5 +223,5 @@ def children() -> list[str]:
 def parent_in(state: Path) -> str:
     try:
         return state.read_text().rpartition(")")[2].split()[1]
-    except OSError:  # it has gone meanwhile
+    except OSError:  # it has ended meanwhile
         return ""

@@ -62,7 +62,7 @@ def expected_of(path: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder to run in, where all that the scripts import is at hand."""
+    """A folder with all imports of the scripts."""
     path = tmp_path_factory.mktemp("tutorials")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(path)
@@ -80,7 +80,7 @@ def tutorial(request: pytest.FixtureRequest, folder: Path) -> tuple[Path, Progra
 
 
 def printed(log: ProgramLog) -> tuple[int, int]:
-    """Return the episodes and steps that a script counted itself."""
+    """Return the episodes and steps that a script itself counted."""
     (found,) = [
         each for each in (re.match(r"episodes: (\d+), steps: (\d+)$", line) for line in lines_of(log)) if each
     ]
@@ -197,7 +197,7 @@ def graded(target: Path, scenario: str, *more: str) -> dict[str, Any]:
 
 
 def scenario_of(path: Path, log: ProgramLog, folder: Path) -> str:
-    """Return a scenario with the world of a script: one that is shipped, or a file written for it."""
+    """Return a scenario with the world of a script: a shipped one, or a file written for it."""
     shipped = expected_of(path).get("scenario")
     if shipped:
         return str(shipped)

@@ -330,7 +330,7 @@ def test_what_changes_at_the_end_of_an_episode_belongs_to_its_last_step(
 
 
 def _written(folder: Path) -> list[list[object]]:
-    """Return what a script itself wrote into the file whose name it was given."""
+    """Return the content of the file that a script itself wrote."""
     written: list[list[object]] = pickle.loads((folder / "log").read_bytes())
     return written
 

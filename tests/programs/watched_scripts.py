@@ -39,17 +39,17 @@ def script_in(folder: Path, text: str, name: str = "script.py") -> Path:
 
 
 def watched(path: Path, *arguments: str, **more: Any) -> ProgramLog:
-    """Return what the script told until it ended."""
+    """Return the messages of a script up to its end."""
     return watched_to_the_end(ProgramRequest(path, arguments, **more), seconds=PATIENCE)
 
 
 def lines_of(log: ProgramLog, stream: str = "out") -> list[str]:
-    """Return what the program wrote on a stream."""
+    """Return the lines of the program on a stream."""
     return [line.text for line in log.output if line.stream == stream]
 
 
 def lives(process: int) -> bool:
-    """Return whether a process is there, and no zombie."""
+    """Return whether a process exists and is not a zombie."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:

@@ -67,7 +67,7 @@ def test_what_is_changed_in_one_is_not_changed_in_the_other() -> None:
     own, other = playback.record.lanes
     assert own.branches[0] == before.branches[0]
     assert own.branches[1].journal == before.branches[1].journal
-    # step 701 was in the past of branch 1, so that the lane has forked there
+    # step 701 was in the past of branch 1, so that the run has branched there
     assert [branch.name for branch in other.branches] == ["branch 1", "branch 3"]
     names = [lane.name for lane in playback.snapshot().run_group.lanes]
     assert [name.partition(":")[0] for name in names] == ["branch 2", "branch 3"]

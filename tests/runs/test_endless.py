@@ -88,7 +88,7 @@ T = {{ kind = "floor", reward = {trap} }}
 
 
 def trap(trap: float = -10.0, step_reward: float = -0.04, epsilon: float = 0.1, more: str = "") -> Scenario:
-    """A goal that traps surround."""
+    """A goal surrounded by traps."""
     text = TRAP.format(trap=trap, step_reward=step_reward, epsilon=epsilon, more=more)
     return scenario_of(text, Path("trap.toml"))
 

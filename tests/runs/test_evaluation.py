@@ -18,7 +18,7 @@ STUDENT = begin(recipe("student")).world.space
 
 
 class Counted(GreedyReturn):
-    """Returns 0, 1, 2, ... instead, to be recognised by."""
+    """Returns 0, 1, 2, ... to identify each draw."""
 
     calls = 0
 

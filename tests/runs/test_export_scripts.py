@@ -34,7 +34,7 @@ WITH_MODEL = [
     if name not in ("blackjack", "blackjack-table", "cartpole", "mountain-car", ALIKE)
 ]
 LEARNERS = [each.id for each in BY_ID.values() if not each.planner and has_script(each)]
-# These draw nothing but for actions
+# These draw only for actions
 WITHOUT_DICE = [name for name in LEARNERS if name not in ("double-q-learning", "dyna-q")]
 VARIANTS: list[dict[str, object]] = [
     {},
@@ -195,7 +195,7 @@ def test_a_table_with_quoted_names_noise_and_several_starts(tmp_path: Path) -> N
     names = ran(script(recipe, 1), "# How good is it?")
     assert np.abs(q_of(names, mdp) - solve(mdp, 0.5).q).max() < 1e-6
     learned = ran(script(recipe_for(scenario, {"gamma": 0.5, "alpha": "sample-average"}), 4000))
-    # The mean of some 4,000 targets, the noise of a reward being below 2
+    # The mean of about 4,000 targets, with the reward's noise below 2
     assert np.abs(q_of(learned, mdp) - solve(mdp, 0.5).q).max() < 0.2
 
 
@@ -266,7 +266,7 @@ def test_a_bandit_finds_an_arm_that_pays(scenario: str, policy: str) -> None:
     names = ran(script(recipe, 2000))
     means = np.array(names["MEANS"])
     np.testing.assert_allclose(means, solve(table_of(recipe), 0.0).q, atol=1e-12)
-    # Far above the mean of all arms, which is what chance pays
+    # Far above the mean of all arms, the result of chance
     assert np.mean(names["returns"][-500:]) > (means.mean() + means.max()) / 2
 
 
@@ -280,7 +280,7 @@ TELLS_Q = "\nimport json\nprint(json.dumps([list(map(float, row)) for row in Q])
     [
         ("frozenlake", {}, 2000, 1.0),
         ("student", {"algorithm": "double-q-learning"}, 1500, 1.0),
-        ("maze", {"algorithm": "dyna-q"}, 50, 0.95**2),  # a way that is two steps too long counts as well
+        ("maze", {"algorithm": "dyna-q"}, 50, 0.95**2),  # a path with two extra steps counts too
     ],
 )
 def test_it_runs_by_itself_and_learns_the_best_policy(

@@ -98,7 +98,7 @@ def with_made_up_rule(monkeypatch: pytest.MonkeyPatch) -> Recipe:
 
 
 def make_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
-    """Put ``text`` beside a module ``made_up.rule``."""
+    """Write ``text`` next to a module ``made_up.rule``."""
     package = tmp_path / "made_up"
     package.mkdir()
     (package / "__init__.py").touch()

@@ -58,7 +58,7 @@ SETTINGS = st.one_of(
     st.builds(SetParameter, st.just("epsilon"), st.sampled_from([0.0, 0.3, 1.0])),
     st.builds(SetParameter, st.just("gamma"), st.sampled_from([0.0, 0.5, 0.95])),
     st.builds(SetParameter, st.just("ties"), st.sampled_from(["random", "first"])),
-    # each loop costs some seconds to compile: of the dearer ones only one that waits, and a planner
+    # each loop takes seconds to compile: of the expensive ones only one that waits, and a planner
     st.builds(SwitchAlgorithm, st.sampled_from(["q-learning", "sarsa", "n-step-sarsa", "value-iteration"])),
 )
 
@@ -152,11 +152,11 @@ def test_a_change_in_the_past_forks_and_one_can_go_back_to_either() -> None:
     branch = shown.timeline.current
     assert (branch.name, branch.parent, branch.fork, branch.end) == ("branch 2", 0, 400, 500)
     shown = do(playback, ChooseBranch(0))
-    assert (shown.counters.step, shown.timeline.current.end) == (500, 1000)  # the moment stays
+    assert (shown.counters.step, shown.timeline.current.end) == (500, 1000)  # the moment does not change
     do(playback, GoTo(1000))
     assert stand(playback.group.current.run) == first
     shown = do(playback, ChooseBranch(1))
-    assert shown.counters.step == 500  # it has come no further
+    assert shown.counters.step == 500  # it was no further at that time
     assert stand(playback.group.current.run) == second
     assert shown.agent.hyperparameters.alpha == 0.5
     shown = do(playback, GoTo(450), ChooseBranch(0), ChooseBranch(1))
@@ -297,7 +297,7 @@ def test_a_stepped_world_is_replayed_from_the_seed(scenario: str) -> None:
     playback.handle(GoTo(200))
     assert playback.phase is Phase.SEEKING
     assert "from the seed" in playback.snapshot().playback.message
-    assert playback.snapshot().counters.step == 600  # the old moment is shown until the new one is there
+    assert playback.snapshot().counters.step == 600  # the old moment is visible until the new one is ready
     while playback.on_the_way:
         playback.work()
     assert_true_to_the_record(playback)
@@ -348,7 +348,7 @@ def test_an_action_that_is_not_possible_is_refused() -> None:
     ids=["step", "back", "slider"],
 )
 def test_few_functions_run_from_a_command_to_its_snapshot(command: Command, most: int) -> None:
-    """Lower these numbers where the way becomes shorter."""
+    """Lower these numbers when the way becomes shorter."""
     playback = begin(recipe("frozenlake"))
     do(playback, *[Step()] * 20, command, command)  # one-time reads and builds do not count
     # nor do values computed for some steps only, such as the value of another policy

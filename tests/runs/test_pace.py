@@ -33,7 +33,7 @@ def test_the_rest_takes_as_long_as_what_is_done_has_taken(clock: Clock) -> None:
     pace.note(0.25)
     assert pace.seconds_left == pytest.approx(30.0)
     clock.now += 5.0
-    pace.note(0.5)  # 5 s a quarter: before the first result it may have compiled
+    pace.note(0.5)  # 5 s per quarter: the time before the first result may include compiling
     assert pace.seconds_left == pytest.approx(10.0)
     assert how_long(pace.seconds_left, is_held_up=False) == "about 10 s left"
     pace.note(1.0)

@@ -131,6 +131,6 @@ def test_what_is_written_is_read_as_it_was(tmp_path: Path) -> None:
 def test_what_a_person_drew_is_written_by_its_names() -> None:
     quit_, sleep = (STUDENT.action_names.index(name) for name in ("quit", "sleep"))
     drawn = DrawnPolicy(((1, quit_), (2, quit_), (3, sleep)))
-    assert drawn.pairs(STUDENT) == {1: 3}  # elsewhere that cannot be done
+    assert drawn.pairs(STUDENT) == {1: 3}  # not available elsewhere
     assert policy_document(STUDENT, drawn.pairs(STUDENT)) == {"Phone": "quit"}
     assert drawn.chances(STUDENT).tolist() == [0.5, 0.5, 0.0, 1.0, 1.0]

@@ -144,7 +144,7 @@ def test_every_episode_is_reported_once_and_in_order() -> None:
             zip(returns.tolist(), optimal.tolist(), strict=True)
         ),
     )
-    run.advance(episodes=20_000)  # more than the learner logs at a time
+    run.advance(episodes=20_000)  # more than the learner logs at once
     assert run.learner.episodes == run.step == len(episodes) == 20_000
     assert sum(total for total, _ in episodes) == pytest.approx(run.history.total_return)
     best = int(run.world.space.reward.argmax())

@@ -35,7 +35,7 @@ from rl_tui.runs.timeline.trail import MOST_STEPS, Trail, TrailRecorder
 
 
 def begin_at_once(made_from: Recipe) -> Playback:
-    """A playback for which nothing takes any time, so that it trains in large pieces and keeps no states."""
+    """A playback without delays, which trains in large chunks and keeps no states."""
     playback = Playback(made_from, speed=None, automatic=False, clock=lambda: 0.0, on_exact=lambda: None)
     while playback.on_the_way:
         playback.work()

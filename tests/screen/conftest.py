@@ -29,7 +29,7 @@ def _no_scenarios(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.Temp
 
 
 async def all_done(*_: float) -> None:
-    """Wait until what was typed or sent until now is done."""
+    """Wait until all earlier keys and commands are done."""
     for _turn in range(3):  # of the loop, until the app has the driver's messages
         await asyncio.sleep(0)
     app = active_app.get()
@@ -45,7 +45,7 @@ async def _reached(call: Callable[[Callable[[], None]], bool]) -> None:
 
 
 async def _arranged(pilot: Pilot[Any]) -> None:
-    """Wait until the screen has arranged its panels, they what is in them, and nothing asks for it again."""
+    """Wait until the screen and its panels are arranged, and no new arrangement is pending."""
     arranged = pilot.app.screen.screen_layout_refresh_signal
     layouts = 0
 
@@ -64,9 +64,9 @@ async def _arranged(pilot: Pilot[Any]) -> None:
 
 @pytest.fixture(autouse=True, scope="session")
 def _keys_are_done_when_they_are() -> Iterator[None]:
-    """Let a pilot wait for what its keys do, not until the process has seemed idle for a while.
+    """Let a pilot wait for the effects of its keys, not until the process seems idle.
 
-    That takes a twenty-fifth of a second for every key, and is too short where the machine is busy.
+    The wait for idleness takes 1/25 of a second per key, and is too short on a busy machine.
     """
     resize = Pilot.resize_terminal
 
@@ -85,7 +85,7 @@ def _keys_are_done_when_they_are() -> Iterator[None]:
 
 @pytest.fixture(autouse=True, scope="session")
 def _styles_parsed_once() -> Iterator[None]:
-    """Let all apps share the rules of their styles, which each would parse two or three times by itself."""
+    """Share the parsed style rules between apps. Each would parse them two or three times."""
     known: dict[Any, list[RuleSet]] = {}
     parse = Stylesheet._parse_rules
 

@@ -52,14 +52,14 @@ def side_by_side(count: int, shown: int = 0, **changes: Any) -> Snapshot:
 
 
 def paired(snapshot: Snapshot) -> Snapshot:
-    """``snapshot``, which has lanes, with the first one that is not shown beside it."""
+    """``snapshot``, which has several runs, with the first hidden one next to the visible one."""
     group = snapshot.run_group
     others = [number for number in range(len(group.lanes)) if number != group.shown]
     return replace(snapshot, run_group=replace(group, beside=next(iter(others), None)))
 
 
 def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:
-    """``snapshot`` with what is known of ``lane``."""
+    """``snapshot`` with the data of ``lane``."""
     return changed(
         snapshot,
         algorithm=lane.algorithm,

@@ -78,7 +78,7 @@ TIES = CodeFinding(
 
 
 def program(**changes: Any) -> ProgramView:
-    """A script whose update is known, with ``changes`` to its fields."""
+    """A script with a known update, and ``changes`` to its fields."""
     view = ProgramView(
         title="frozen_lake.py",
         environment="FrozenLake-v1",
@@ -101,7 +101,7 @@ def watched(view: ProgramView | None = None, step: int = 12_400, **changes: Any)
 
 
 def unknown(reason: str = "several cells moved in most steps", **changes: Any) -> Snapshot:
-    """A program whose update is not known: only the change of the cell is."""
+    """A program with an unknown update: only the change of the cell is known."""
     picture = watched(program(verdict=ProgramVerdict(update=UpdateFound(reason=reason))))
     last = picture.counters.last_step
     moved = last.after - last.before

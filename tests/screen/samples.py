@@ -40,7 +40,7 @@ def look(ascii: bool = False, depth: str = "truecolor", dark: bool = True) -> Lo
 
 
 def learned_from(last: LastStep, **terms: Any) -> LastStep:
-    """``last`` with other terms of its update, and the estimate and the bootstrap state that they lead to."""
+    """``last`` with other terms of its update, and the resulting estimate and bootstrap state."""
     other = replace(last, **terms)
     bootstraps = other.learned and not other.planned and not other.terminated
     other = replace(other, bootstrap_state=other.next_state if bootstraps else NOTHING)
@@ -48,7 +48,7 @@ def learned_from(last: LastStep, **terms: Any) -> LastStep:
 
 
 def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
-    """A scenario that is never built: the samples have their worlds already."""
+    """A scenario that is never built: the samples already have their worlds."""
     section: Any = SimpleNamespace(drawn_from_seed=kind == "bandit")
     return Scenario(
         id=id,
@@ -311,7 +311,7 @@ def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
 
 
 def spent() -> Snapshot:
-    """The bandit when its budget is used up."""
+    """The bandit with its budget spent."""
     return bandit(1_000)
 
 

@@ -39,7 +39,7 @@ def lake_study(**changes: Any) -> SeedStudy:
 
 
 def cliff_study(**changes: Any) -> SeedStudy:
-    """The two lanes of the cliff: Q-learning, and SARSA, which is shown."""
+    """The two runs of the cliff: Q-learning, and SARSA, the visible one."""
     q_learning = LaneStudy(
         {"return_last_100": Estimate(-47.1, 0.5, 64), "expected_return": Estimate(-13.0, 0.0, 60)},
         {"return_last_100": -43.0, "expected_return": -13.0},
@@ -55,7 +55,7 @@ def cliff_study(**changes: Any) -> SeedStudy:
 
 
 def bandit_study(**changes: Any) -> SeedStudy:
-    """The two lanes of a bandit: UCB, which is shown, and one that explores by ε."""
+    """The two runs of a bandit: UCB, the visible one, and one that explores by ε."""
     names = ("winnings", "regret", "best_arm_rate", "return_last_100", "expected_return")
     means = ((1402.0, 146.0, 0.79, 1.42, 1.51), (1303.0, 245.0, 0.72, 1.39, 1.44))
     errors = ((9.0, 2.0, 0.02, 0.02, 0.03), (11.0, 11.0, 0.02, 0.03, 0.04))

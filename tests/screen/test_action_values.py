@@ -53,7 +53,7 @@ def of_map(text: str, moves: str = "four", **legend: dict[str, Any]) -> Snapshot
 
 
 def learned() -> Snapshot:
-    """The agent in state 1 of the lake: the start is learned, of state 1 one action was never taken."""
+    """The agent in state 1 of the lake: the start is learned, and one action of state 1 is untried."""
     start = lake(step=0)
     values = {
         (0, LEFT): 0.94,

@@ -31,7 +31,7 @@ def stopping(snapshot: Snapshot, states: tuple[int, ...] = (), pairs: tuple[int,
 
 
 def pointing(view: WorldView, place: int, snapshot: Snapshot) -> WorldView:
-    """``view`` with the cursor of another panel on ``place``, drawn as its own is."""
+    """``view`` with the cursor of another panel on ``place``, drawn like its own."""
     view.snapshot = snapshot
     view.point_at(view.pairs_at(place))
     return view
@@ -44,7 +44,7 @@ def style_at(strip: Strip, column: int) -> Style:
 
 
 def marks(strips: list[Strip], style: Style) -> list[tuple[int, int, str]]:
-    """Row, column and character of all that is drawn in ``style``."""
+    """Row, column and character of every cell in ``style``."""
     found = []
     for row, strip in enumerate(strips):
         column = 0

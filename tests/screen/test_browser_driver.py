@@ -62,7 +62,7 @@ def test_it_ends_when_the_server_is_gone(way: str) -> None:
             process.stdout.read()
         else:
             process.stdout.close()
-            send(process, b"?")  # help: something to draw
+            send(process, b"?")  # help, to draw something
         said = process.stderr.read()
         assert (process.wait(DEADLINE), said) == (TOLD_TO_END, b"")
 
@@ -75,7 +75,7 @@ def send(process: subprocess.Popen[bytes], keys: bytes) -> None:
 @pytest.mark.process
 def test_it_says_that_it_was_left() -> None:
     with app("--no-mouse") as process:
-        send(process, b"?\x1bq")  # help, which is closed before it quits
+        send(process, b"?\x1bq")  # help, closed before it quits
         drawn = b""
         while b"exit" not in (last := packet(process)):
             drawn += last

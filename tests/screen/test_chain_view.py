@@ -23,7 +23,7 @@ from rl_tui.worlds.world import World
 
 
 def random_walk(**changes: object) -> Snapshot:
-    """The random walk of five states after some steps, with its exact answer shown."""
+    """The random walk of five states after some steps, with visible exact values."""
     run = Run(recipe_for(find("random-walk"), {}, 0), evaluate=False)
     assert run.world.mdp is not None
     answer = Answer(exact_solution(run.world.mdp, 1.0), "")

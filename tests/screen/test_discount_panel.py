@@ -44,7 +44,7 @@ def with_flips(shown: Snapshot, answer: FlipAnswer | None = None, **answers: Any
 
 @cache
 def discount() -> Snapshot:
-    """A world of fourteen flips, one of which turns the way."""
+    """A world of fourteen flips, one of which changes the optimal path."""
     return changed(student(), world=begin(recipe_named("discount")).world)
 
 
@@ -308,7 +308,7 @@ def test_keys_have_words_and_v_is_named_by_what_it_turns_to() -> None:
         assert all(": " in hint for hint in made.footing.split(" · ") if hint)
 
 
-# On the playground
+# In the playground
 
 
 async def test_it_follows_the_cursor_and_its_keys_choose_a_flip_and_go_beyond_it(make_app: MakeApp) -> None:

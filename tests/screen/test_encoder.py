@@ -75,7 +75,7 @@ class Screen:
                 if x < len(row):
                     row[x] = ("" if half else character, style)
                 x += 1
-        for at, cell in enumerate(row):  # halves of wide characters whose other half is gone
+        for at, cell in enumerate(row):  # halves of wide characters without their other half
             if cell and (cell[0] == "" and not self.is_wide(row, at - 1)):
                 row[at] = (" ", cell[1])
             if cell and self.is_wide(row, at) and (row[at + 1 : at + 2] or [None])[0] != ("", cell[1]):

@@ -18,7 +18,7 @@ _NUMBERED = re.compile(r"\b(?:ep|episode|sweep) +([\d,]*\d)")
 
 
 def numbers_of(pilot: Pilot[UserError]) -> set[str]:
-    """The numbers of episodes or sweeps in all that is drawn."""
+    """All numbers of episodes or sweeps on screen."""
     return set(_NUMBERED.findall(screen_text(pilot.app)))
 
 

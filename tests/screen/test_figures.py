@@ -37,7 +37,7 @@ SHOWN = (lake(), planning(), bandit(400))
 
 
 def figures_in(label: str) -> list[GlossaryTerm]:
-    """The figures that ``label`` names."""
+    """The figures named by ``label``."""
     ids = dict.fromkeys(term_at(label, column, UNICODE) for column in range(len(label)))
     terms = [glossary()[each] for each in ids if each is not None]
     return [term for term in terms if term.figure is not None]

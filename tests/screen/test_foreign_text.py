@@ -38,7 +38,7 @@ FILE = "[bold]x[/]"
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of the user's scenarios, with a sound one and a faulty one."""
+    """The folder of the user's scenarios, with a valid and a faulty one."""
     (tmp_path / f"{FILE}.toml".replace("/", "-")).write_text('title = "a\\u001b[31m"\n')
     texts = {"TITLE": TITLE, "SUMMARY": SUMMARY, "NOTES": NOTES}
     names = {"HERE": HERE, "THERE": THERE, "GO": GO, "STAY": STAY}

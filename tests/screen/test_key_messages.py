@@ -185,7 +185,7 @@ async def test_the_keys_of_a_dialog_answer_clicks_on_its_border_and_those_after_
     assert app.return_code == 0
 
 
-# Keys that come early, and places that are not there
+# Early keys, and places that do not exist
 
 
 async def test_keys_typed_before_there_is_a_world_go_to_the_dialog_they_open(

@@ -30,7 +30,7 @@ LESSON_KEYS = {"enter", "pagedown", "pageup", "h"}
 ACTING_LETTERS = set("sebBvfy")
 OF_ALL_LISTS = set("jkq?/")  # in a menu these move, close, show keys and find
 LONGEST_HELP = 125
-LONGEST_IN_MENU = 76  # characters: what a menu has room for
+LONGEST_IN_MENU = 76  # characters that fit in a menu
 PAIRS = {("b", "B")}
 
 

@@ -121,7 +121,7 @@ async def test_two_lanes_show_and_scroll_the_same_part_and_count_what_is_in_view
         for key in ("s", "l", "s"):
             await tap(pilot, key)
             assert left.stance == right.stance
-            check_complete(screen)  # both have what is around the agent of the one led
+            check_complete(screen)  # both show the surroundings of the controlled run's agent
         await train(pilot, 20_000)
         check_complete(screen)
         shown = newest(screen)

@@ -32,7 +32,7 @@ CAPTIONS = {row.id: row.caption for row in PANELS}
 
 
 def explained(panel: Panel, snapshot: Snapshot, width: int, height: int) -> Panel:
-    """``panel`` as if it had that size on a screen, with its legend."""
+    """``panel`` at this size on a screen, with its legend."""
     panel.__class__ = type("Sized", (type(panel),), {"size": Size(width, height)})
     panel.is_explained = True
     panel.show(snapshot)
@@ -141,7 +141,7 @@ def test_rewards_and_ties_have_signs_of_their_own() -> None:
 
 
 def test_a_kind_of_cell_in_which_something_can_be_done_has_no_sign() -> None:
-    shown = paying()  # its goal is left by a jump
+    shown = paying()  # a jump leads away from its goal
     assert "★ goal" not in legend(explained(GridView(shown.world, look()), shown, 60, 6))
 
 

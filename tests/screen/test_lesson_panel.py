@@ -340,7 +340,7 @@ def test_the_spotlight_names_the_key_of_a_panel_that_has_no_place() -> None:
 
 
 def long(page: str) -> Snapshot:
-    """The student with ``page`` open, whose text is far too long."""
+    """The student with ``page`` open and a far too long text."""
     taught = lesson_of(TEXT.replace("Study failed once.", "Word. " * 300), Path("sample.toml"))
     return replace(at(page), lesson=LessonView(begun(taught).open(page)))
 

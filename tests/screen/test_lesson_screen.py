@@ -261,7 +261,7 @@ async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kep
             assert await refusal(pilot, *keys) == PREDICT_FIRST, keys
         await train(pilot, 3)
         assert snapshot(pilot).counters.step == 0
-        await press(pilot, "pagedown")  # skips the page, but by a second press only
+        await press(pilot, "pagedown")  # skips the page, but only at a second press
         assert notes(pilot.app) == [NOT_DONE]
         assert record(pilot).page == "predict"
         await press(pilot, "pagedown")
@@ -316,7 +316,7 @@ async def test_a_question_is_answered_until_it_is_right(size: tuple[int, int]) -
         assert record(pilot).is_done("quiz")
         await press(pilot, "t", "p")
         assert playground(pilot).board.opened is not None
-        await press(pilot, "pageup")  # to a page that keeps this panel back
+        await press(pilot, "pageup")  # to a page that hides this panel
         assert playground(pilot).board.opened is None
         assert snapshot(pilot).answers.studied is None
 
@@ -512,6 +512,6 @@ async def test_every_panel_in_the_spotlight_is_marked_without_colours(
                 await press(pilot, "escape")
             lit = playground(pilot).board.panel(panel)
             edge = screen_text(app).splitlines()[lit.region.y][lit.region.x]
-            marks = ("▸", "┃") if not plain else (">", "|")  # before a heading, else beside the panel
+            marks = ("▸", "┃") if not plain else (">", "|")  # before a heading, otherwise next to the panel
             assert edge in marks, panel
             assert lit.has_class("-spotlit"), panel

@@ -49,7 +49,7 @@ ask = "How much?"
 answer = 12345
 """
 OTHER = 3.0625
-"""By how much all exact figures are other ones."""
+"""The offset of all exact numbers."""
 EXACT_FIGURES = ("value_at_start", "expected_return", "max_error", "regret", "best_arm_rate")
 
 
@@ -62,7 +62,7 @@ def moved(figure: float | None) -> float | None:
 
 
 def otherwise(snapshot: Snapshot) -> Snapshot:
-    """``snapshot`` with another exact answer: all that is worked out exactly is another figure."""
+    """``snapshot`` with other exact values, and other numbers computed from them."""
     solution = snapshot.exact_answer.solution
     assert solution is not None
     answer = replace(
@@ -95,7 +95,7 @@ def otherwise(snapshot: Snapshot) -> Snapshot:
 
 @cache
 def flips_of_the_student() -> FlipAnswer:
-    """Flips that are known, whatever world they are shown in."""
+    """Known flips, shown for any world."""
     mdp = begin(recipe_named("student")).world.mdp
     assert mdp is not None
     return worked_out(mdp)
@@ -182,7 +182,7 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
         screen = playground(pilot)
         screen.send(KeepLesson(begun(taught)))
         screen.send(HideAnswer(is_hidden=False))
-        await train(pilot, 1_000)  # that spends the budget of the bandit
+        await train(pilot, 1_000)  # the budget of the bandit is spent
         if size == (80, 24):
             await press(pilot, "escape")
         turn = ["w", "a"] if isinstance(snapshot(pilot).world.drawing, Grid) else []

@@ -27,7 +27,7 @@ from rl_tui.studies.many_seeds.figures import SeedStudy, StudyState
 
 
 def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """The list that all commands go to from here on, in place of the player."""
+    """Record all commands in this list; the player receives none."""
     sent = list[Command]()
     monkeypatch.setattr(playground(pilot).link, "send", sent.append)
     return sent

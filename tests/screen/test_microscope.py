@@ -24,7 +24,7 @@ NARROW, WIDE = 40, 118
 
 
 def with_episode(snapshot: Snapshot, rewards: list[float], **changes: Any) -> Snapshot:
-    """``snapshot`` at the end of an episode with these rewards, and with the history of the updated pair."""
+    """``snapshot`` at the end of an episode with these rewards, and with the updated pair's history."""
     gamma = snapshot.counters.last_step.gamma
     told: dict[str, Any] = {
         "rewards": np.array(rewards),

@@ -22,7 +22,7 @@ def board(pilot: Pilot[UserError]) -> Board:
 
 
 def lines(pilot: Pilot[UserError]) -> str:
-    """All that the microscope says, in however many rows."""
+    """All text of the microscope, in any number of rows."""
     widget = board(pilot).microscope
     rows = Microscope(widget.look)
     rows.pair = widget.pair
@@ -30,7 +30,7 @@ def lines(pilot: Pilot[UserError]) -> str:
 
 
 def top(pilot: Pilot[UserError]) -> str:
-    """The first row of it that is in view."""
+    """Its first visible row."""
     return board(pilot).microscope.render_line(0).text
 
 
@@ -169,7 +169,7 @@ async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
                 shown.counters.last_step.after,
             ]
         await press(pilot, "r", "r")
-        await settle(pilot)  # once it is drawn that there is no step, no cell is asked for
+        await settle(pilot)  # without a step it requests no cell
         assert snapshot(pilot).cell is None
         assert board(pilot).microscope.pair is None
         await press(pilot, "d")

@@ -63,7 +63,7 @@ def test_its_settings_are_those_of_its_row(curious: str) -> None:
     ]
     values = {setting.label or setting.action: setting.value for setting in settings_of(chosen_by(curious))}
     assert values["agent.choose_policy"] == "curious"
-    # Its row names no schedule, so the decay that was set for another policy moves nothing
+    # Its row names no schedule, so the decay set for another policy changes nothing
     assert not {"ties", "ε now"} & set(values)
 
 

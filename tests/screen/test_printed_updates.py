@@ -27,7 +27,7 @@ LAKE = lake()
 LAST = LAKE.counters.last_step
 assert LAST is not None
 
-# digits and a power of ten: sizes as learners meet them, and far beyond both ways
+# digits and a power of ten: typical sizes of learners, and far beyond in both directions
 SIZES = st.tuples(st.floats(1.0, 9.99), st.integers(-14, 11)).map(lambda pair: pair[0] * 10.0 ** pair[1])
 NUMBERS = st.one_of(
     st.sampled_from([0.0, 1.0, -1.0, 0.5, 20.0, -100.0]),
@@ -60,7 +60,8 @@ def contradictions(text: UpdateText, *, bootstraps: bool) -> list[str]:
     bootstrap = value(text.discount) * value(text.bootstrap) if bootstraps else 0.0
     error = gathered + bootstrap - before
     largest = max(map(abs, (before, gathered, bootstrap)))
-    # a 0 has no digits: it is as fine as the other results, of which six digits behind the first are known
+    # a 0 has no digits: its precision equals the other results', of which six digits after the first are
+    # known
     fine = [last_digit(each) for each in (text.target, text.after) if each != "0"]
     nothing = max([*fine, 2e-6 * largest])
     worked_out = (

@@ -64,7 +64,7 @@ WALK = """\
 
 @pytest.fixture
 def script(tmp_path: Path) -> Path:
-    """A script that learns as the book does."""
+    """A script that learns by the book."""
     path = tmp_path / "cliff.py"
     path.write_text(dedent(SCRIPT).format(end="* (not terminated)"), encoding="utf-8")
     return path
@@ -269,7 +269,7 @@ async def test_it_starts_again_and_it_ends(script: Path) -> None:
             await press(pilot, key)
             (said,) = notes(pilot.app)
             assert "r r starts it again" in said
-        assert "s step" in (await _keys_after(pilot, "b"))  # forward again through what was recorded
+        assert "s step" in (await _keys_after(pilot, "b"))  # forward again through the recording
         assert (await press(pilot, "s")).playback.phase is Phase.SPENT
         await press(pilot, "escape")
         assert "your program then ends" in notes(pilot.app)[0]

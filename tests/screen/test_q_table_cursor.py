@@ -48,7 +48,7 @@ class Bench(App[None]):
 
 
 class NarrowBench(Bench):
-    """No room for columns: the table is a list of pairs."""
+    """Too narrow for columns: the table is a list of pairs."""
 
     CSS = "QTable { width: 22; height: 19; border: round white; } Button { height: 3; }"
 

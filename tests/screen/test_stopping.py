@@ -23,7 +23,7 @@ ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
 
 
 def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Keep what is asked for here in a list, in place of the player."""
+    """Record the requests in a list; the player receives none."""
     asked: list[Command] = []
     player = playground(pilot).player
     send: Callable[[Command], None] = player.send
@@ -76,7 +76,7 @@ async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytes
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         asked = record(pilot, monkeypatch)
         board = playground(pilot).board
-        await press(pilot, "t", "b")  # nothing in focus: where the agent is
+        await press(pilot, "t", "b")  # nothing in focus: the agent's place
         board.table.focus()
         await press(pilot, "t", "b", "down", "right", "t", "b")
         assert notes(pilot.app) == ["breakpoint on 1,→: pauses each time it is taken"]
@@ -122,7 +122,7 @@ async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> 
         await press(pilot, "escape")
         assert world.shown_cursor is None
         assert table.cursor_pair is None
-        await press(pilot, "shift+tab", "escape")  # the first leaves the cursor, the second would the screen
+        await press(pilot, "shift+tab", "escape")  # a second escape would leave the screen
         assert world.cursor is None
         assert isinstance(pilot.app.screen, Playground)
         await click(pilot, world, offset=(1, 1))

@@ -53,7 +53,7 @@ def blackjack() -> Snapshot:
 
 
 def drawn(snapshot: Snapshot, size: tuple[int, int], *, plain: bool = False) -> tuple[GridView, list[str]]:
-    """The map as the board would have it on a screen of ``size``, and its rows."""
+    """The map as the board draws it on a screen of ``size``, and its rows."""
     place = arrange(Size(*size), Shape(snapshot.world.drawing, 290, 2))
     view = GridView(snapshot.world, look(plain))
     view.snapshot, view.cell = snapshot, place.cell

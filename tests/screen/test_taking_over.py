@@ -50,7 +50,7 @@ async def test_arrows_and_digits_act_whatever_is_in_focus(
             asked.clear()
             screen.set_focus(None if focused is None else screen.query_one(f"#{focused}"))
             await press(pilot, "y", "right", "down", "1", "4")
-            took = [Take(RIGHT), Take(DOWN), Take(UP), Take(LEFT)]  # digits count the actions as shown
+            took = [Take(RIGHT), Take(DOWN), Take(UP), Take(LEFT)]  # digits count the actions in screen order
             assert asked == took, focused
             assert board.table.cursor_pair is None, focused
             assert board.world.cursor is None, focused

@@ -35,7 +35,7 @@ def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[C
 
 
 def shows(pilot: Pilot[UserError], timeline: Timeline, **changes: object) -> Snapshot:
-    """Draw a moment made by hand that the player could have published just now."""
+    """Draw a hand-made moment that the player could have published just now."""
     made = changed(snapshot(pilot), timeline=timeline, step=timeline.current.here, **changes)
     screen = playground(pilot)
     show(screen, changed(made, handled=screen.wanted.sent))

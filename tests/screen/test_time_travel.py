@@ -29,7 +29,7 @@ def text_of(widget: Widget) -> str:
 
 
 def moment(pilot: Pilot[UserError]) -> Moment:
-    """Return what the panels say if they are made anew, so that no axis and no scrolling is left over."""
+    """Return the text of newly made panels, without any old axis or scrolling."""
     board, shown = playground(pilot).board, snapshot(pilot)
     assert board.world is not None
     if shown.world.new_environment is not None:
@@ -40,7 +40,7 @@ def moment(pilot: Pilot[UserError]) -> Moment:
         (board.curve, ReturnCurve(board.look)),
         (board.query_one(LastStepPanel), LastStepPanel(board.look)),
     )
-    # the axis of curve and timeline reaches as far as the branch does: then it came no further
+    # the axes of curve and timeline end with the branch, which was shorter then
     shown = replace(
         shown, timeline=Timeline((Branch("branch 1", end=shown.counters.step, here=shown.counters.step),))
     )
@@ -68,13 +68,13 @@ def bits(shown: Snapshot) -> tuple[str, str]:
 
 
 async def go(pilot: Pilot[UserError], text: str) -> Snapshot:
-    """Ask where to go, type ``text``, and wait until that moment is on screen."""
+    """Open the prompt for a moment, type ``text``, and wait until that moment is on screen."""
     await tap(pilot, "m", "g", *text, "enter")
     return snapshot(pilot)
 
 
 async def chosen(pilot: Pilot[UserError], planner: bool) -> None:
-    """Let a planner take over, if that is wanted."""
+    """Switch to a planner, if requested."""
     if planner:
         await switch(pilot, "value-iteration")
 

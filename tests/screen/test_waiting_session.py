@@ -51,7 +51,7 @@ def left_at(folder: Path, steps: int) -> StoredSession:
 
 
 async def says(pilot: Pilot[UserError], pattern: str) -> bool:
-    """Wait until that is drawn."""
+    """Wait until this text is drawn."""
     for _ in range(3_000):
         if re.search(pattern, screen_text(pilot.app)):
             return True

@@ -34,7 +34,7 @@ class Way:
         self.functions: set[tuple[str, str]] | None = None
 
     async def of(self, pilot: Pilot[Any], key: str) -> set[tuple[str, str]]:
-        """Press ``key``, and return what ran for it until it was drawn."""
+        """Press ``key``; return the functions that ran until it was drawn."""
         found, before = set[tuple[str, str]](), sys.getprofile()
         sys.setprofile(self.note)
         self.functions = found
@@ -75,7 +75,7 @@ async def test_few_functions_run_for_a_key(key: str, functions: int, files: int)
             await press(pilot, key, key)  # one-time reads and builds do not count
             ran = min(
                 [await way.of(pilot, key) for _ in range(3)], key=len
-            )  # a slow machine does more now and then
+            )  # a slow machine sometimes does more
     assert {"Playground.redraw", "Board.show", seen} <= {name for _, name in ran}
     assert len(ran) <= functions
     assert len({file for file, _ in ran}) <= files

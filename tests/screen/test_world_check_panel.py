@@ -43,7 +43,7 @@ def with_check(shown: Snapshot, report: WorldReport | None = None, **view: Any) 
 
 @cache
 def walk() -> Snapshot:
-    """A world in which each policy ends, so that nothing is tried."""
+    """A world in which each policy ends, which needs no trials."""
     return changed(student(), world=begin(recipe_named("random-walk")).world)
 
 

@@ -76,7 +76,7 @@ def requested(made_from: Recipe, *before: Command, most: int = 8) -> StudyReques
 
 
 def reports(made_from: Recipe, *before: Command, most: int = 8) -> list[SeedStudy]:
-    """All that a study tells, worked out here."""
+    """All reports of a study, computed in this process."""
     return list(Study(requested(made_from, *before, most=most)).reports())
 
 
@@ -92,7 +92,7 @@ def assert_equal_to_runs(lane: LaneStudy, document: dict[str, Any]) -> None:
     assert lane.curve.stderr.tolist() == document["curve"]["return_stderr"]
 
 
-# As train --runs
+# Equal to train --runs
 
 
 @pytest.mark.parametrize(
@@ -244,7 +244,7 @@ def test_seeds_that_take_too_many_steps_are_ended_by_steps(monkeypatch: pytest.M
 
 @pytest.mark.parametrize(("ticks", "seeds"), [(3, 0), (32, 6), (110, 16)])
 def test_it_ends_when_its_time_is_up(ticks: int, seeds: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(study, "BATCHED_BELOW", 0)  # else it asks for the time once for many seeds
+    monkeypatch.setattr(study, "BATCHED_BELOW", 0)  # otherwise one clock serves many seeds
     now, slow = count(), study.MOST_SECONDS / ticks
     made_from = recipe("student")
     told = list(Study(requested(made_from, Train(300), most=64), lambda: next(now) * slow).reports())
@@ -358,11 +358,11 @@ def test_what_an_environment_prints_goes_nowhere_and_its_failure_is_told(
     assert capfd.readouterr() == ("", "")
 
 
-# Of which runs it tells
+# The runs it covers
 
 
 class ToldAtOnce:
-    """A process that has told all it has to tell when it is started."""
+    """A process that has sent all its messages at its start."""
 
     failed = how_long = ""
 
@@ -409,7 +409,7 @@ def until(holds: Callable[[], bool]) -> None:
 
 
 def long_study() -> Playback:
-    """A playback that goes on while a study of some minutes is worked out."""
+    """A playback that continues during a study of some minutes."""
     made_from = recipe("student", algorithm="dyna-q")
     playback = Playback(made_from, speed=None, automatic=True, clock=time.perf_counter, on_exact=lambda: None)
     while playback.on_the_way:
@@ -419,7 +419,7 @@ def long_study() -> Playback:
 
 
 def is_gone(process: subprocess.Popen[bytes]) -> bool:
-    return process.returncode is not None  # its thread has seen to it
+    return process.returncode is not None  # its thread has handled it
 
 
 @pytest.mark.parametrize(

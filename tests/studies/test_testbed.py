@@ -38,12 +38,12 @@ def _document(runs: int, scenario: str, pulls: int, values: tuple[tuple[str, Any
 
 
 def column(document: dict[str, Any], name: str) -> FloatArray:
-    """One figure of all runs, in the order of the seeds."""
+    """One number of all runs, in the order of the seeds."""
     return np.array([row[name] for row in document["runs"]])
 
 
 def margin(better: FloatArray, worse: FloatArray) -> float:
-    """By how many standard errors the paired differences lie above 0."""
+    """The mean of the paired differences, in standard errors above 0."""
     difference = better - worse
     return float(difference.mean() / (difference.std(ddof=1) / np.sqrt(len(difference))))
 

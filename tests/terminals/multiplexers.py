@@ -33,7 +33,7 @@ maptimeout 0
 altscreen on
 autodetach off
 """
-_SHORT: Final = "/tmp"  # a folder for tests may have a longer name than the 107 bytes of the path of a socket
+_SHORT: Final = "/tmp"  # a folder for tests may be longer than a socket's path, at most 107 bytes
 _LOOK_AGAIN: Final = 0.05  # seconds
 
 
@@ -77,11 +77,9 @@ class Tmux:
         ).strip()
 
     def press(self, keys: str) -> None:
-        """Type ``keys``."""
         self._do("send-keys", "-l", keys)
 
     def resize(self, columns: int, rows: int) -> None:
-        """Make the window another size."""
         self._do("resize-window", "-x", str(columns), "-y", str(rows))
 
     def wait_for(self, pattern: str, seconds: float = DEADLINE) -> None:
@@ -93,7 +91,7 @@ class Tmux:
             time.sleep(_LOOK_AGAIN)
 
     def close(self) -> None:
-        """End the server and all in it."""
+        """End the server and everything in it."""
         self._do("kill-server")
 
     def _do(self, *what: str) -> str:
@@ -108,7 +106,7 @@ class Tmux:
 def in_tmux(
     command: Sequence[str], size: tuple[int, int], environment: Mapping[str, str | None] | None = None
 ) -> Iterator[Tmux]:
-    """Run ``command`` in a tmux of its own."""
+    """Run ``command`` in its own tmux."""
     if shutil.which("tmux") is None:
         pytest.skip("needs tmux: apt-get install tmux")
     with TemporaryDirectory(prefix="rl-tui-", dir=_SHORT) as folder:

@@ -20,7 +20,7 @@ _PRIVILEGE_SEPARATION: Final = Path("/run/sshd")  # a server that runs as root i
 
 
 def why_not() -> str:
-    """Return what is missing for a server, empty if nothing is."""
+    """Return what is missing for a server; empty if nothing is missing."""
     if _server() is None or shutil.which("ssh") is None:
         return "needs sshd and ssh: apt-get install openssh-server openssh-client"
     if os.getuid() == 0 and not _PRIVILEGE_SEPARATION.is_dir():
@@ -34,7 +34,7 @@ def why_not() -> str:
 
 
 def _terminals_have_their_group() -> bool:
-    """Tell whether a new terminal is as sshd wants it, which only root could change."""
+    """Return whether a new terminal has the group that sshd needs, which only root could change."""
     ours, theirs = os.openpty()
     try:
         group = os.fstat(theirs).st_gid
@@ -92,7 +92,7 @@ class SshServer:
         self._process.wait(DEADLINE)
 
     def _start(self, deadline: float) -> bool:
-        """Start it on a port that is free now, and wait until it listens there or has ended."""
+        """Start it on a free port, and wait until it listens there or has ended."""
         with socket.socket() as chosen:
             chosen.bind(("127.0.0.1", 0))
             self.port = chosen.getsockname()[1]
@@ -119,7 +119,7 @@ class SshServer:
         return ["ssh", *self._settings, "-p", str(self.port), *options, f"{getpass.getuser()}@127.0.0.1"]
 
     def transfer(self, program: str, *options: str) -> list[str]:
-        """Return the command with which ``program`` (sftp, scp) logs in, without any file."""
+        """Return the login command of ``program`` (sftp, scp), without any file."""
         return [program, *self._settings, "-P", str(self.port), *options]
 
     @property

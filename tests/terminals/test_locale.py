@@ -18,7 +18,7 @@ from rl_tui.screen.theme.glyphs import encoding_of
         ({"LC_ALL": "C.UTF-8", "LANG": "C"}, False, "UTF-8"),
         ({"LANG": "de_DE.ISO-8859-15@euro"}, False, "ISO-8859-15"),
         ({"LANG": "en_GB"}, False, "latin-1"),
-        ({"LC_CTYPE": "C.UTF-8"}, True, "latin-1"),  # nothing was said of it
+        ({"LC_CTYPE": "C.UTF-8"}, True, "latin-1"),  # without any setting
         ({}, False, "latin-1"),
     ],
 )

@@ -36,7 +36,7 @@ def test_no_key_is_lost_while_a_dialog_or_a_screen_opens() -> None:
         terminal.wait_for(r"Bernoulli bandit  .* paused")
         terminal.press("w[w[")
         terminal.wait_for(r"FrozenLake 4×4 slippery  .* paused")
-        terminal.press("rsq\x7f7\r")  # q is typed into the line, not the end of the program
+        terminal.press("rsq\x7f7\r")  # q goes into the prompt and does not quit
         terminal.wait_for("seed 7")
         terminal.press("?\x1b[200~\x1brs\x1b[201~\x1bq")  # pasted text is not a key
         assert terminal.wait_for_end() == 0

@@ -31,7 +31,7 @@ BUILT_IN = {
 
 
 class GridModel:
-    """A map, ``lines``, with its ``legend`` and the other keys of a [grid] table as ``rules``."""
+    """A map of ``lines`` with its ``legend``, and the other keys of a [grid] table as ``rules``."""
 
     def __init__(self, lines, legend=None, **rules):
         self.lines, self.rules = lines, rules

@@ -23,7 +23,7 @@ RULES = [{}, {"sab": False, "natural": True}, {"sab": False, "natural": False}]
 
 @pytest.fixture(autouse=True)
 def quick_cards(monkeypatch):
-    """Draw from the same deck, a dozen times as fast as numpy chooses from a list."""
+    """Draw from the same deck, twelve times faster than numpy's choice from a list."""
     assert game.deck == [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10]
     monkeypatch.setattr(game, "draw_card", lambda generator: game.deck[int(generator.integers(13))])
 
@@ -150,7 +150,7 @@ def test_the_optimal_policy_is_that_of_figure_5_2():
 
 @pytest.mark.parametrize(("kwargs", "value"), zip(RULES, [-0.043113, -0.025729, -0.046556], strict=True))
 def test_what_a_game_is_worth(kwargs, value):
-    """Our own figure to six digits, and nothing that 2,000 games of the optimal policy contradict."""
+    """Our own number to six digits, consistent with 2,000 games of the optimal policy."""
     mdp = table(**kwargs)
     solution = solve(mdp, 1.0)
     assert solution.value_at_start == pytest.approx(value, abs=1e-6)

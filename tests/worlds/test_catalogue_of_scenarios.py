@@ -15,7 +15,7 @@ from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.scenario import read_scenario
 from rl_tui.worlds.files.shipped import shipped_folder
 
-# In which order lessons build on one another
+# The order in which lessons build on one another
 LESSONS = [
     *("frozenlake", "student", "frozenlake-slippery", "bandit", "random-walk", "cliff", "windy", "max-bias"),
     *("maze", "book", "karpathy", "bridge", "discount", "taxi", "blackjack", "cartpole", "mountain-car"),

@@ -206,7 +206,7 @@ def test_a_world_without_a_table_tells_which_actions_are_legal(tmp_path):
     assert "prob" not in found[0]
     pot = next(seed for seed in range(10) if environment.reset(seed=seed)[0] == 3)
     environment.reset(seed=pot)
-    assert environment.step(2)[:2] == (3, -1.0)  # not legal: it waits
+    assert environment.step(2)[:2] == (3, -1.0)  # unavailable: it waits
 
 
 def test_the_table_is_made_once():

@@ -56,14 +56,14 @@ class Scripted(gymnasium.Env[Any, Any]):
 
 
 class UnwritableError(Exception):
-    """An exception, or an observation, of which no text can be made."""
+    """An exception, or an observation, that cannot be converted to text."""
 
     def __str__(self):
         raise RuntimeError("no text")
 
 
 class Printing(Scripted):
-    """Says on stdout whatever happens to it."""
+    """Prints every call on stdout."""
 
     def __init__(self, **kwargs):
         super().__init__(answer=(0, 0.0, True, False, {}), **kwargs)

@@ -168,7 +168,7 @@ def test_the_documentation_has_the_numbers_that_are_measured(name: str) -> None:
 
 
 def rounded(value: float | None, like: str) -> str:
-    """``value`` with as many decimals as the text ``like`` has."""
+    """``value`` with the number of decimals in ``like``."""
     assert value is not None
     return f"{value:,.{len(like.partition('.')[2])}f}".replace("-", "−")
 

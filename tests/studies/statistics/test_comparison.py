@@ -58,8 +58,8 @@ def test_it_is_as_paired_tests_one_after_the_other(seed: int, missing: float) ->
 @pytest.mark.parametrize("sweep", ["20 normal", "20 mostly learned", "20 of 0 or 1, evenly"])
 def test_equal_cells_are_called_different_in_five_percent_at_most(sweep: str) -> None:
     trials = 600
-    # Were the truth 5 %, more than this would come once in a thousand times. Without the correction for the
-    # choice of the best it is a third of all
+    # If the truth were 5 %, a larger share would occur once in a thousand times. Without the correction for
+    # the choice of the best it is a third
     assert errors(sweep, 30, trials) * trials <= scipy.stats.binom.ppf(0.999, trials, ERROR)
 
 

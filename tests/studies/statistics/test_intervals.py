@@ -42,12 +42,12 @@ def drawn(runs: int, seed: int = 3) -> np.ndarray:
 
 
 def reach(runs: int) -> float:
-    """The confidence that makes up for the narrowness of ``runs`` values."""
+    """The confidence that corrects the narrowness of intervals of ``runs`` values."""
     quantile = scipy.stats.t.ppf(0.5 + CONFIDENCE / 2, runs - 1) * math.sqrt(runs / (runs - 1))
     return float(scipy.stats.norm.cdf(quantile) - scipy.stats.norm.cdf(-quantile))
 
 
-@pytest.mark.parametrize("runs", [16, 30, MOST_RESAMPLED])  # many enough that no resample is the sample
+@pytest.mark.parametrize("runs", [16, 30, MOST_RESAMPLED])  # enough that no resample equals the sample
 def test_it_is_the_bca_interval_of_scipy_over_the_sameresamples(runs: int) -> None:
     values = drawn(runs)
     means = values[resamples(runs, 5)].mean(axis=0)
@@ -181,7 +181,7 @@ def test_the_order_of_runs_makes_no_difference_to_a_bit(values: list[float], ran
 @given(values=MANY)
 def test_asked_again_after_others_it_gives_the_same_bits(values: list[float]) -> None:
     before = summary_of(values)
-    for runs in range(FEWEST_RUNS, FEWEST_RUNS + 20):  # more than are kept
+    for runs in range(FEWEST_RUNS, FEWEST_RUNS + 20):  # more than the limit
         summary_of(drawn(runs))
     assert summary_of(values) == before
 

@@ -94,7 +94,7 @@ def test_versions_are_in_the_key(name: str, monkeypatch: pytest.MonkeyPatch) -> 
             ("algorithm=sarsa-lambda", "lambda=0", "traces=replacing"),
             ("algorithm=sarsa-lambda", "lambda=0", "traces=accumulating"),
         ),
-        # two ways of saying the same
+        # two spellings of the same value
         (("alpha=sample-average",), ("step_size_schedule=sample-average",)),
         (("alpha=sample-average", "alpha_decay=1"), ("alpha=sample-average", "alpha_decay=2")),
         (("initial_q=0",), ("initial_q=-0.0",)),

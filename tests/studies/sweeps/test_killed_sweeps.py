@@ -18,7 +18,7 @@ from rl_tui.studies.sweeps.store import Store
 @pytest.mark.process
 def test_a_kill_loses_what_runs_and_a_quarter_second_at_most() -> None:
     lost = []
-    for _ in range(3):  # a machine that does other things may stand still for a while, but not every time
+    for _ in range(3):  # a busy machine may pause for a while, but not every time
         done = list(kills(4, seed=3, cells=60))
         assert sum(each.kept for each in done) > 0
         lost.append(max(each.lost for each in done))
@@ -54,7 +54,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path: Path) -> None:
 
 
 def rows_in(path: Path) -> int:
-    """Return how many rows are committed in the store at ``path``, which may not be there yet."""
+    """Return the number of committed rows in the store at ``path``, which may not exist yet."""
     try:
         with Store.to_read(path) as store:
             return store.count()

@@ -93,7 +93,7 @@ def test_a_run_of_a_batch_that_breaks_down_says_why() -> None:
 @pytest.mark.parametrize("scenario", ["frozenlake", "windy", "maze"])
 @pytest.mark.parametrize("seed", range(3))
 def test_arrival_is_the_first_mark_within_5_percent(scenario: str, seed: int) -> None:
-    """Looked at after every episode, as plainly as can be."""
+    """Checked after every episode, in the plainest way."""
     cell = cell_of(scenario, "algorithm=q-learning", episodes=150)
     run = Run(cell.recipe, begin(cell.recipe), evaluate=False)
     mdp = run.world.mdp

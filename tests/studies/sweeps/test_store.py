@@ -90,7 +90,7 @@ def test_commits_are_a_while_apart(path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> list[sqlite3.Connection]:
-    """Every connection that a store opens."""
+    """All connections that a store opens."""
     connections, connect = list[sqlite3.Connection](), sqlite3.connect
 
     def noted(*args: Any, **kwargs: Any) -> sqlite3.Connection:

@@ -29,7 +29,7 @@ def steps_of(algorithm: str) -> tuple[int, ...]:
 
 
 def winnings_of(policy: str) -> tuple[int, ...]:
-    """Return what each seed wins by 200 pulls of arms that pay 1 or 0."""
+    """Return each seed's wins in 200 pulls of arms that pay 1 or 0."""
     cell = cell_of("bandit-bernoulli", f"policy={policy}", episodes=200)
     return tuple(round(200 * float(row.figures["area"] or 0)) for row in run_rows(cell, SEEDS))
 
