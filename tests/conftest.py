@@ -165,7 +165,7 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def _is_of_its_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Keep slow operations out of unit tests."""
+    """Refuse slow operations in unit tests."""
 
     def refused(*_: object, **__: object) -> NoReturn:
         raise AssertionError("a unit test starts no app and no process: mark it as screen or process")
@@ -179,7 +179,7 @@ def _is_of_its_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPa
 
 @pytest.fixture(autouse=True)
 def _what_is_loaded_stays_frozen(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Keep loaded objects out of players' garbage collections, which would take a second each."""
+    """Turn off players' garbage collections: with all loaded modules they take a second each."""
     if "real_collections" not in request.fixturenames:
         nothing = SimpleNamespace(unfreeze=bool, collect=bool, freeze=bool)
         monkeypatch.setattr(interpreter, "gc", nothing)

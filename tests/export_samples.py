@@ -41,7 +41,7 @@ def script_of(scenario: str, episodes: int = 100, **overrides: object) -> str:
 
 
 def ran(text: str, until: str = "\nprint(") -> dict[str, Any]:
-    """Run a script up to its printing; return the values of its names."""
+    """Run a script up to its printing and return the values of its names."""
     names: dict[str, Any] = {"__name__": "script"}
     exec(compile(text.split(until)[0], "script", "exec"), names)
     return names

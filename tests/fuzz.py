@@ -59,7 +59,7 @@ def fuzz(
 
 
 def _child(figures: Figures, kind: str, seed: int, first: int, count: int, screens: int, quick: bool) -> int:
-    """Let a process try ``count`` inputs; return the number of the first it did not reach."""
+    """Let a process try ``count`` inputs and return the number of the first it did not reach."""
     arguments = [kind, *map(str, (seed, first, count, screens)), *(["quick"] if quick else [])]
     with tempfile.TemporaryDirectory() as home, tempfile.TemporaryFile() as stderr:
         places = dict.fromkeys(("XDG_CONFIG_HOME", "XDG_DATA_HOME", "RL_TUI_SESSIONS_DIR"), home)

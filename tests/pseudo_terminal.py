@@ -122,7 +122,7 @@ class PseudoTerminal:
                 raise AssertionError(f"{what!r} did not appear; what stands there:\n{self.screen}")
 
     def wait_for_end(self, seconds: float = DEADLINE) -> int:
-        """Read until the program ends; return its exit status."""
+        """Read until the program ends and return its exit status."""
         deadline = time.perf_counter() + seconds
         while self.read_more(deadline):
             pass
@@ -130,7 +130,7 @@ class PseudoTerminal:
         return self.process.returncode
 
     def reading(self, seconds: float) -> Iterator[tuple[float, str]]:
-        """Read for ``seconds``; yield the moment and the screen after every whole frame."""
+        """Read for ``seconds`` and yield the moment and the screen after every whole frame."""
         deadline = time.perf_counter() + seconds
         while self.read_more(deadline):
             if self.emulator.is_whole:

@@ -89,19 +89,19 @@ async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
 
 
 async def tap(pilot: Pilot[Any], *keys: str) -> None:
-    """Press ``keys`` without a wait between them; return once their effects are drawn."""
+    """Press ``keys`` without a wait between them and return once their effects are drawn."""
     await pilot.press(*keys)
     await settle(pilot)
 
 
 async def click(pilot: Pilot[Any], *where: Any, **offset: Any) -> None:
-    """Click as the pilot does; return once the effect is drawn."""
+    """Click as the pilot does and return once the effect is drawn."""
     await pilot.click(*where, **offset)
     await settle(pilot)
 
 
 async def order(pilot: Pilot[Any], command: Command) -> None:
-    """Send ``command`` to the run; return once its effect is drawn."""
+    """Send ``command`` to the run and return once its effect is drawn."""
     playground(pilot).send(command)
     await settle(pilot)
 
@@ -122,7 +122,7 @@ async def switch(pilot: Pilot[UserError], algorithm: str) -> None:
 
 
 async def train(pilot: Pilot[UserError], steps: int) -> Snapshot:
-    """Take ``steps`` steps; return the playground's snapshot."""
+    """Take ``steps`` steps and return the playground's snapshot."""
     playground(pilot).send(Train(steps))
     await settle(pilot)
     return snapshot(pilot)

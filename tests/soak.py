@@ -156,7 +156,7 @@ class Program:
         os.write(self._ours, keys.encode())
 
     def quit(self) -> int:
-        """Type the keys to quit; return the exit status."""
+        """Type the keys to quit and return the exit status."""
         if not self.ended:
             self.press("qq")
         return self._process.wait(START)
@@ -271,7 +271,7 @@ def run_on(program: Program) -> None:
 
 
 def minute(program: Program, folder: Path, number: int) -> Minute:
-    """Let a minute pass, mostly undisturbed, then press keys; return the measures."""
+    """Let a minute pass, mostly undisturbed, press keys, and return the measures."""
     deadline = time.perf_counter() + MINUTE
     undisturbed = MINUTE / 2
     begun, frames, written, worked = (
@@ -312,7 +312,7 @@ def minute(program: Program, folder: Path, number: int) -> Minute:
 
 
 def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
-    """Compare ``last`` with ``first``; return the text, and whether it is flat."""
+    """Compare ``last`` with ``first`` and return the text, and whether it is flat."""
     memory, frame = last.memory / first.memory, last.frame / first.frame
     is_flat = memory <= MOST_GROWTH and frame <= MOST_GROWTH and last.threads <= first.threads + 2
     words = (
@@ -324,7 +324,7 @@ def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
 
 
 def untouched(minutes: int) -> int:
-    """Print the memory of each minute; return 1 if it does not become constant."""
+    """Print the memory of each minute and return 1 if it does not become constant."""
     with tempfile.TemporaryDirectory() as name, Program(Path(name), UNTOUCHED) as program:
         program.wait_until(lambda: program.frames > 0, START)
         program.wait_for_quiet()
@@ -354,7 +354,7 @@ def untouched(minutes: int) -> int:
 
 
 def main() -> int:
-    """Print the measures; return 1 if they are not flat or the program broke down."""
+    """Print the measures and return 1 if they are not flat or the program broke down."""
     numbers = [argument for argument in sys.argv[1:] if argument.isdecimal()]
     minutes = int(numbers[0]) if numbers else 60
     if "--untouched" in sys.argv:

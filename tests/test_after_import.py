@@ -1,4 +1,4 @@
-"""Actions after the import of somebody else's module; the import itself stays the same."""
+"""Hooks that run after the import of a foreign module. The import itself stays the same."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The terminal emulator of the tests, where pyte alone would be wrong."""
+"""The terminal emulator of the tests, in cases that plain pyte gets wrong."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def learner(mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int = 0) ->
 
 
 def pulls(ours: Learner, steps: int) -> list[tuple[int, float]]:
-    """Take this many steps one by one; return each step's arm and reward."""
+    """Take this many steps one by one and return each step's arm and reward."""
     taken = []
     for _ in range(steps):
         ours.advance(1)

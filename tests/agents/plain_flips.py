@@ -107,8 +107,9 @@ def values(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) -> dict[i
 
 
 def disagreements(mdp: TabularMDP, flips: tuple[Flip, ...], parts: int) -> Iterator[str]:
-    """Yield the points where the optimal sets contradict ``flips``: on a grid of γ and three between two
-    flips.
+    """Yield contradictions between the optimal sets and ``flips``.
+
+    It checks a grid of γ, and three points between two flips.
     """
     world = plain_world(mdp)
     policy = {state: pairs[0] for state, pairs in world.pairs.items()}

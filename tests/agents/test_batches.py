@@ -127,7 +127,7 @@ def trained(batch: RunBatch, budget: int) -> RunBatch:
 def alone(
     mdp: TabularMDP, seed: int, algorithm: str, values: Hyperparameters, steps: int, episodes: int
 ) -> tuple[Learner, list[Any], Stop]:
-    """Return a learner after the single run of a batch's member, its episodes, and its stop reason."""
+    """Return the learner of a single run, to compare with a batch, with its episodes and stop reason."""
     learner = Learner(mdp, algorithm, values, streams(seed))
     stop = learner.advance(steps, episodes)
     return learner, list(learner.drain_episodes()), stop

@@ -94,7 +94,7 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
 
 
 class Asked(NamedTuple):
-    """A compiler with a pending request to its worker, and a function that lets the worker answer."""
+    """A compiler with a pending request to its worker, and the event that lets the worker answer."""
 
     compiler: BackgroundCompiler
     may_end: threading.Event

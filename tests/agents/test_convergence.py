@@ -44,7 +44,7 @@ def error_after(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameter
 
 
 def exploration_matters(mdp: TabularMDP) -> float:
-    """Return the distance of a random policy's values from Q*, to make errors comparable."""
+    """Return the distance of a random policy's values from the optimal ones, as a scale for errors."""
     v = evaluate(mdp, np.full(mdp.pairs, 1 / 3), GAMMA).v
     return float(np.abs(v - solve(mdp, GAMMA).v).max())
 

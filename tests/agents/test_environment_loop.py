@@ -85,7 +85,7 @@ def facts(learner: Learner) -> list[Any]:
 
 
 def go(learner: Learner, steps: int) -> list[list[float]]:
-    """Take this many steps; return the returns and lengths of the episodes that ended."""
+    """Take this many steps and return the returns and lengths of the episodes that ended."""
     done, ended = learner.step + steps, [[0.0, 0.0]]
     while learner.step < done:
         learner.advance(done - learner.step)

@@ -59,7 +59,7 @@ def times(one: Polynomial, other: Polynomial) -> Polynomial:
 
 
 def square_root(of: int, scale: int) -> RealRoot:
-    """Return a root of scale² · x² − this polynomial, found as a root between 0 and 1."""
+    """Return √``of`` / ``scale``, the root of scale² · x² − of between 0 and 1."""
     root = first_change((-of, 0, scale**2), ZERO, ONE)
     assert root
     return root

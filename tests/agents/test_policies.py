@@ -184,7 +184,7 @@ def test_softmax_of_equals_is_a_fair_draw() -> None:
 def plain_ucb(
     means: list[float], confidence: float, ties: str, seed: int, steps: int
 ) -> list[tuple[int, float]]:
-    """Run equation 2.10 with sample averages; return the arm and reward of each of ``steps`` pulls."""
+    """Run equation 2.10 with sample averages and return the arm and reward of each of ``steps`` pulls."""
     world, mine = streams(seed)
     sums, counts, taken = [0.0] * len(means), [0] * len(means), []
     estimates = [0.0] * len(means)

@@ -35,7 +35,7 @@ watchings = st.builds(
 
 
 def known(watching: Watching, ours: Learner) -> Watching:
-    """Remove the events that this world does not have."""
+    """Remove the states and pairs that this world does not have."""
     space = ours.space
     return Watching(
         watching.reward,

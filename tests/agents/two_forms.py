@@ -72,7 +72,7 @@ def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Ite
 
 
 def advance(ours: Learner, steps: int, *, is_interpreted: bool) -> int:
-    """Let a learner advance in the given form; return the reason for its stop."""
+    """Let a learner advance in the given form and return the reason for its stop."""
     if not is_interpreted:
         return ours.advance(steps)
     with interpreted():

@@ -27,7 +27,7 @@ from rl_tui.worlds.editing.edit import read_edits
 
 
 def resumed(path: Path, folder: Path) -> tuple[Autosave, Record]:
-    """Continue a session; return also its saved state."""
+    """Continue a session and return also its saved state."""
     session = read_session(path)
     record = session.record()
     return Autosave(record, folder, session), record

@@ -98,7 +98,7 @@ def test_the_line_that_leaves_the_loop_before_the_update_is_named(tmp_path: Path
     log.table, log.called["step"] = FoundTable("q", "array", (6, 3), "float64"), (str(file), 3)
     [finding] = verdict_of(log).findings
     assert finding.correction.startswith("line 4 leaves the loop before the update")
-    steps.reward[~steps.terminated] = 1.0  # includes the rewards of the update
+    steps.reward[~steps.terminated] = 1.0  # now steps that reach the update have rewards too
     [finding] = verdict_of(log).findings
     assert "line 4" not in finding.correction
 

@@ -82,7 +82,7 @@ def rows(pilot: Pilot[UserError]) -> list[str]:
 
 
 async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Show several runs, the second one on screen; return the list that receives all commands."""
+    """Show several runs, the second one on screen, and return the list that receives all commands."""
     screen, sent = playground(pilot), list[Command]()
     monkeypatch.setattr(screen.link, "send", sent.append)
     before = screen.snapshot

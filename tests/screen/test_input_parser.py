@@ -20,7 +20,7 @@ class Typed:
         self.messages: list[Message] = []
 
     def type(self, *texts: str) -> list[str]:
-        """Type each text, then wait; return all their keys and pastes."""
+        """Type each text, wait, and return all their keys and pastes."""
         before = len(self.messages)
         for text in texts:
             self.messages += [*self.parser.feed(text), *self.parser.tick()]

@@ -80,7 +80,7 @@ def page_panel(pilot: Pilot[UserError]) -> LessonPanel:
 
 
 async def refusal(pilot: Pilot[UserError], *keys: str) -> str:
-    """Press ``keys``; return the reason for their refusal, from the menu's last row or a message."""
+    """Press ``keys`` and return the reason for their refusal, from the menu's last row or a message."""
     await press(pilot, *keys)
     if not isinstance(pilot.app.screen, MenuStrip):
         assert isinstance(pilot.app.screen, Playground), keys

@@ -34,7 +34,7 @@ def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[C
 
 
 async def fed(pilot: Pilot[UserError], study: SeedStudy | None) -> str:
-    """Show the current snapshot with ``study``; return the text on screen."""
+    """Show the current snapshot with ``study`` and return the text on screen."""
     screen = playground(pilot)
     assert screen.snapshot is not None
     show(screen, replace(screen.snapshot, study=study))

@@ -60,8 +60,7 @@ def contradictions(text: UpdateText, *, bootstraps: bool) -> list[str]:
     bootstrap = value(text.discount) * value(text.bootstrap) if bootstraps else 0.0
     error = gathered + bootstrap - before
     largest = max(map(abs, (before, gathered, bootstrap)))
-    # a 0 has no digits: its precision equals the other results', of which six digits after the first are
-    # known
+    # a 0 has no digits: take the precision of the other results, with six known digits after the first
     fine = [last_digit(each) for each in (text.target, text.after) if each != "0"]
     nothing = max([*fine, 2e-6 * largest])
     worked_out = (

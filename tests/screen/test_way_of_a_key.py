@@ -34,7 +34,7 @@ class Way:
         self.functions: set[tuple[str, str]] | None = None
 
     async def of(self, pilot: Pilot[Any], key: str) -> set[tuple[str, str]]:
-        """Press ``key``; return the functions that ran until it was drawn."""
+        """Press ``key`` and return the functions that ran until it was drawn."""
         found, before = set[tuple[str, str]](), sys.getprofile()
         sys.setprofile(self.note)
         self.functions = found

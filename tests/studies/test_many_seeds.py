@@ -419,7 +419,7 @@ def long_study() -> Playback:
 
 
 def is_gone(process: subprocess.Popen[bytes]) -> bool:
-    return process.returncode is not None  # its thread has handled it
+    return process.returncode is not None  # its thread has waited for it
 
 
 @pytest.mark.parametrize(

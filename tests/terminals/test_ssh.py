@@ -137,7 +137,7 @@ def test_from_the_classroom_recipe_there_is_no_way_out(tmp_path: Path) -> None:
 
 
 def refused(command: list[str], sent: bytes = b"") -> str:
-    """Run ``command``, which must fail without output; return the reason."""
+    """Run ``command``, which must fail without output and return the reason."""
     result = subprocess.run(command, input=sent, capture_output=True, timeout=DEADLINE, check=False)
     assert result.returncode != 0
     assert result.stdout.replace(b"sftp> pwd\n", b"") == b""

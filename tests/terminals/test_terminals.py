@@ -82,7 +82,7 @@ def leave(terminal: PseudoTerminal) -> None:
 
 @pytest.fixture(scope="module")
 def fresh(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[int, int], str]:
-    """The screens of two programs, started at these sizes and never resized."""
+    """The screens of two programs, started at these sizes, never resized, and without saved sessions."""
     screens = {}
     for size in ((80, 24), (120, 40)):
         kept = {"RL_TUI_SESSIONS_DIR": str(tmp_path_factory.mktemp("sessions"))}

@@ -41,7 +41,7 @@ def name_of(environment, observation) -> str:
 
 
 def steps(kwargs, episodes: int, seed: int) -> Iterator[tuple[str, int, str, float]]:
-    """Play at random; yield state, action, next state (for ends: their reward) and reward."""
+    """Play at random and yield state, action, next state (for ends: their reward) and reward."""
     environment = gymnasium.make("Blackjack-v1", disable_env_checker=True, **kwargs)
     generator = np.random.default_rng(seed)
     observation, _ = environment.reset(seed=seed)

@@ -51,7 +51,7 @@ class Cluster:
     def start(
         self, number: int, environment: Mapping[str, str] | None = None, preload: str = ""
     ) -> list[str]:
-        """Start workers of one thread, each of which runs ``preload`` first; return their addresses.
+        """Start workers of one thread, each of which runs ``preload`` first and return their addresses.
 
         ``environment`` is added to theirs.
         """
