@@ -1,4 +1,4 @@
-"""Autosaves of a student's evening, and what is in their folder afterwards."""
+"""Autosaves of a student's evening, and the content of their folder."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-"""rl-tui with a Textual in which some private names are others: ``python other_textual.py NAME,NAME play …``.
+"""rl-tui with a Textual in which some private names are renamed.
 
-Textual itself agrees with the new names, so that it works as a later version of it would that has renamed
-something within.
+``python other_textual.py NAME,NAME play …``
+
+Textual itself uses the new names, and so works like a later version with internal renames.
 """
 
 from __future__ import annotations

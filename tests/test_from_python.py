@@ -1,4 +1,4 @@
-"""``import rl_tui``: the figures of the commands, as arrays, and nothing imported before it is needed."""
+"""``import rl_tui``: the numbers of the commands as arrays, and imports only when needed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A kiosk as a stranger has it: keys that would write are typed, and no file anywhere is another one."""
+"""A stranger at a kiosk: keys that would write are typed, and no file changes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A program that is forked finds what it would find had it been started anew."""
+"""A forked program finds the same conditions as a newly started one."""
 
 from __future__ import annotations
 

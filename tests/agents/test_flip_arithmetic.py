@@ -1,4 +1,4 @@
-"""Polynomials, roots, recurrences, values of policies in whole numbers, each against a plain second way."""
+"""Polynomials, roots, recurrences and integer policy values, each compared with a plain second method."""
 
 from __future__ import annotations
 

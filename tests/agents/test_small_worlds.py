@@ -1,4 +1,4 @@
-"""The kernels that evaluate many policies of a small world, against the chain of each and in both forms."""
+"""The kernels that evaluate many policies of a small world, compared with the Markov chain of each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The documents that other programs rely on: their names, their forms, their values."""
+"""The JSON documents for other programs: their keys, forms and values."""
 
 from __future__ import annotations
 

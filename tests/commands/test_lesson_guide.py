@@ -1,4 +1,4 @@
-"""The lesson that the guide writes from nothing is one."""
+"""The guide to writing lessons builds a valid lesson from nothing."""
 
 from __future__ import annotations
 

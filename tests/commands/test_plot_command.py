@@ -1,4 +1,4 @@
-"""``plot``: pictures of what ``train`` and ``sweep`` print."""
+"""``plot``: pictures of the output of ``train`` and ``sweep``."""
 
 from __future__ import annotations
 

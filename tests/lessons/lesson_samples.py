@@ -1,4 +1,4 @@
-"""A small lesson that has no fault, for tests to spoil."""
+"""A small valid lesson, into which tests put errors."""
 
 from __future__ import annotations
 

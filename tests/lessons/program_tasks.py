@@ -1,4 +1,4 @@
-"""A lesson whose task asks for a program, and programs that people write for it."""
+"""A lesson whose task asks for a program, and typical programs for it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A lesson in a session file: everything comes back, old files open, damaged ones are refused in a line."""
+"""A lesson in a session file: everything loads, old files open, damaged ones are refused in one line."""
 
 # ruff: noqa: E501
 

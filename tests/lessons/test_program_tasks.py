@@ -1,4 +1,4 @@
-"""Tasks that ask for a program: it is watched to its end, and judged by what its table did."""
+"""Tasks that ask for a program: it is watched to its end, and judged by the changes of its table."""
 
 from __future__ import annotations
 

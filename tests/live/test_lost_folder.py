@@ -1,4 +1,4 @@
-"""A folder of sessions that is removed while one is being kept there."""
+"""A folder of sessions that is removed during a save."""
 
 from __future__ import annotations
 

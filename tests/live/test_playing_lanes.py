@@ -1,4 +1,4 @@
-"""Runs side by side: each is what its own recipe and journal say, and they go on together."""
+"""Several runs at once: each equals its own recipe and journal, and they advance together."""
 
 from __future__ import annotations
 

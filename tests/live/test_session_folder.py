@@ -1,4 +1,4 @@
-"""The folder of sessions: their names, which are pruned, how one is removed."""
+"""The folder of sessions: their names, pruning, and removal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs in environments that are stepped for real: what they know, what they cannot know, and many at once."""
+"""Runs in stepped environments: known facts, unknown facts, and many runs at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Waiting and breakpoints: a run pauses at the very step at which it happens, also in its past."""
+"""Waiting and breakpoints: a run pauses at exactly the step of the event, in its past too."""
 
 from __future__ import annotations
 

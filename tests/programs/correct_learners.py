@@ -1,4 +1,4 @@
-"""Learners without a fault that look like ones with it: each changes the table after a step."""
+"""Correct learners that look faulty: each changes the table after a step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Agents as courses have them, one of each shape and some that are written otherwise, for tests."""
+"""Agents as in courses, one of each shape, and some in other styles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows of episodes on a disk that is full."""
+"""Rows of episodes on a full disk."""
 
 from __future__ import annotations
 

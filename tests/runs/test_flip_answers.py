@@ -1,4 +1,4 @@
-"""The flips of a world beside its run: when they are known, and that they are the command's."""
+"""The flips of a world during a run: their arrival, and their agreement with the command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command line of a run, and what was changed on the way as text."""
+"""The command line of a run, with its changes as text."""
 
 from __future__ import annotations
 

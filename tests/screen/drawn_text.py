@@ -1,4 +1,4 @@
-"""The text that a widget draws, edges and padding included."""
+"""The text that a widget draws, with edges and padding."""
 
 from __future__ import annotations
 

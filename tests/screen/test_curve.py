@@ -1,4 +1,4 @@
-"""The words and numbers of the curve: its heading, its labels, and what it says instead of an area."""
+"""The words and numbers of the curve: its heading, its labels, and its texts without a plot."""
 
 from __future__ import annotations
 

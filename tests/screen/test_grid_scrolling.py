@@ -1,4 +1,4 @@
-"""Maps larger than their panel, and which of their rows are drawn anew."""
+"""Maps larger than their panel, and the rows that are redrawn."""
 
 from __future__ import annotations
 

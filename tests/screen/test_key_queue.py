@@ -1,4 +1,4 @@
-"""Keys that are held back until those before them are done."""
+"""Keys that wait until earlier ones are done."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs side by side, from the keys to the panels."""
+"""Several runs, from the keys to the panels."""
 
 from __future__ import annotations
 

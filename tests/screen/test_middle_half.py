@@ -1,4 +1,4 @@
-"""The band of the middle half: its quartiles, when it is drawn, and its cells."""
+"""The band of the middle half: its quartiles, its visibility, and its cells."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table of panels: a row and a class are all that a new panel takes."""
+"""The table of panels: a new panel needs only a row and a class."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page that asks for a program, on the playground: its file, what watching it found, and the pass."""
+"""A lesson page that asks for a program: its file, the findings, and the pass."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The cursor of the Q-table, and which of its rows are drawn anew."""
+"""The cursor of the Q-table, and the rows that are redrawn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The scale of tints: robust, signed where both ends matter, and never narrower within a run."""
+"""The scale of colours: robust, signed if both ends matter, and never narrower within a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The panel of the world's check: its states, what is hidden, and that its figures are the command's."""
+"""The panel of the world check: its states, hidden parts, and the command's numbers."""
 
 from __future__ import annotations
 

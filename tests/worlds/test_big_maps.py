@@ -1,4 +1,4 @@
-"""Maps of a hundred thousand cells and more: the same rules, whole arrays instead of single cells."""
+"""Maps of a hundred thousand cells and more: the same rules, on whole arrays."""
 
 from __future__ import annotations
 

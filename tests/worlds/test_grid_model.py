@@ -1,4 +1,4 @@
-"""Tables of maps against a plain model that goes from cell to cell."""
+"""Tables of maps, compared with a plain model that works cell by cell."""
 
 from __future__ import annotations
 

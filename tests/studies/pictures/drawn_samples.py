@@ -1,4 +1,4 @@
-"""Pictures that several tests look at."""
+"""Pictures for several tests."""
 
 from __future__ import annotations
 

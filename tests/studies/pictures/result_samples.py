@@ -1,4 +1,4 @@
-"""Documents as commands print them."""
+"""JSON documents in the form that commands print."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An environment that kills the process that it is in, for one seed and where that is allowed."""
+"""An environment that kills its own process, for one seed and only with permission."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The order of cells: corners first, and then always between."""
+"""The order of cells: corners first, then always the points between."""
 
 from __future__ import annotations
 
