@@ -1,4 +1,4 @@
-"""``rl-tui check --deep``: figures known from elsewhere, faults, and what cannot be known."""
+"""``rl-tui check --deep``: known numbers, errors, and unknown facts."""
 
 from __future__ import annotations
 

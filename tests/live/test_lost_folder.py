@@ -1,4 +1,4 @@
-"""A folder of sessions that is removed while one is being kept there."""
+"""A folder of sessions that is removed during a save."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rl_tui.live.sessions.session import encoded, read_session, sessions_in
 
 
 def lost(folder: Path) -> tuple[Autosave, Path]:
-    """An autosave whose folder is gone, and the file that it had there."""
+    """An autosave whose folder is gone, and the path of its file there."""
     autosave = Autosave(OPENED, folder)
     autosave.offer(at(1))
     autosave.write_due()

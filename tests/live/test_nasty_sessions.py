@@ -1,4 +1,4 @@
-"""Session files that nobody saved: each gives one short line, whatever was put into it."""
+"""Manipulated session files: each gives one short line, whatever its content."""
 
 # ruff: noqa: E501
 
@@ -18,7 +18,7 @@ from rl_tui.live.sessions.session import SessionError, read_session
 
 
 def changed(place: str = "", value: Any = None) -> str:
-    """A sound session, signed again after ``value`` was put to ``place``."""
+    """A valid session, signed again after ``value`` was set at ``place``."""
     fields = json.loads(session_seeds()[0])
     holder: Any = fields
     *way, last = [int(step) if step.isdigit() else step for step in place.split(".")]
@@ -34,7 +34,7 @@ BRANCH = f"{LANE}.branches.0"
 SOUND = json.loads(session_seeds()[0])
 TABLE = {"q": [0.0] * 5, "visits": [0] * 5, "episodes": 0, "state": 0}
 
-# Made when a test wants it: some take megabytes
+# Made on demand: some take megabytes
 REFUSED = {
     "lanes of four": (lambda: changed("lanes", SOUND["lanes"] * 10_000), "at most 4"),
     "branches": (lambda: changed(f"{LANE}.branches", SOUND["lanes"][0]["branches"] * 2_000), "at most 1000"),
@@ -131,7 +131,7 @@ def test_what_shows_on_the_way_is_told_in_one_line_too(name, tmp_path):
 
 
 def test_the_last_of_keys_that_are_given_twice_counts(tmp_path):
-    """The checksum is of what the file means."""
+    """The checksum covers the parsed content."""
     stored, _ = read(changed().replace('"shown": 0', '"shown": 9, "shown": 0'), tmp_path)
     assert stored.document.shown == 0
 

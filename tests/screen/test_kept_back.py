@@ -1,4 +1,4 @@
-"""Where a lesson keeps something back, texts say that it does, and name no key that would show it."""
+"""Texts about hidden parts of a lesson say that they are hidden, and name no key that would show them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ BANDIT = bandit(100)
 
 
 def kept(picture: Snapshot, *what: str) -> Snapshot:
-    """``picture`` beside a page that keeps ``what`` back."""
+    """``picture`` with a page that hides ``what``."""
     return changed(picture, is_hidden="answer" in what, kept_back=frozenset(what))
 
 
@@ -76,7 +76,7 @@ def graph(picture: Snapshot) -> str:
 
 
 def with_other_chances(picture: Snapshot) -> Snapshot:
-    """``picture`` in a world whose outcomes have their probabilities turned round, pair by pair."""
+    """``picture`` in a world with reversed outcome probabilities, pair by pair."""
     mdp = picture.world.mdp
     chances, sums = np.array(mdp.probability), np.array(mdp.cumulative)
     for pair in range(mdp.pairs):

@@ -1,4 +1,4 @@
-"""A page that asks for a program, on the playground: its file, what watching it found, and the pass."""
+"""A lesson page that asks for a program: its file, the findings, and the pass."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ async def test_a_file_that_is_there_is_never_written_over_nor_one_elsewhere(here
         assert (here / "my_agent.py").read_text(encoding="utf-8") == "mine"
         assert "stays as it is" in " ".join(notes(pilot.app))
         await press(pilot, "enter", "end", "enter")
-        assert "this can be done" in " ".join(notes(pilot.app))  # so it is not impossible
+        assert "this can be done" in " ".join(notes(pilot.app))  # so it is possible
         await press(pilot, "enter", "down", "enter")
         await press(pilot, *"b.py", "enter")
         assert (here / "b.py").read_text(encoding="utf-8") == SKELETON

@@ -129,7 +129,7 @@ def test_axes_and_measure_can_be_chosen() -> None:
     arrival = drawn(document, measure="arrival").panels[0]
     assert isinstance(arrival, AtlasChart)
     assert {value for row in arrival.values for value in row} == {7.0}
-    # cells are compared by another measure, and so nothing is marked
+    # another metric compares the cells, and so nothing is marked
     assert (arrival.best, arrival.marked) == (None, set())
     assert any("not arrived" in note for note in drawn(document, measure="arrival").notes)
 

@@ -1,4 +1,4 @@
-"""Stores that somebody else has changed: refused in one line, before anything in them is used."""
+"""Manipulated stores are refused in one line, before any of their content is used."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def run_sql(path: Path, script: str) -> None:
 
 
 def refusals(path: Path, tmp_path: Path) -> list[str]:
-    """Return what each way to open a store says."""
+    """Return the refusal of each way to open a store."""
     sound = tmp_path / "sound.sqlite"
     Store.to_write(sound).close()
     ways: tuple[Callable[[], object], ...] = (

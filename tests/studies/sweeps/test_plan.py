@@ -1,4 +1,4 @@
-"""The plan of a sweep: its cells, their order, what is refused before anything runs."""
+"""The plan of a sweep: its cells, their order, and errors that are found before the first run."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_a_million_cells_take_neither_memory_nor_time() -> None:
     plan = SweepPlan(
         find("maze"), (read_variation("alpha=0.001:1:log:1000"), read_variation("epsilon=0:1:1000"))
     )
-    plan.cell(0)  # what is made once
+    plan.cell(0)  # built once
     tracemalloc.start()
     try:
         plan.check()
