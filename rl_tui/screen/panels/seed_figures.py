@@ -21,7 +21,7 @@ _LARGEST: Final = 1e7  # longer numbers are abbreviated
 _SHORT: Final = 7  # cells of an abbreviated number
 LEAST_SEEDS: Final = 32  # required before one run is called better
 INTERVAL_ERRORS: Final = 3.0
-"""Standard errors around a difference. A better run excludes 0."""
+"""Standard errors around a difference. One run is better only if 0 is outside."""
 
 
 @dataclass(frozen=True, slots=True)

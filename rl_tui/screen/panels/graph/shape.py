@@ -71,7 +71,7 @@ class GraphShape:
 
 
 class Signs(NamedTuple):
-    """Marks besides values. ``differing`` states have other greedy actions in the second run."""
+    """The marks on a graph. ``differing`` states have other greedy actions in the second run."""
 
     agent: int
     cursor: int | None

@@ -231,7 +231,7 @@ class _Page:
         yield from self._hints(task)
 
     def _conditions(self, task: Task) -> Sequence[ConditionView]:
-        """Return the conditions as when the task was passed, else as they are."""
+        """Return the conditions at the moment of passing, before that the current ones."""
         passed = next((each for each in self._record.passed if each.page == self._page.id), None)
         if passed is not None and not passed.claim:
             return [ConditionView(each.text, True) for each in task.conditions]
