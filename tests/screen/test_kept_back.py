@@ -42,10 +42,10 @@ def test_what_is_hidden_names_its_key_or_that_it_waits() -> None:
 
 @pytest.mark.parametrize("picture", [student(), BANDIT])
 def test_notes_of_policies_say_what_keeps_them_back(picture: Snapshot) -> None:
-    said = [note for note in notes(kept(picture, "answer"), look())]
+    said = list(notes(kept(picture, "answer"), look()))
     assert any("the lesson keeps" in note for note in said)
     assert not any(SHOWN_BY_KEY in note for note in said)
-    told = [note for note in notes(changed(picture, is_hidden=True), look())]
+    told = list(notes(changed(picture, is_hidden=True), look()))
     assert any(SHOWN_BY_KEY in note for note in told)
 
 
