@@ -62,10 +62,10 @@ def status(mode: int, owner: int) -> os.stat_result:
         (0o700, SOMEBODY, True, "another user"),
         (0o775, US, False, "its group"),
         (0o775, 0, True, "its group"),
-        (0o777, US, False, "anybody"),
-        (0o777, US, True, "anybody"),
+        (0o777, US, False, "all users"),
+        (0o777, US, True, "all users"),
         (0o1777, 0, True, ""),
-        (0o1777, 0, False, "anybody"),
+        (0o1777, 0, False, "all users"),
     ],
 )
 def test_who_else_can_write(mode: int, owner: int, is_above: bool, told: str, shared_group: None) -> None:

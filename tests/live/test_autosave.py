@@ -173,7 +173,7 @@ def test_a_file_that_somebody_else_wrote_is_left_alone(tmp_path: Path) -> None:
     autosave.offer(at(5))
     autosave.close()
     assert path.read_text(encoding="utf-8") == "mine now"
-    assert any("changed by somebody else" in notice for notice in notices_of(autosave))
+    assert any("changed by another program" in notice for notice in notices_of(autosave))
     assert [each.step for each in sessions_in(tmp_path)[0]] == [5]
 
 

@@ -339,7 +339,7 @@ def test_what_is_too_large_to_read_is_refused_in_a_line(tmp_path: Path) -> None:
 
 
 def test_states_that_look_alike_have_no_script() -> None:
-    with pytest.raises(UserError, match="some of its states look alike"):
+    with pytest.raises(UserError, match="cannot tell some of its states apart"):
         script_of(ALIKE)
 
 

@@ -162,7 +162,7 @@ def test_means_of_some_runs_alone_are_told() -> None:
     document = sweep(*grid())
     assert drawn(document).notes == ()
     document["cells"][2]["area"]["count"] = 17
-    assert any("runs alone" in note for note in drawn(document).notes)
+    assert any("leave out runs" in note for note in drawn(document).notes)
 
 
 @pytest.mark.parametrize(
@@ -202,7 +202,7 @@ def test_a_measure_that_no_cell_has() -> None:
 
 
 def test_what_does_not_go_together() -> None:
-    with pytest.raises(UserError, match="drawn alone"):
+    with pytest.raises(UserError, match="cannot share a chart"):
         drawn(sweep(*grid()), runs(CURVE))
     with pytest.raises(UserError, match="for sweeps"):
         drawn(runs(CURVE), x="alpha")

@@ -117,7 +117,7 @@ def test_a_value_of_another_kind_is_damage(path: Path, script: str) -> None:
         ("settings", {"algorithm": ["sarsa"]}, "settings"),
         ("settings", [], "settings"),
         ("vary", ["alpha=0.1:1:1000000"], "at most 20,000,000 runs"),
-        ("vary", 3, "no plan"),
+        ("vary", 3, "not a sweep plan"),
     ],
 )
 def test_a_stored_plan_is_bounded(name: str, value: object, said: str) -> None:

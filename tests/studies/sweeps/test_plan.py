@@ -164,5 +164,5 @@ def test_a_plan_of_a_world_that_was_edited_has_that_world() -> None:
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", "no"])
 def test_what_is_no_plan(text: str) -> None:
-    with pytest.raises(UserError, match="no plan"):
+    with pytest.raises(UserError, match="not a sweep plan"):
         read_plan(text)
