@@ -39,7 +39,7 @@ def test_nothing_is_written_whatever_is_typed(tmp_path: Path) -> None:
         terminal.wait_for("bandit")
         assert "Mine" not in terminal.written.decode(errors="replace")
         terminal.press("\x1b[3~")
-        terminal.wait_for("No sessions are kept here: this is a kiosk")
+        terminal.wait_for("Not here: a kiosk keeps no sessions")
         terminal.press("\x1b[B\x1b[B\r")
         terminal.wait_for("paused|preparing")
         terminal.press("m")
