@@ -102,7 +102,7 @@ def test_an_unvisited_pair_has_learned_nothing() -> None:
 
 
 def test_without_an_exact_answer_it_says_why() -> None:
-    assert "the exact answer is being computed" in drawn(panel(lake(0), 0))
+    assert "the exact values are being computed" in drawn(panel(lake(0), 0))
     refused = changed(lake(0), refused="state 3 cannot reach an end")
     assert "state 3 cannot reach an end" in drawn(panel(refused, 0))
 

@@ -212,7 +212,7 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         assert snapshot(pilot).agent.visits.any()
         assert "0.00" not in "".join(playground(pilot).board.table.render_line(y).text for y in range(1, 12))
         text = screen_text(pilot.app)
-        assert "looked for: an array" in text
+        assert "searched for: an array" in text
         assert "no table was found, so no change is known" in text
         assert f"Q  {NO_TABLE}" in text
         assert "– no table" in text

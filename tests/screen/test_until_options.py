@@ -115,5 +115,5 @@ def test_a_value_is_any_finite_number_but_the_one_it_is() -> None:
     for text in ("", "nan", "inf", "much"):
         with pytest.raises(ValueError, match=r"type a number, such as 0\.5"):
             read(wait, snapshot, text)
-    with pytest.raises(ValueError, match="that is what it is now"):
+    with pytest.raises(ValueError, match="this is its value now"):
         read(wait, snapshot, repr(float(snapshot.agent.q[17])))

@@ -31,12 +31,12 @@ IN_SHORT: Final = {
     CodeFault.UPDATES_AFTER_MOVING: "updates the state it moved to",
     CodeFault.SHIFTED_REWARD: "uses the previous reward",
     CodeFault.ROUNDING_TABLE: "the table holds integers",
-    CodeFault.SHARED_TABLE: "rows of the table are the same",
+    CodeFault.SHARED_TABLE: "rows are one object",
     CodeFault.GAMMA_TWICE: "discounts twice",
     CodeFault.STEP_SIZE_OUT_OF_RANGE: "step size out of range",
     CodeFault.WRONG_CELL: "updates another cell",
     CodeFault.LOSES_UPDATE: "loses its updates",
-    CodeFault.FIRST_OF_TIES: "takes the first of tied actions",
+    CodeFault.FIRST_OF_TIES: "takes the first of ties",
     CodeFault.NEVER_EXPLORES: "never explores",
 }
 """Each fault and risk in a few plain words."""
