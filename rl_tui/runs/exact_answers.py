@@ -56,7 +56,7 @@ class Answer(NamedTuple):
     """False while something is pending. The return arrives after the solution."""
 
 
-NO_TABLE: Final = "this environment has no transition table to work it out from"
+NO_TABLE: Final = "this environment has no transition table"
 PENDING: Final = Answer(None, "", is_whole=False)
 
 

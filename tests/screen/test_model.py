@@ -209,7 +209,7 @@ def test_of_a_stepped_environment_it_says_what_is_known() -> None:
     assert "P       no transition table (simulated only); 44 state–action pairs" in text
     assert "R       no transition table" in text
     assert "where the environment says so; truncated after 100 steps" in text
-    assert "no transition table to work it out from" in text
+    assert "no transition table" in text
     assert "learned Q(0,←)" in text
     assert panel(stepped_lake()).pair is not None
     for width, height in ((20, 4), (60, 10), (100, 30)):
