@@ -117,7 +117,7 @@ def test_an_environment_that_never_answers_can_be_left(tmp_path: Path, leave: st
         terminal.wait_for(r"the environment has not answered for \d+ s; esc leaves it")
         if leave == "\x1b":
             terminal.press(leave)
-            terminal.wait_for("esc again goes to the start screen")
+            terminal.wait_for("esc again: back to the start screen")
             terminal.press(leave)
             terminal.wait_for("Begin here")
         terminal.press("qq")

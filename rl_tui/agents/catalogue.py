@@ -292,7 +292,7 @@ _POLICIES: Final[tuple[Policy, ...]] = (
     Policy(
         id="epsilon-greedy",
         name="ε-greedy",
-        summary="the best action, but with probability ε any action at random; ε = 0 is greedy",
+        summary="the best action, but with probability ε a random action; ε = 0 is greedy",
         equation="A ← argmax Q(S,·), or with probability ε a random action",
         source="section 2.2",
         module="rl_tui.agents.policies.epsilon_greedy",

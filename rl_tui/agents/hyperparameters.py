@@ -195,7 +195,7 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
         Parameter(
             "ties",
             "ties",
-            "which of equal best actions is taken; the first is that in the world's own order",
+            "which of several best actions is taken: the first is in the order of the world",
             words=("random", "first"),
         ),
     )

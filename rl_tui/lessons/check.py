@@ -105,9 +105,7 @@ def _answer_findings(
     figure = _FIGURE.fullmatch(written.strip()) if isinstance(written, str) else None
     if figure is None:
         if answer not in (0.0, 1.0):
-            yield Finding(
-                (*where, "answer"), shown(answer), 'a figure, answer = "{name}", that is worked out'
-            )
+            yield Finding((*where, "answer"), shown(answer), 'a computed figure, answer = "{name}"')
         return
     name = figure[1]
     if quick and figures.needs_seeds(name):
@@ -119,7 +117,7 @@ def _answer_findings(
         1.0, abs(answer)
     ):
         found = f"{shown(answer)} ± {ask.tolerance:g}"
-        expected = f"a tolerance that takes the exact answer in: {in_digits_of(float(exact), '')}"
+        expected = f"a tolerance that includes the exact value: {in_digits_of(float(exact), '')}"
         yield Finding((*where, "tolerance"), found, expected)
 
 

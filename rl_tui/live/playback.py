@@ -344,7 +344,7 @@ class Playback:
         self.breakpoints, questions.drawn = pins.come_to(run.edited, self._pinned, run.recipe)
         if condition is not None and not condition.goes_on_with(awaited):
             self.rest()
-            self.paused_by = "what it ran until is not in the world any more"
+            self.paused_by = "the stop condition is no longer in the world"
 
     def keep_pins(self) -> None:
         """Move the pins to the current world if the visible run has changed worlds."""

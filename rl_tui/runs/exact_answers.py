@@ -56,7 +56,7 @@ class Answer(NamedTuple):
     """False while something is pending. The return arrives after the solution."""
 
 
-NO_TABLE: Final = "this environment has no transition table to work it out from"
+NO_TABLE: Final = "this environment has no transition table"
 PENDING: Final = Answer(None, "", is_whole=False)
 
 
@@ -148,7 +148,7 @@ class ExactAnswers:
     def answer(self, gamma: float) -> Answer:
         """Return the solution for `gamma` if known, else request it."""
         if not self.is_live:
-            return Answer(None, f"more than {LIVE_STATES:,} states: rl-tui solve has the exact answer")
+            return Answer(None, f"more than {LIVE_STATES:,} states: rl-tui solve computes the exact values")
         with self._lock:
             if self._failure is not None:
                 raise self._failure

@@ -146,8 +146,7 @@ _TABLE: Final = (
         "area",
         "return per episode over all of training",
         "return",
-        "sum of the returns of all finished episodes / their number: the area under the learning curve, a "
-        "share of its width",
+        "mean return of all finished episodes: the area under the learning curve, divided by its length",
         lambda run: run.mean_return,
         larger_is_better=True,
     ),
@@ -155,10 +154,9 @@ _TABLE: Final = (
         "arrival",
         "episodes to 5 % from the best",
         "episodes",
-        "first mark at which best - g <= 0.05 (best - random); g is the exact expected return of the greedy "
-        "policy, best that of the best policy that may look at the clock, random that of a policy that takes "
-        "any action alike; marks are after episodes 1, 2, 3 and so on, each at most 2^(1/4) times the one "
-        "before or the next, and after the last",
+        "first mark at which best - g <= 0.05 (best - random). g, best and random are the exact expected "
+        "returns of the greedy, the best (by the clock) and the random policy. The marks are episodes 1, 2, "
+        "3 and so on, each at most 2^(1/4) times the mark before or the next episode, and the last episode",
         lambda run: run.arrival,
         larger_is_better=False,
         may_never_arrive=True,

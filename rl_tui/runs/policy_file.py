@@ -152,7 +152,7 @@ def _action_findings(name: str, location: tuple[str, ...], legal: list[str]) -> 
     if name not in legal:
         more = f", … ({len(legal):,} in all)" if len(legal) > _MOST_LISTED else ""
         listed = ", ".join(legal[:_MOST_LISTED])
-        found = "an action that is not legal here" if location else shown(name)
+        found = "an action that is not available here" if location else shown(name)
         yield Finding(location, found, f"one of {listed}{more}{near(name, legal)}")
 
 

@@ -18,7 +18,9 @@ def test_a_state_that_cannot_reach_an_end_is_named() -> None:
         ("A", "in", [(1.0, "Trap", 0.0)]),
         ("Trap", "stay", [(1.0, "Trap", 0.0)]),
     )
-    with pytest.raises(NoExactAnswer, match=r"^γ = 1: state Trap cannot reach an end; choose γ below 1$"):
+    with pytest.raises(
+        NoExactAnswer, match=r"^γ = 1: state Trap cannot reach a terminal state; choose γ below 1$"
+    ):
         solve(mdp, 1.0)
     assert returns(mdp, solve(mdp, 0.9)).best_expected_return is None
     assert best_expected_return(mdp) is None
@@ -116,7 +118,7 @@ def test_an_end_too_unlikely_for_numbers_is_refused_in_one_line() -> None:
     mdp = world(
         ("A", "on", [(1.0, "B", -1.0)]), ("B", "back", [(1.0 - 1e-12, "A", -1.0), (1e-300, "end", -1.0)])
     )
-    with pytest.raises(NoExactAnswer, match="an end is too unlikely"):
+    with pytest.raises(NoExactAnswer, match="a terminal state is too unlikely"):
         solve(mdp, 1.0)
 
 

@@ -63,7 +63,7 @@ def test_a_sound_lesson(tmp_path: Path) -> None:
         (('reply = "No, not 17."', 'reply = "No, not 18."'), "pages[1].question.choices[1].reply", '"18"'),
         (('text = "this one"', 'text = "16 of them"'), "pages[1].question.choices[0].text", '"16"'),
         (('text = "this one"', 'text = "17 of them"'), "pages[1].question.choices[1].text", "once"),
-        (('answer = "{second}"', "answer = -1.5"), "pages[0].prediction.answer", "a figure"),
+        (('answer = "{second}"', "answer = -1.5"), "pages[0].prediction.answer", "a computed figure"),
         (("tolerance = 0.005", "tolerance = 1.5"), "pages[0].prediction.wrong[0].answer", "a wrong answer"),
         (("in 3 steps or fewer", "in 4 steps or 5"), "pages[2].task.do", '"5"'),
         ((STUDY, ""), "pages[2].task.accepts", "no attempt"),

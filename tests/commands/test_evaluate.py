@@ -197,4 +197,4 @@ def test_faults_of_a_file_are_a_line_each(tmp_path: Path) -> None:
 def test_a_world_without_a_table_has_no_exact_answer() -> None:
     result = run("blackjack", "--policy", "uniform")
     assert result.exit_code == 1
-    assert "blackjack has no exact answer" in one_line(result)
+    assert "blackjack has no exact values" in one_line(result)

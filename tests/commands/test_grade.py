@@ -123,7 +123,7 @@ def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None
     assert [name for name, each in graded.items() if each["passed"]] == ["agent.py", "script.py", "whole.py"]
     assert len(results) == len(graded)
     [missing] = graded["unfilled.py"]["findings"]
-    assert "the update is missing" in missing["correction"]
+    assert "add the missing update" in missing["correction"]
     assert (missing["fault"], graded["unfilled.py"]["runs"][0]["error"]) == ("loses-update", None)
     errors = {name: each["runs"][0]["error"] or "" for name, each in graded.items()}
     for name, said in {
@@ -150,7 +150,7 @@ def test_a_fault_is_told_once_with_how_many_seeds_show_it(tmp_path: Path) -> Non
     assert finding["file"] == str(path)
     report = run(path, "--scenario", "frozenlake", "--seeds", 2, "--episodes", 300).stdout
     assert "2 seeds, passed from 0.95 of the best on" in report
-    assert "fault in 2 of 2 seeds, bootstraps-after-end" in report
+    assert "bug in 2 of 2 seeds, bootstraps-after-end" in report
 
 
 @pytest.mark.process
@@ -166,8 +166,8 @@ def test_who_never_meets_a_reward_hears_of_the_first_of_ties(tmp_path: Path) -> 
     assert not graded["passed"]
     [finding] = graded["findings"]
     assert (finding["fault"], finding["kind"], finding["seeds"]) == ("first-of-ties", "risk", 1)
-    assert "no reward was seen in 699 episodes" in finding["text"]
-    assert "choose at random among the actions of the largest value" in finding["correction"]
+    assert "No reward was seen in 699 episodes" in finding["text"]
+    assert "choose at random among the best actions" in finding["correction"]
 
 
 @pytest.mark.exhaustive("waits for programs that never end")
@@ -256,9 +256,9 @@ def test_a_threshold_is_a_number_of_at_most_1(threshold: str) -> None:
         (("{folder}/none.py", "--scenario", "frozenlake"), "found no such file"),
         (("{folder}", "--scenario", "frozenlake"), "found no submission in this folder"),
         (("{folder}", "--scenario", "frozn"), "did you mean"),
-        (("{file}", "--scenario", "cartpole"), "no table"),
+        (("{file}", "--scenario", "cartpole"), "no exact values"),
         (("{file}", "--scenario", "blackjack"), "blackjack-table has one"),
-        (("{file}", "--scenario", "bandit-drifting"), "no table that stays"),
+        (("{file}", "--scenario", "bandit-drifting"), "no fixed transition table"),
     ],
 )
 def test_what_cannot_be_graded_at_all(args: tuple[str, ...], said: str, tmp_path: Path) -> None:

@@ -119,7 +119,7 @@ def test_csv_has_the_episodes(tmp_path: Path):
     [
         (
             ["solve", "gym:Blackjack-v1"],
-            "gym:Blackjack-v1 has no exact answer: this environment has no transition table",
+            "gym:Blackjack-v1 has no exact values: this environment has no transition table",
         ),
         (["train", "gym:Blackjak-v1"], 'gym:Blackjak-v1: found "Blackjak-v1"; expected the id of'),
         (["train", "gym:CartPole-v1"], "[gymnasium.bins] in a scenario file"),

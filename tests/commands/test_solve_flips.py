@@ -74,7 +74,7 @@ def test_only_what_turns_the_way_is_marked() -> None:
 def test_where_nothing_flips_it_says_so(scenario: str) -> None:
     assert document(scenario, "--flips")["flips"] == []
     last = printed(scenario, "--flips").splitlines()[-1]
-    assert last == "no flips: the same actions are best at every γ in (0, 1)"
+    assert last == "no flip points: the same actions are optimal at every γ in (0, 1)"
 
 
 def test_a_world_drawn_from_the_seed_is_that_of_the_seed(tmp_path: Path) -> None:
@@ -89,4 +89,4 @@ def test_a_world_drawn_from_the_seed_is_that_of_the_seed(tmp_path: Path) -> None
 def test_a_world_without_a_table_is_refused() -> None:
     result = CliRunner().invoke(program, ["solve", "cartpole", "--flips"])
     assert result.exit_code != 0
-    assert "has no exact answer" in result.stderr
+    assert "has no exact values" in result.stderr

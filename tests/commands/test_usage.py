@@ -269,7 +269,7 @@ def test_check_warns_of_a_world_that_never_ends(limit: str, to: str, warned: boo
     result = run("check", str(file))
     assert (result.exit_code, result.stdout) == (0, f"{file}: ok\n")
     assert result.stderr == (
-        f"{file}: warning: state Forest can never reach an end and there is no time limit: "
+        f"{file}: warning: state Forest can never reach a terminal state, and there is no time limit: "
         "training stops after 10,000,000 steps of one episode; a time_limit would end it\n"
         if warned
         else ""

@@ -162,7 +162,7 @@ def test_a_table_may_be_named(tmp_path: Path) -> None:
     [
         (b"if x\n    pass\n", "line 1: expected ':'"),
         (b"x = 1\nreturn x\n", "line 2: 'return' outside function"),
-        (b"x = '\xff'\n", "line 1: byte 0xff is no utf-8"),
+        (b"x = '\xff'\n", "line 1: byte 0xff is not utf-8"),
         (b"# coding: no-such\nx = 1\n", "no-such"),
         (b"x = 1\0\n", "null"),
         (b"x = " + b"(" * 50_000, "line 1: too many nested parentheses"),

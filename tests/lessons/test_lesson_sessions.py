@@ -120,23 +120,23 @@ def changed(place: str, value: Any) -> str:
 
 
 REFUSED = {
-    "no lesson at all": (lambda: changed("text", "hello"), "its lesson has a fault: "),
-    "a lesson without pages": (lambda: changed("text", TEXT[: TEXT.index("[[pages]]")]), "its lesson has a fault: pages"),
-    "a faulty lesson": (lambda: changed("text", TEXT.replace("minutes = 5", "minutes = -5")), "its lesson has a fault: minutes"),
+    "no lesson at all": (lambda: changed("text", "hello"), "its lesson has an error: "),
+    "a lesson without pages": (lambda: changed("text", TEXT[: TEXT.index("[[pages]]")]), "its lesson has an error: pages"),
+    "a faulty lesson": (lambda: changed("text", TEXT.replace("minutes = 5", "minutes = -5")), "its lesson has an error: minutes"),
     "a lesson of 1 MB": (lambda: changed("text", "#" * 1_000_001), "at most 1000000"),
     "figures that grow": (
         lambda: changed("text", f'text = "{"{a}" * 300_000}"\n[figures]\na = {{ value = "{"x" * 9_000}", by = "1" }}'),
-        "its lesson has a fault: ",
+        "its lesson has an error: ",
     ),
     "variants that grow": (
         lambda: changed("text", f'text = "{"${a}" * 200_000}"\n[variants]\na = ["{"x" * 9_000}"]'),
-        "its lesson has a fault: variants",
+        "its lesson has an error: variants",
     ),
-    "placeholders of nothing": (lambda: changed("text", f'text = "{"{abc}" * 190_000}"\n[figures]\n' + "\n".join(f'f{n} = {{ value = "1", by = "1" }}' for n in range(290))), "its lesson has a fault: "),
+    "placeholders of nothing": (lambda: changed("text", f'text = "{"{abc}" * 190_000}"\n[figures]\n' + "\n".join(f'f{n} = {{ value = "1", by = "1" }}' for n in range(290))), "its lesson has an error: "),
     "no such variant": (lambda: changed("text", "[variants]\na = [1]\n").replace('"variant": ""', '"variant": "7"'), "checksum"),
     "a variant that is not there": (
         lambda: signed({**SOUND, "lesson": {**SOUND["lesson"], "text": f"{TEXT}\n[variants]\na = [1]", "variant": "7"}}),
-        "its lesson has a fault: variants",
+        "its lesson has an error: variants",
     ),
     "a path as id": (lambda: changed("id", "../../evening"), "not the name of its file"),
     "another id": (lambda: changed("id", "morning"), "not the name of its file"),

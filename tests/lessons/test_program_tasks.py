@@ -50,13 +50,17 @@ def test_a_program_that_is_right_passes_and_is_the_evidence() -> None:
 @pytest.mark.parametrize(
     ("code", "failing", "told"),
     [
-        (updating(cell="Q[next_state][action]"), [3], "line 24: at step"),
+        (updating(cell="Q[next_state][action]"), [3], "line 24: At step"),
         (updating("reward + (0 if terminated else max(Q[next_state]))"), [1], ""),
         (updating("reward + gamma * max(Q[next_state])"), [3], "if terminated else"),
-        (updating("reward + (0 if terminated or truncated else gamma * max(Q[next_state]))"), [3], "cut off"),
+        (
+            updating("reward + (0 if terminated or truncated else gamma * max(Q[next_state]))"),
+            [3],
+            "time limit",
+        ),
         (updating("reward + (0 if terminated else gamma * max(Q[state]))"), [0], "max Q(s)"),
         (LATE, [2], "line 24: step"),
-        (SKELETON, [0, 1, 2], "No number of the table has moved"),
+        (SKELETON, [0, 1, 2], "No number of the table has changed"),
         (RIGHT.replace("range(400)", "range(299)"), [4], ""),
         (RIGHT.replace("alpha * (", "alhpa * ("), [0, 1, 2, 3, 4], "line 24: NameError"),
         (RIGHT.replace("while not over:", "while not over"), [0, 1, 2, 3, 4], "my_agent.py, line 20"),

@@ -187,7 +187,7 @@ def test_a_run_does_not_wait_for_what_is_gone() -> None:
     pair = pair_at(playback.snapshot(), 1, 2)
     shown = do(playback, RunUntil(Until(Event.VALUE, pair=pair, threshold=-99.0)))
     assert shown.counters.step == 3
-    assert shown.playback.paused_by == "what it ran until is not in the world any more"
+    assert shown.playback.paused_by == "the stop condition is no longer in the world"
 
 
 def test_a_lane_beside_in_another_world_has_them_by_its_own_numbers() -> None:

@@ -107,9 +107,9 @@ def test_what_is_meant_where_nothing_is_said() -> None:
     assert (target.number, target.branch.name, target.left) == (0, "2", True)
     assert not replay_target(TREE, branch="1").left
     assert not replay_target(TREE, lane=2).left
-    with pytest.raises(UserError, match="there is no lane 3: the session has 2 lanes"):
+    with pytest.raises(UserError, match="there is no run 3: the session has 2 runs"):
         replay_target(TREE, lane=3)
-    with pytest.raises(UserError, match='no branch of lane 1 is called "x": there are 1, 2'):
+    with pytest.raises(UserError, match='no branch of run 1 is called "x": there are 1, 2'):
         replay_target(TREE, branch="x")
 
 
@@ -147,7 +147,7 @@ def test_it_is_the_run_of_train(tmp_path: Path) -> None:
 def test_the_report_for_people(tmp_path: Path) -> None:
     result = replay(saved(tmp_path / "a.json"))
     assert result.exit_code == 0
-    assert result.stdout.startswith("evening, lane 1 of 2, 2 of 2, at step 110\n")
+    assert result.stdout.startswith("evening, run 1 of 2, 2 of 2, at step 110\n")
     assert "after 12  alpha    0.5\n" in result.stdout
     assert "expected return" in result.stdout
 
@@ -188,7 +188,7 @@ def test_other_bits_are_a_warning(tmp_path: Path) -> None:
     result = replay(path, "--json")
     assert result.exit_code == 0
     assert result.stderr.count("\n") == 1
-    assert "Q does not come out as it was saved" in result.stderr
+    assert "Q differs from the saved one" in result.stderr
     assert json.loads(result.stdout)["steps"] == 110
     assert replay(path, "--branch", "1", "--json").stderr == ""
 

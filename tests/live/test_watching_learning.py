@@ -123,7 +123,7 @@ def test_that_an_optimal_policy_is_found_is_not_told_while_the_answer_is_hidden(
         for _, shown in watched.turns()
         if shown.playback.speed in SPEEDS[Stage.OPTIMAL]
     }
-    assert ("an optimal policy is found" in said, "nothing new" in said) == (not hidden, hidden)
+    assert ("optimal policy found" in said, "nothing new" in said) == (not hidden, hidden)
     assert not any("optimal" in each for each in said) or not hidden
 
 

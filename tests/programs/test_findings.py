@@ -367,7 +367,7 @@ def test_people_count_steps_from_1() -> None:
     (finding,) = found(recorded(done_is_done), Q_LEARNING)
     log = recorded(done_is_done)
     assert log.recording.steps.truncated[finding.step]
-    assert finding.text.startswith(f"at step {finding.step + 1:,} the time limit")
+    assert finding.text.startswith(f"At step {finding.step + 1:,} the time limit")
     assert finding_as_json(finding)["step"] == finding.step + 1
 
 
@@ -390,11 +390,11 @@ def test_a_step_size_is_told_also_of_a_table_that_runs_away(dtype: str) -> None:
 def test_a_cell_of_the_next_state_is_corrected_by_where_the_maximum_is_taken() -> None:
     (moved_on,) = found(recorded(after_moving, 0), UNKNOWN)
     (exchanged,) = found(recorded(swapped, 0), UNKNOWN)
-    assert moved_on.correction == "update Q[s, a], not Q[s2, a]; s = s2 comes after that"
-    assert exchanged.correction.startswith("s and s2 are swapped: target = ")
+    assert moved_on.correction == "update Q[s, a], not Q[s2, a], and set s = s2 after that"
+    assert exchanged.correction.startswith("swap s and s2: target = ")
 
 
 def test_a_state_that_step_overwrites_is_given_another_name() -> None:
     names = CodeNames(state="s", next_state="s")
     proof = proof_of_cell(Evidence(recorded(after_moving, 0).recording), names)
-    assert proof.correction == "update Q[s, a], not Q[next_s, a]; s = next_s comes after that"
+    assert proof.correction == "update Q[s, a], not Q[next_s, a], and set s = next_s after that"

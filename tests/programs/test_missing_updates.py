@@ -71,7 +71,7 @@ def test_an_update_is_missing_only_where_the_code_surely_writes_nothing(name: st
     findings = verdict_of(log).findings
     assert [each.fault for each in findings] == [CodeFault.LOSES_UPDATE] * is_missing
     for each in findings:
-        assert (each.line, "the update is missing" in each.correction) == (7, True)
+        assert (each.line, "add the missing update" in each.correction) == (7, True)
         assert "agent." not in each.correction
         if "s_next" in body:
             assert "self.q[s_next]" in each.correction
@@ -97,7 +97,7 @@ def test_the_line_that_leaves_the_loop_before_the_update_is_named(tmp_path: Path
     steps.reward[:] = steps.terminated
     log.table, log.called["step"] = FoundTable("q", "array", (6, 3), "float64"), (str(file), 3)
     [finding] = verdict_of(log).findings
-    assert finding.correction.startswith("line 4 leaves the loop before the update")
+    assert finding.correction.startswith("update before line 4, which leaves the loop")
     steps.reward[~steps.terminated] = 1.0  # now steps that reach the update have rewards too
     [finding] = verdict_of(log).findings
     assert "line 4" not in finding.correction
@@ -108,7 +108,7 @@ def test_a_discount_that_moves_nothing_is_told(rewards: tuple[float, ...], by_co
     log = recorded(without_next, initial="zeros", rewards=rewards, steps=12)
     evidence, numbers = Evidence(log.recording), {"agent.gamma": 0.95, "alpha": ALPHA}
     [note, *_] = notes_on(evidence, UpdateFound(gamma=0.0), "float64", numbers)
-    assert f"{MOVES_WITHOUT_GAMMA}, though `agent.gamma` in your code is 0.95" in note
+    assert f"{MOVES_WITHOUT_GAMMA}, but `agent.gamma` in your code is 0.95" in note
     assert ("max(Q[:, a])" in note) == by_column
     for without in ({}, {"gamma": 0.0}):
         assert not any(
@@ -133,7 +133,10 @@ def test_a_few_steps_that_move_the_next_state_are_a_note(learner: Learner) -> No
     log = recorded(learner, initial="zeros", rewards=(1.0,), steps=2)
     verdict, steps = verdict_of(log), log.recording.steps
     assert verdict.findings == ()
-    assert "Too few numbers of the table have moved yet: 2 steps moved one, 2 rewards came." in verdict.notes
-    told = [note for note in verdict.notes if "moved, not Q(s, a)" in note]
+    assert (
+        "Too few numbers of the table have changed yet: 2 steps changed one, after 2 rewards."
+        in verdict.notes
+    )
+    told = [note for note in verdict.notes if "changed, not Q(s, a)" in note]
     assert len(told) == (learner is after_moving and bool((steps.state != steps.next_state).any()))
     assert (steps.state != steps.next_state).any()

@@ -352,7 +352,7 @@ def test_the_file_saved_again_starts_it_again_and_says_what_became_better(tmp_pa
         playback.handle(commands.Train(1_500))
         _until(watcher, lambda: playback.history.newest.step == 1_500)
         path.write_text("this is no Python")
-        _until(watcher, lambda: "not started again" in playback.restarts.words)
+        _until(watcher, lambda: "not restarted" in playback.restarts.words)
         assert "line 1" in playback.restarts.words
         assert playback.history.newest.step == 1_500
         path.write_text(LEARNS.replace("EPISODES", "300"))

@@ -67,7 +67,7 @@ def test_what_fails_before_the_script_begins_is_not_blamed_on_it() -> None:
 
     assert log.error is not None
     words = error_in_words(log.error)
-    assert "no fault of the script" in words
+    assert "not a bug of the script" in words
     assert "ImportError: no" in words
     assert "os._exit" not in words
 

@@ -198,7 +198,7 @@ def test_a_table_that_counts_visits_is_none_of_values() -> None:
 
 def test_a_table_that_stays_as_it_is_says_so() -> None:
     update = found(alpha=lambda *_: 0.0)
-    assert (update.rule, update.reason) == (Rule.UNKNOWN, "No number of the table has moved yet.")
+    assert (update.rule, update.reason) == (Rule.UNKNOWN, "No number of the table has changed yet.")
 
 
 def test_the_first_step_that_departs_is_named() -> None:

@@ -64,7 +64,7 @@ def test_an_editor_on_windows_may_have_written_it(tmp_path: Path) -> None:
         ({"Phone": "sleep"}, 'Phone: found "sleep"; expected one of scroll, quit'),
         (
             {"Phone": {"quit": 0.5, "sleep": 0.5}},
-            "Phone.sleep: found an action that is not legal here; expected one of scroll, quit",
+            "Phone.sleep: found an action that is not available here; expected one of scroll, quit",
         ),
         ({"Phone": 1}, 'Phone: found 1; expected an action, or a table {"ACTION": CHANCE}'),
         ({"Phone": ["quit"]}, 'Phone: found ["quit"]; expected an action, or a table {"ACTION": CHANCE}'),
@@ -109,7 +109,7 @@ def test_all_faults_are_told_at_once_and_of_very_many_the_first(tmp_path: Path) 
     assert [line.split(":")[0] for line in said] == ["Class.study", 'Class."check phone"', "Phone", "Nowhere"]
     many = faults(tmp_path, {f"room {number}": "go" for number in range(150)})
     assert len(many) == 101
-    assert many[-1] == "found more than 100 faults; expected those above fixed first"
+    assert many[-1] == "found more than 100 errors; expected those above fixed first"
 
 
 def test_what_cannot_be_read_is_said(tmp_path: Path) -> None:

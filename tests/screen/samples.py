@@ -329,7 +329,7 @@ def stepped_lake() -> Snapshot:
         greedy_return=None,
         solution=None,
         expected_return=None,
-        refused="this environment has no transition table to work it out from",
+        refused="this environment has no transition table",
     )
 
 

@@ -141,4 +141,4 @@ async def test_escape_leaves_the_run_as_it_is_and_enter_opens_that_of_a_cell(mak
 async def test_where_there_is_none_it_says_why(make_app: MakeApp) -> None:
     async with on_screen(make_app("blackjack"), notifications=True) as pilot:
         await press(pilot, "t", "s")
-        assert "stepped for real" in screen_text(pilot.app)
+        assert "simulated environment" in screen_text(pilot.app)

@@ -61,9 +61,9 @@ def test_a_step_size_comes_along_where_it_was_the_sample_average() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "reason"),
     [
-        ("alpha", 0.1, "no difference"),
-        ("algorithm", "q-learning", "no difference"),
-        ("alpha_min", 0.05, "no difference"),  # without a decay, α never reaches it
+        ("alpha", 0.1, "changes nothing"),
+        ("algorithm", "q-learning", "changes nothing"),
+        ("alpha_min", 0.05, "changes nothing"),  # without a decay, α never reaches it
         ("policy", "gradient", "is for bandits"),
     ],
 )
@@ -200,7 +200,7 @@ async def test_one_run_is_compared_with_what_is_chosen(
         await choose(pilot, "gamma")
         await pilot.press("enter")  # the current value
         assert len(sent) == 3
-        assert "no difference" in notes(pilot.app)[-1]
+        assert "changes nothing" in notes(pilot.app)[-1]
 
 
 async def test_in_a_narrow_terminal_each_run_keeps_to_its_row_and_four_are_the_most(

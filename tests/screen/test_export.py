@@ -89,9 +89,9 @@ async def test_of_two_lanes_the_one_shown_is_exported_and_named(make_app: MakeAp
         assert pilot.app.screen.query_one("#box").border_title == f"Export · run {number} of 2"
         about = str(pilot.app.screen.query_one("#about", Static).render())
         assert f"Only run {number} of 2. The others are left out." in " ".join(about.split())
-    assert f"It contains lane {number} of 2 only." in " ".join(script_of(both).split())
+    assert f"It contains only run {number} of 2." in " ".join(script_of(both).split())
     assert f"(the run had {both.counters.episodes:,})" in script_of(both)
-    assert "It contains lane" not in script_of(first)
+    assert "It contains only run" not in script_of(first)
 
 
 async def test_tables_and_the_picture_are_those_that_are_shown(make_app: MakeApp, folder: Path) -> None:
@@ -164,7 +164,7 @@ async def test_the_command_has_what_was_changed_and_can_be_copied_or_written(
 async def test_why_there_is_no_script_is_told_in_a_line(make_app: MakeApp, folder: Path) -> None:
     async with on_screen(make_app("egg"), notifications=True) as pilot:
         await choose(pilot, "script")
-        assert "some of its states look alike" in "".join(said(pilot)).replace("\n", " ")
+        assert "cannot tell some of its states apart" in "".join(said(pilot)).replace("\n", " ")
     assert list(folder.iterdir()) == []
 
 

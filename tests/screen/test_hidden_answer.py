@@ -87,7 +87,7 @@ def test_a_number_is_told_without_the_exact_one() -> None:
 def test_until_the_policy_is_optimal_shows_nothing_of_it() -> None:
     (option,) = (each for each in until_options(SECRET, 0, UNICODE) if each.id == "optimal")
     assert not option.refused
-    assert option.hint == "Compares with the exact answer without showing it."
+    assert option.hint == "Compares with the exact values without showing them."
 
 
 async def test_what_a_person_hides_or_has_seen_is_hidden_in_the_neighbouring_scenarios(

@@ -114,7 +114,7 @@ def test_a_message_is_a_sentence_but_keys_symbols_and_paths_stay_as_they_are() -
     said = {
         "nothing is drawn yet": "Nothing is drawn yet.",
         "α stays 0.1: too large": "α stays 0.1: too large.",
-        "esc again goes to the catalogue": "esc again goes to the catalogue.",
+        "esc again: back to the catalogue": "esc again: back to the catalogue.",
         "written: /tmp/run.py": "Written: /tmp/run.py",
         "rl-tui grade runs it": "rl-tui grade runs it.",
         "What do you say?": "What do you say?",

@@ -56,7 +56,7 @@ async def test_search_and_menu_offer_the_same(monkeypatch: pytest.MonkeyPatch) -
         await tap(pilot, "s", "x")
         assert isinstance(pilot.app.screen, MenuStrip), "no row has these letters"
         await tap(pilot, "escape", "escape")
-        assert notes(pilot.app) == ["esc again goes to the start screen; this run is then gone."]
+        assert notes(pilot.app) == ["esc again: back to the start screen; this run is then gone."]
         stopped = []
         monkeypatch.setattr("os.kill", lambda *args: stopped.append(args))
         await pilot.app.run_action("suspend_process")
@@ -117,4 +117,4 @@ async def test_a_run_that_was_forgotten_is_paused(monkeypatch: pytest.MonkeyPatc
         async with asyncio.timeout(60):
             while playground.snapshot.playback.phase is not Phase.PAUSED:
                 await pilot.pause(0.01)
-        assert notes(pilot.app) == ["Paused: no key was pressed for some minutes."]
+        assert notes(pilot.app) == ["Paused: no key was pressed for several minutes."]

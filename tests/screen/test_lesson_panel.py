@@ -83,7 +83,7 @@ def test_a_locked_prediction_waits_for_its_steps() -> None:
         said = text(at("predict", SAID, step=step))
         assert stage(at("predict", SAID, step=step)) is PageStage.LOCKED
         assert "You said −2 at step 3; locked." in said
-        assert said.endswith(f"s to the truth: 2 steps{to_go}")
+        assert said.endswith(f"s to the result: 2 steps{to_go}")
         assert "−1.5" not in said
         assert "forgotten" not in said
         assert "right" not in said
@@ -266,16 +266,16 @@ def test_a_run_that_went_another_way_is_told_of(in_run: float | str, told: str) 
 @pytest.mark.parametrize(
     ("steps", "step", "is_manual", "ways"),
     [
-        (2, 3, False, ("s: to the truth: 2 steps", "s: to the truth")),
-        (2, 3, True, ("act: to the truth: 2 steps", "act: to the truth")),
-        (2, 4, False, ("s: to the truth: 2 steps, 1 to go", "s: to the truth: 1 to go", "s: 1 to go")),
+        (2, 3, False, ("s: to the result: 2 steps", "s: to the result")),
+        (2, 3, True, ("act: to the result: 2 steps", "act: to the result")),
+        (2, 4, False, ("s: to the result: 2 steps, 1 to go", "s: to the result: 1 to go", "s: 1 to go")),
         (
             1866,
             669,
             True,
             (
-                "space or u: to the truth: 1,866 steps, 1,200 to go",
-                "space or u: to the truth: 1,200 to go",
+                "space or u: to the result: 1,866 steps, 1,200 to go",
+                "space or u: to the result: 1,200 to go",
                 "space or u: 1,200 to go",
             ),
         ),
@@ -296,11 +296,11 @@ def test_a_locked_page_names_the_way_to_the_truth(
 def test_of_a_planner_it_names_the_key_of_a_sweep() -> None:
     start = at("predict", RIGHT, step=3)
     snapshot = replace(start, agent=replace(start.agent, algorithm="value-iteration"))
-    assert offered(panel_of(snapshot))[0] == "e or s: to the truth: 2 steps"
+    assert offered(panel_of(snapshot))[0] == "e or s: to the result: 2 steps"
 
 
 @pytest.mark.parametrize(
-    ("is_manual", "way"), [(False, "y then 1: to the truth: 2 steps"), (True, "1: to the truth: 2 steps")]
+    ("is_manual", "way"), [(False, "y then 1: to the result: 2 steps"), (True, "1: to the result: 2 steps")]
 )
 def test_it_names_the_keys_that_the_page_asks_for(is_manual: bool, way: str) -> None:
     taught = lesson_of(TEXT.replace("steps = 2", 'steps = 2\nkeys = ["y", "1"]'), Path("sample.toml"))

@@ -196,7 +196,7 @@ async def test_enter_on_the_page_does_what_it_asks_next(size: tuple[int, int]) -
         await press(pilot, "enter")  # to the world
         assert record(pilot).page == "predict"
         assert playground(pilot).board.shows(WORLD)
-        assert notes(pilot.app) == ["s: to the truth: 2 steps."]
+        assert notes(pilot.app) == ["s: to the result: 2 steps."]
         await press(pilot, "s", "s", *(("enter",) if size == small else ()), "enter")
         assert record(pilot).page == "quiz"
 

@@ -53,7 +53,7 @@ async def predict(learner: Learner, ask: Ask) -> None:
     assert given is not None
     assert given.is_right
     if steps_to_truth(ask, given, learner.now):
-        assert "to the truth" in await learner.read()
+        assert "to the result" in await learner.read()
         await do_by_hand(learner)
         await learner.run_to(given.step + ask.steps)
     seen = await learner.read()

@@ -30,13 +30,13 @@ BOTH = ProgramVerdict(update=KNOWN, findings=(TIES, AFTER_END))
 def test_the_chosen_finding_shows_line_evidence_and_correction() -> None:
     text = drawn(FindingsPanel, watched(program(verdict=BOTH)), 100)
     for said in (
-        "▸ fault: bootstraps after the end   line 15",
+        "▸ bug: bootstraps after the end   line 15",
         f"{AFTER_END.text}.",
         "Proven; 34 steps for it, none against; first at step 812.",
         " ▸ 15 ",
         SOURCE[14],
-        "Instead: after a terminal step the target is r alone",
-        "  risk: takes the first of equals   line 13",
+        "Fix: after a terminal step the target is r alone",
+        f"  risk: {IN_SHORT[TIES.fault]}   line 13",
     ):
         assert said in text
     assert TIES.text not in text
@@ -87,7 +87,7 @@ def test_the_file_of_a_program_may_be_given_as_people_do(path: str, file: str, i
 def test_nothing_found_says_what_that_rests_on() -> None:
     text = " ".join(drawn(FindingsPanel, watched()).split())
     assert f"{NOTHING} in 12,400 steps and 1,033 ends of episodes. {EXAMINED}" in text
-    assert "γ shows only on 1,204 steps" in text
+    assert "Only 1,204 steps reveal γ" in text
 
 
 @pytest.mark.parametrize("rule", [Rule.UNKNOWN, Rule.MONTE_CARLO])

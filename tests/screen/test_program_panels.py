@@ -68,7 +68,7 @@ def test_table_and_update_with_the_numbers_that_fit() -> None:
 def test_where_there_is_little_room_the_update_and_the_worst_finding_are_left() -> None:
     lines = drawn(ProgramPanel, watched(program(verdict=BOTH)), 80, 2).splitlines()
     assert lines[0].startswith(" Q-learning:  Q(s,a) ←")
-    assert "1 fault, 1 risk: bootstraps after the end (line 15)" in lines[1]
+    assert "1 bug, 1 risk: bootstraps after the end (line 15)" in lines[1]
 
 
 def test_what_it_raised_comes_before_all_else() -> None:
@@ -232,18 +232,18 @@ def test_a_step_whose_update_is_not_known_tells_only_what_moved() -> None:
     last = picture.counters.last_step
     assert last is not None
     text = story(picture, 80)
-    assert "your program moved Q(6,←) from " in text
+    assert "your program changed Q(6,←) from " in text
     assert "the update is not known: several cells moved in most steps" in text
     for invented in ("target", "α", "γ", "δ"):
         assert invented not in text
-    assert "your program moved" in story(picture, 80, 1)
+    assert "your program changed" in story(picture, 80, 1)
 
 
 def test_a_step_that_moved_several_cells_says_how_many() -> None:
-    assert "this step moved 5 cells" in story(unknown(others=4), 110)
+    assert "this step changed 5 cells" in story(unknown(others=4), 110)
     last = unknown().counters.last_step
     text = story(unknown(others=4, before=last.after), 110)  # the reported cell is unchanged, others are not
-    assert "this step moved 5 cells" in text
+    assert "this step changed 5 cells" in text
     assert "changed nothing" not in text
 
 
@@ -288,7 +288,7 @@ def test_without_a_table_nothing_is_said_of_what_was_learned() -> None:
     last = picture.counters.last_step
     assert last is not None
     text = story(changed(picture, last_step=replace(last, updated_pair=-1)), 80)
-    assert "no table was found, so no change is seen" in text
+    assert "no table was found, so no change is known" in text
     assert "greedy" not in text
 
 
@@ -299,7 +299,7 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     assert "departs at step 812" in text
     text = microscope(unknown("no step tells it"))
     assert NOT_KNOWN in text
-    assert "your program moved" in text
+    assert "your program changed" in text
     for invented in ("sampled", "expected", "α", "max Q", "G₀"):
         assert invented not in text
     open_update = unknown("no step tells it")

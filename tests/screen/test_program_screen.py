@@ -196,7 +196,7 @@ async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -
         (finding,) = program.verdict.findings
         await press(pilot, "a", "f")
         assert playground(pilot).board.shows(FINDINGS)
-        assert "fault: bootstraps after the end" in screen_text(pilot.app)
+        assert "bug: bootstraps after the end" in screen_text(pilot.app)
         assert "target = " in screen_text(pilot.app)
         now = await press(pilot, "enter")
         assert now.counters.step == finding.step + 1
@@ -212,8 +212,8 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         assert snapshot(pilot).agent.visits.any()
         assert "0.00" not in "".join(playground(pilot).board.table.render_line(y).text for y in range(1, 12))
         text = screen_text(pilot.app)
-        assert "looked for: an array" in text
-        assert "no table was found, so no change is seen" in text
+        assert "searched for: an array" in text
+        assert "no table was found, so no change is known" in text
         assert f"Q  {NO_TABLE}" in text
         assert "– no table" in text
         assert MAY_NEVER_END not in text

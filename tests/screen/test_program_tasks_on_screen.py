@@ -79,7 +79,7 @@ async def test_a_file_that_is_there_is_never_written_over_nor_one_elsewhere(here
         (here / "my_agent.py").write_text("mine", encoding="utf-8")
         await press(pilot, "enter", "enter")
         assert (here / "my_agent.py").read_text(encoding="utf-8") == "mine"
-        assert "exists already" in " ".join(notes(pilot.app))
+        assert "is not changed" in " ".join(notes(pilot.app))
         await press(pilot, "enter", "end", "enter")
         assert "this can be done" in " ".join(notes(pilot.app))  # so it is possible
         await press(pilot, "enter", "down", "enter")

@@ -100,7 +100,7 @@ def test_without_an_exact_answer_the_panel_says_why(layer: Layer) -> None:
     assert COMPUTING in Drawn(lake(solution=None), layer=layer).text
     reason = "state 5 cannot reach an end"
     refused = Drawn(lake(solution=None, refused=reason), 60, 5, layer)
-    assert f"No exact answer: {reason}" in refused.text
+    assert f"No exact values: {reason}" in refused.text
     assert "0." in Drawn(lake(solution=None, refused=reason)).text
 
 

@@ -285,7 +285,7 @@ async def test_where_no_session_is_kept_the_menu_says_so(app_with_sessions: Make
     app = app_at(student())
     async with on_screen(app) as pilot:
         await tap(pilot, "m", "s")
-        assert "Not here: no session is kept here." in screen_text(app)
+        assert "Not here: no session is saved here." in screen_text(app)
 
 
 async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
@@ -338,7 +338,7 @@ async def test_other_bits_are_told_and_the_file_is_left_alone(
     path.write_bytes(encoded(record(7), digest="0" * 64))
     app = app_with_sessions(read_session(path))
     async with on_screen(app) as pilot:
-        assert any("Q does not come out as it was saved" in each for each in notes(app))
+        assert any("Q differs from the saved one" in each for each in notes(app))
         await tap(pilot, "s")
     assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [7, 8]
     assert read_session(path).step == 7

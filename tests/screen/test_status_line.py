@@ -337,7 +337,7 @@ def test_a_short_way_changes_nothing() -> None:
 
 
 def test_a_reason_longer_than_the_row_is_shortened() -> None:
-    long = "the optimal policy is unknown: this environment has no transition table to work it out from"
+    long = f"the optimal policy is unknown: {'x' * 50}"
     assert drawn(lake(paused_by=long)).rstrip().endswith("…")
     assert drawn(lake(paused_by=long), ascii=True).isascii()
     assert long in drawn(lake(paused_by=long), 120)

@@ -65,7 +65,7 @@ async def test_b_goes_back_a_step_and_B_an_episode_as_often_as_they_are_pressed(
         sent.clear()
         await pilot.press("b")
         assert sent == []
-        assert notes(pilot.app) == ["This is step 0, where the run begins."]
+        assert notes(pilot.app) == ["This is step 0, the start of the run."]
 
 
 @pytest.mark.exhaustive("plays at another size", but=["size0"])
@@ -128,7 +128,7 @@ async def test_the_dialog_goes_to_another_branch_and_says_which_moment_that_is_o
         await pilot.press("m", "b", "down", "enter")
         shows(pilot, two(1))
         await pilot.pause()
-        assert notes(pilot.app)[-1] == "branch 2, step 80: as far as it has come"
+        assert notes(pilot.app)[-1] == "branch 2, step 80: its latest step"
         sent.clear()
         await pilot.press("m", "b", "up", "tab", "enter")
         assert sent == [ChooseBranch(0), GoTo(40)]

@@ -134,7 +134,7 @@ async def test_figures_on_screen_are_the_commands(make_app: MakeApp) -> None:
         assert TITLE in text
         assert f"random policy {command['random_return']:.5f}" in text
         assert f"best policy {command['best_return']:.5f}" in text
-        assert f"best way {command['shortest_way']} steps" in text
+        assert f"optimal path {command['shortest_way']} steps" in text
         await press(pilot, "w", "c")
         await settle(pilot)
         assert snapshot(pilot).world_check is None

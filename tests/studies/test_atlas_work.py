@@ -145,7 +145,7 @@ def test_it_ends_when_its_time_is_up() -> None:
     ("made_from", "is_edited", "words"),
     [
         (recipe("frozenlake", algorithm="value-iteration"), False, "knows the world"),
-        (recipe("blackjack"), False, "stepped for real"),
+        (recipe("blackjack"), False, "simulated environment"),
         (recipe("frozenlake"), True, "was edited"),
     ],
 )
@@ -156,6 +156,6 @@ def test_where_there_is_nothing_to_map_it_says_why(made_from: Recipe, is_edited:
 def test_there_is_none_in_a_kiosk_nor_of_a_large_world(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not why_not(recipe("frozenlake"))
     monkeypatch.setattr(atlas_request, "MOST_PAIRS", 3)
-    assert "3 pairs" in why_not(recipe("frozenlake"))
+    assert "3 state–action pairs" in why_not(recipe("frozenlake"))
     monkeypatch.setattr(atlas_request, in_kiosk.__name__, lambda: True)
     assert "kiosk" in why_not(recipe("frozenlake"))

@@ -395,7 +395,9 @@ def why_refused(mdp: TabularMDP) -> str:
     """Return why flip points of `mdp` are not computed, judged by its size. Empty if they are."""
     live = int(np.count_nonzero(np.diff(mdp.first_pair)))
     most = counted(MOST_STATES, "state")
-    return f"flips are worked out for at most {most}; here {live:,} are live" if live > MOST_STATES else ""
+    return (
+        f"flip points are computed for at most {most}; here {live:,} are live" if live > MOST_STATES else ""
+    )
 
 
 class _Side(NamedTuple):

@@ -280,8 +280,8 @@ def _chain_solver(moves: _Moves, gamma: float, unknown: BoolArray) -> Solver:
 
 def _too_ill_conditioned(gamma: float) -> NoExactAnswer:
     if gamma < 1.0:
-        return NoExactAnswer(f"γ = {gamma!r} is too near to 1 for an exact answer; choose a smaller γ")
-    return NoExactAnswer("γ = 1: an end is too unlikely for an exact answer; choose γ below 1")
+        return NoExactAnswer(f"γ = {gamma!r} is too near to 1 for exact values; choose a smaller γ")
+    return NoExactAnswer("γ = 1: a terminal state is too unlikely for exact values; choose γ below 1")
 
 
 def _dense(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:

@@ -141,7 +141,7 @@ def _way_out(model: ExactModel) -> IntArray:
     lost = model.live[steps[model.live] < 0]
     if len(lost):
         name = model.mdp.state_names[lost[0]]
-        raise NoExactAnswer(f"γ = 1: state {name} cannot reach an end; choose γ below 1")
+        raise NoExactAnswer(f"γ = 1: state {name} cannot reach a terminal state; choose γ below 1")
     nearer = steps[model.landing] < steps[model.pair_state][model.outcome_pair]
     chance = np.add.reduceat(np.where(nearer, model.probability, 0.0), model.mdp.first_outcome[:-1])
     return _improved(model, model.mdp.first_pair[model.live], chance, 0.0)

@@ -97,8 +97,8 @@ def _read(value: float) -> Fraction:
     read = Fraction(value).limit_denominator(LARGEST_DENOMINATOR)
     if value and not read:
         raise NoExactAnswer(
-            f"flips read chances and rewards as fractions with denominators up to {LARGEST_DENOMINATOR:,}, "
-            f"and {value:g} is too small for that"
+            f"flip points need fractions with denominators up to {LARGEST_DENOMINATOR:,}, and {value:g} is "
+            "too small for that"
         )
     return read
 

@@ -96,7 +96,7 @@ def command(
     beginning = begin(recipe)
     states = table_of(recipe, beginning).states
     if name == PolicyKind.OPTIMAL and states > MOST_STATES:
-        click.echo(f"{states:,} states: the exact answer may take many minutes", err=True)
+        click.echo(f"{states:,} states: the exact values may take many minutes", err=True)
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(recipe.scenario))
     with progress(recipe.scenario.id) if name == PolicyKind.GREEDY else nullcontext() as bar:
         on_progress = no_progress if bar is None else with_compiling(bar)

@@ -83,7 +83,7 @@ def _report(stored: StoredSession, target: ReplayTarget, run: Run, figures: dict
     lanes = len(stored.document.lanes)
     parts = [stored.title]
     if lanes > 1:
-        parts.append(f"lane {target.number + 1} of {lanes}")
+        parts.append(f"run {target.number + 1} of {lanes}")
     if len(target.lane.branches) > 1:
         parts.append(f"{target.branch.name} of {len(target.lane.branches)}")
     parts.append(f"at step {run.step:,}")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _GREEDY_IS_NOT_ENOUGH: Final = """\
 At γ = 1 a greedy policy for Q* may circle forever and never earn what Q* promises. Of equally good actions
-the policy contains only those that lead to an end; left out: {}."""
+the policy contains only those that lead to a terminal state; left out: {}."""
 
 
 @click.command("solve")
@@ -48,9 +48,9 @@ def command(scenario: str, gamma: float | None, flips: bool, seed: int, as_json:
     world = begin(recipe).world
     mdp = world.mdp
     if mdp is None:
-        raise UserError(f"{recipe.scenario.id} has no exact answer: {NO_TABLE}")
+        raise UserError(f"{recipe.scenario.id} has no exact values: {NO_TABLE}")
     if mdp.states > MOST_STATES:
-        click.echo(f"{mdp.states:,} states: the exact answer may take many minutes", err=True)
+        click.echo(f"{mdp.states:,} states: the exact values may take many minutes", err=True)
     solution = solve(mdp, recipe.hyperparameters.gamma)
     answer = solution_figures(recipe, mdp, solution)
     changes = _with_flips(world, mdp, answer) if flips else None

@@ -43,7 +43,7 @@ def command(scenario: str, overrides: dict[str, object], seed: int, as_json: boo
     recipe = recipe_named(scenario, overrides, seed)
     mdp = begin(recipe).world.mdp
     if mdp is None:
-        raise UserError(f"{recipe.scenario.id} has no exact answer: {NO_TABLE}")
+        raise UserError(f"{recipe.scenario.id} has no exact values: {NO_TABLE}")
     answer = first_update(mdp, recipe.algorithm, recipe.hyperparameters)
     if as_json:
         print_json(_document(recipe, answer))

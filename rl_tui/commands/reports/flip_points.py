@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # Flip points
 
 
-NONE: Final = "no flips: the same actions are best at every γ in (0, 1)"
+NONE: Final = "no flip points: the same actions are optimal at every γ in (0, 1)"
 HEAD: Final = ("γ", "", "state", "below", "above", "return below", "return above")
 TURNS_THE_WAY: Final = "*"
 

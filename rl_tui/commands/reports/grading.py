@@ -57,11 +57,8 @@ def _remarks(each: GradedSubmission) -> list[str]:
     of = f"of {len(each.runs):,}"
     lines = []
     for finding, seeds in each.findings:
-        place = (
-            "" if finding.line is None else f" (line {finding.line}{_of_another(finding.file, each.name)})"
-        )
-        text = f"{finding.text}{place}. {finding.correction}".strip()
-        lines.append(f"{finding.kind} in {seeds:,} {of} seeds, {finding.fault}: {text}")
+        place = "" if finding.line is None else f", line {finding.line}{_of_another(finding.file, each.name)}"
+        lines.append(f"{finding.noun} in {seeds:,} {of} seeds, {finding.fault}{place}: {finding.account}")
     errors = dict[str, int]()
     for run in each.runs:
         if run.error:

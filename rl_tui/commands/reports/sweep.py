@@ -42,7 +42,7 @@ def sweep_report(
         parts.append(f"{counted(standings.skipped, 'cell')} cannot work: {standings.reasons[0].reason}")
     if not standings.bests:
         return "\n".join(
-            [*parts, "", f"No run has the figure {standings.measure.id}: take another --measure"]
+            [*parts, "", f"No run has the metric {standings.measure.id}: take another --measure"]
         )
     rankings = [each for each in standings.rankings.values() if each.best is not None]
     table = _cells(plan, store, standings, rankings[0]) if len(rankings) == 1 else ""

@@ -87,9 +87,9 @@ def update_in_words(verdict: ProgramVerdict) -> str:
         if value is not None
     ]
     is_known = update.rule != Rule.UNKNOWN
-    what = f"its update is {update.rule.value}" if is_known else "which update it makes is not known"
+    what = f"its update is {update.rule.value}" if is_known else "its update is not known"
     settings = f"{' with' if is_known else ';'} {', '.join(known)}" if known else ""
-    faults = (f"{each.kind}: {each.fault.value}: {each.text}" for each in verdict.findings)
+    faults = (f"{each.noun}: {each.fault.value}: {each.text}" for each in verdict.findings)
     return "\n".join((f"{what}{settings}", *map(printable, faults)))
 
 
@@ -107,7 +107,7 @@ def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures
     exact = (
         _greedy_rows(figures, best)
         if mdp and figures["q"]
-        else [("exact figures", "none", _no_exact(figures))]
+        else [("exact numbers", "none", _no_exact(figures))]
     )
     first = figures["first_reward_episode"]
     rows = [
@@ -186,7 +186,7 @@ def _rows(run: Run, figures: Figures) -> list[Row]:
         return _greedy_rows(figures, best)
     first = figures["first_reward_episode"]
     return [
-        *(_greedy_rows(figures, best) if mdp else [("exact figures", "none", why_inexact(run))]),
+        *(_greedy_rows(figures, best) if mdp else [("exact numbers", "none", why_inexact(run))]),
         *_last_rows(figures),
         (FIRST_REWARD, "never" if first is None else f"episode {first:,}", "the first that is not 0"),
     ]

@@ -115,7 +115,7 @@ def way_flip(subject: FigureSubject, n: object) -> float:
 
 def _nth(found: tuple[Flip, ...], n: object) -> float:
     if not found:
-        raise FigureError("no γ at which the best actions change so", "a world that has some")
+        raise FigureError("no γ at which the optimal actions change so", "a world that has some")
     return found[whole(n, "n", 1, len(found)) - 1].gamma
 
 
@@ -141,7 +141,7 @@ def median_episodes(subject: FigureSubject) -> int:
 
 def _there(value: float | None, name: str) -> float:
     if value is None or not np.isfinite(value):
-        raise FigureError(f"no exact answer of {name}", "a world and a γ that have one")
+        raise FigureError(f"no exact value of {name}", "a world and a γ that have one")
     return value
 
 

@@ -281,7 +281,7 @@ class LessonFigures:
         except FigureError as fault:
             return Finding(("figures", name, "by"), fault.found, fault.expected)
         except UserError as fault:
-            return Finding(("figures", name, "by"), str(fault), "what can be worked out")
+            return Finding(("figures", name, "by"), str(fault), "something that can be computed")
         wrong = _why_wrong(figure.value, exact)
         return None if wrong is None else Finding(("figures", name, "value"), shown(figure.value), wrong)
 

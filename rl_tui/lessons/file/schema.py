@@ -150,7 +150,7 @@ class Ask(FileSection):
         if self.shows is not None and not self.steps:
             raise refused("shows without steps", "in how many steps it is measured: steps")
         if self.keys and not self.steps:
-            raise refused("keys without steps", "how many steps they take to the truth: steps")
+            raise refused("keys without steps", "how many steps they take to the result: steps")
         return self
 
     def is_right(self, answer: float) -> bool:

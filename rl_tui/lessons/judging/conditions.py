@@ -81,7 +81,7 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
             verdicts |= dict(zip(by_seeds, found, strict=True))
             waits = panels.waits
         else:
-            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "worked out once the others hold"))
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "computed once the others hold"))
     ordered = [verdicts[place] for place in range(len(conditions))]
     evidence = None
     if all(each.holds is not False for each in ordered) and judged.task.proof is None:
@@ -103,7 +103,7 @@ def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
     except MissingError as reason:
         return ConditionVerdict(False, str(reason))
     except NotYetError:
-        return ConditionVerdict(None, "being worked out")
+        return ConditionVerdict(None, "being computed")
     return ConditionVerdict(is_met(condition, value), found_in_words(condition, value))
 
 

@@ -48,7 +48,7 @@ class MeasureKind(StrEnum):
     EPISODE = "the episode that ended with this very step"
     LAST_STEP = "the last step"
     LEARNED = "what was learned"
-    EXACT = "exact figures"
+    EXACT = "exact numbers"
     RECORD = "the record of all episodes"
     PROGRAM = "a program that was watched"
 
@@ -271,7 +271,7 @@ def _exact() -> Iterable[TaskMeasure]:
     yield row("max_error", "max |Q − Q*|", _max_error)
     yield row("optimal_value", "V* of a state", _optimal_value, "state")
     yield row(
-        "optimal_actions_in", "the best actions of a state", _optimal_actions, "state", gives=Gives.TEXT
+        "optimal_actions_in", "the optimal actions of a state", _optimal_actions, "state", gives=Gives.TEXT
     )
 
 
@@ -350,7 +350,7 @@ def _faults(seen: SeenProgram) -> float:
 
 def _program_return(seen: SeenProgram) -> float:
     if seen.expected_return is None:
-        raise MissingError("it has no table of which that can be worked out")
+        raise MissingError("its table does not allow that")
     return seen.expected_return
 
 
@@ -368,7 +368,7 @@ def _programs() -> Iterable[TaskMeasure]:
     yield row("program_episodes", "episodes that it finished", lambda s: s.episodes)
     yield row("program_rule", "the update that it makes", _rule, text)
     yield row("program_departs", "the first step not explained by that, 0 for none", _departs)
-    yield row("program_faults", "its faults", _faults)
+    yield row("program_faults", "its bugs", _faults)
     yield row("program_alpha", "its α", lambda s: _found(s.verdict.update.alpha, s, "its α"))
     yield row("program_gamma", "its γ", lambda s: _found(s.verdict.update.gamma, s, "its γ"))
     yield row(

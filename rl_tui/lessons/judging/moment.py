@@ -42,9 +42,9 @@ def why_too_dear(mdp: TabularMDP, *, value_of_policy: bool = False) -> str:
     `value_of_policy` takes longer than a return.
     """
     if mdp.states > LIVE_STATES or visits_of(mdp) > DEAREST_LIVE:
-        return "this world is too large for exact figures beside a run"
+        return "this world is too large for exact numbers beside a run"
     if value_of_policy and mdp.states > AT_ONCE_STATES:
-        return f"values of a policy are not worked out beside a run above {AT_ONCE_STATES} states"
+        return f"values of a policy are not computed beside a run above {AT_ONCE_STATES} states"
     return ""
 
 

@@ -77,7 +77,7 @@ def _in_a_line(error: ProgramError) -> str:
 
 def _of_finding(finding: CodeFinding) -> str:
     place = "" if finding.line is None else f"line {finding.line}: "
-    return f"{place}{finding.text.rstrip('.')}. Fix: {finding.correction.rstrip('.')}."
+    return f"{place}{finding.account}"
 
 
 def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
@@ -97,7 +97,7 @@ def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
         f"Q({each.cell // actions}, {each.cell % actions}) from {each.before:.4g} to {each.after:.4g}"
         for each in moved[:3]
     )
-    what = f"moved {cells}" if cells else "moved nothing"
+    what = f"changed {cells}" if cells else "changed nothing"
     return [f"{place}step {step:,} {what}, which {update.rule.value} does not explain."]
 
 

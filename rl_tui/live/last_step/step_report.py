@@ -35,7 +35,7 @@ from rl_tui.worlds.world import World
 
 
 NO_CHANGE: Final = "your program changed nothing"
-NO_TABLE: Final = "no table was found, so no change is seen"
+NO_TABLE: Final = "no table was found, so no change is known"
 _OF_THE_BOOK: Final = {
     Lookup.BEST: UpdateTarget.BEST,
     Lookup.NEXT: UpdateTarget.NEXT_ACTION,

@@ -75,7 +75,7 @@ class StopCondition:
                 if answer.refused:
                     raise UserError(f"the optimal policy is unknown: {answer.refused}")
                 if answer.solution is None:
-                    raise UserError("the exact answer is still being worked out: try again in a moment")
+                    raise UserError("the exact values are still being computed: try again in a moment")
                 self._optimum = answer.solution
                 if run.learner.drifted:
                     self.stride = 1  # the optimal policy changes with every step

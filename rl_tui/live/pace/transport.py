@@ -144,7 +144,7 @@ class LearningPace:
             case Stage.SPREADING:
                 return f"values in {self._with_value:,} of {len(self._first_pairs):,} states"
             case Stage.OPTIMAL:
-                return "nothing new" if hides_answer else "an optimal policy is found"
+                return "nothing new" if hides_answer else "optimal policy found"
         return "faster and faster"
 
     def _enter(self, stage: Stage, now: float) -> None:

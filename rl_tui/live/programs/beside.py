@@ -44,7 +44,7 @@ class RunsBeside:
         if len(self.runs) == MOST:
             raise UserError(f"your program already has {MOST} other runs; end one first")
         if self.world.mdp is None and self.world.new_environment is None:
-            raise UserError("only your program can make this environment: ours cannot learn in it")
+            raise UserError("only your program can create this environment")
         recipe = changed_recipe(recipe, *changes)
         check_compatible(self.world.space, recipe.algorithm, recipe.hyperparameters)
         self.runs.append(BranchingRun(RunRecord(recipe), EditedWorld(self.world), time.perf_counter))

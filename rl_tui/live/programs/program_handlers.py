@@ -24,20 +24,20 @@ def refusal_of(command: commands.Command, file: str) -> str:
     """Return the reason why `command` does not apply to the program in `file`."""
     match command:
         case commands.Apply(SetParameter(name)):
-            return f"your program decides that: change {_NAMES.get(name, name)} in {file}, and save it"
+            return f"your program sets this: change {_NAMES.get(name, name)} in {file}, and save it"
         case commands.Apply():
-            return f"your program decides how it learns: change it in {file}, and save it"
+            return f"your program sets how it learns: change it in {file}, and save it"
         case commands.Take():
-            return "your program takes its steps itself: s lets it take one"
+            return "your program takes its own steps: s takes one"
         case commands.WatchLearning():
-            return "a program runs at a speed of your choice: + and −"
+            return "a program has no automatic speed: use + and −"
         case commands.ChooseBranch() | commands.AddBranch():
-            return "a program has one past, and no branches"
+            return "a program has no branches"
         case commands.ChooseLane():
             return "your program is the run in view; c o compares it with the other run"
         case commands.StudySeeds():
             return "rl-tui grade runs your program with many seeds"
-    return "this cannot be done to a program that is watched"
+    return "this is not available for a watched program"
 
 
 def _set_speed(playback: ProgramPlayback, command: commands.SetSpeed) -> None:
@@ -128,7 +128,7 @@ def _add_lane(playback: ProgramPlayback, command: commands.AddLane) -> None:
 
 def _drop_lane(playback: ProgramPlayback, command: commands.DropLane) -> None:
     if command.lane == 0:
-        raise UserError("your program is what is shown: end one of those beside it")
+        raise UserError("your program cannot be ended here: end another run")
     playback.beside.drop(command.lane - 1)
 
 

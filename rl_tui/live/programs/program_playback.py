@@ -90,7 +90,7 @@ class Reload:
         if then is None or after is None:
             which, then, after = "the mean of the last 100 returns", self._mean, results.return_last_100
         if then is None or after is None:
-            return f"started again from its seed: {where}{mine} there is nothing to compare"
+            return f"restarted from its seed: {where}{mine} there is nothing to compare"
         word = "better than" if after > then else "worse than" if after < then else "the same as"
         return f"{word} before {where}: {which} is {after:.4g}{mine}, it was {then:.4g}{before}"
 
@@ -141,11 +141,11 @@ class Restarts:
         try:
             if not fault:
                 self.begin(request, before, is_saved=True)
-                self.words = "saved: it is started again, and shown once it has made its environment"
+                self.words = "saved: it restarts, and appears when it has created its environment"
         except UserError as error:
             fault = str(error)
         if fault:
-            self.words = f"not started again: {fault}"
+            self.words = f"not restarted: {fault}"
         return True
 
     def look(self) -> bool:
@@ -160,7 +160,7 @@ class Restarts:
             self._give_up(fault)
             return True
         self.file.read_again()
-        self.words = "started again from its seed" if newest.is_saved else ""
+        self.words = "restarted from its seed" if newest.is_saved else ""
         self._newest = newest if newest.is_saved else None
         self._go_over_to(newest.taken())
         return True
@@ -189,7 +189,7 @@ class Restarts:
 
 EVERY: Final = 1.0
 """Seconds between two verdicts on a running program."""
-NOT_EXAMINED: Final = "what your program does could not be examined, by a fault of rl-tui"
+NOT_EXAMINED: Final = "your program could not be examined, because of a bug in rl-tui"
 _LONGEST: Final = 300
 _REST: Final = 4.0
 """The pause after a verdict is at least this many times its duration."""

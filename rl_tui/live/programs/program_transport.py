@@ -81,7 +81,7 @@ class ProgramStop:
         if self._progress.world.world.mdp is None or answer.refused:
             raise UserError(f"the optimal policy is unknown: {answer.refused}")
         if answer.solution is None:
-            raise UserError("the exact answer is still being worked out: try again in a moment")
+            raise UserError("the exact values are still being computed: try again in a moment")
         if self._is_optimal():
             raise UserError("the greedy policy is optimal already")
 

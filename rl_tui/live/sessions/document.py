@@ -39,7 +39,7 @@ MOST_GIVEN: Final = 10_000
 def _plain(text: str) -> str:
     character = control_character(text)
     if character:
-        raise ValueError(f"{character} is a control character, of which none is allowed")
+        raise ValueError(f"{character} is a control character, which is not allowed")
     return text
 
 

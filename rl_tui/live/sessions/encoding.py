@@ -368,7 +368,7 @@ def _lesson(stored: StoredLesson) -> Lesson:
     try:
         return lesson_of(stored.text, source, stored.variant)
     except UserError as fault:
-        raise UserError(f"its lesson has a fault: {_without_path(fault, source)}") from fault
+        raise UserError(f"its lesson has an error: {_without_path(fault, source)}") from fault
 
 
 def _without_path(fault: UserError, source: Path) -> str:

@@ -274,7 +274,7 @@ def grade_report(lesson: Lesson, graded: GradedSession) -> dict[str, Any]:
 def _check(lesson: Lesson) -> None:
     """Raise UserError if the lesson has no task."""
     if not lesson.tasks:
-        raise UserError(f"the lesson {lesson.id} sets no task, so nothing can be graded by it")
+        raise UserError(f"the lesson {lesson.id} sets no task, so nothing can be graded")
 
 
 def _evidence(taken: LessonRecord | None, page: str) -> Passed | None:

@@ -41,8 +41,8 @@ def replay_target(record: Record, lane: int | None = None, branch: str | None = 
     """
     number = record.shown if lane is None else lane - 1
     if not 0 <= number < len(record.lanes):
-        lanes = counted(len(record.lanes), "lane")
-        raise UserError(f"there is no lane {lane}: the session has {lanes}")
+        lanes = counted(len(record.lanes), "run")
+        raise UserError(f"there is no run {lane}: the session has {lanes}")
     chosen = record.lanes[number]
     here = chosen.branches[chosen.branch]
     if branch is None:
@@ -51,7 +51,7 @@ def replay_target(record: Record, lane: int | None = None, branch: str | None = 
         if each.name == branch:
             return ReplayTarget(chosen, number, each, left=number == record.shown and each is here)
     names = ", ".join(each.name for each in chosen.branches[:20])
-    raise UserError(f"no branch of lane {number + 1} is called {shown(branch)}: there are {names}")
+    raise UserError(f"no branch of run {number + 1} is called {shown(branch)}: there are {names}")
 
 
 def replayed(

@@ -37,8 +37,7 @@ if TYPE_CHECKING:
 SUFFIX: Final = ".json"
 MOST_PAIRS_DIGESTED: Final = 100_000
 OTHER_BITS: Final = (
-    "Q does not come out as it was saved: the version of the program, NumPy or Numba changed, and the run "
-    "with it"
+    "Q differs from the saved one: the version of rl-tui, NumPy or Numba has changed, and so has the run"
 )
 _CHECKSUM: Final = "checksum"
 _LONGEST_FAULT: Final = 300

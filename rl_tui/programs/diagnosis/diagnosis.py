@@ -48,7 +48,7 @@ from rl_tui.programs.watched.program_log import FoundTable, ProgramLog
 # Notes on unknown facts
 
 
-MOVES_WITHOUT_GAMMA: Final = "The table moves as with γ 0"
+MOVES_WITHOUT_GAMMA: Final = "The table changes as with γ 0"
 _LONGEST: Final = 80
 _UNUSUAL: Final = (UpdateTarget.SAME_ACTION, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.NOTHING)
 
@@ -74,8 +74,8 @@ def note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
     ids = ", ".join(dict.fromkeys(f"{each.id} ({each.states} × {each.actions})" for each in others))
     name = one_line(log.table.name, _LONGEST)
     return (
-        f"Steps in {one_line(ids, _LONGEST)} are not analysed: {name} has no row for them; "
-        "--table NAME follows another table.",
+        f"Steps in {one_line(ids, _LONGEST)} are ignored: {name} has no row for them. --table NAME follows "
+        "another table.",
     )
 
 
@@ -84,8 +84,8 @@ def _notes(
 ) -> Iterator[str]:
     if not evidence.changes.step.size:
         rewards = int(np.count_nonzero(evidence.reward))
-        came = f", though {rewards:,} rewards came" if rewards else ", and no reward came"
-        yield f"No number of the table has changed yet{came}: the update is unknown."
+        came = f"{rewards:,} rewards arrived" if rewards else "no reward arrived"
+        yield f"The update is unknown: no number of the table has changed yet, and {came}."
         return
     discount = declared_discount(numbers)
     if update.gamma == 0.0 and discount is not None and discount[1] > 0.0:
@@ -114,13 +114,13 @@ def _without_discount(evidence: Evidence, name: str, gamma: float) -> str:
     table = np.nan_to_num(evidence.recording.table_at(evidence.recording.count))
     highest = table.reshape(-1, evidence.actions).max(0)
     text = (
-        f"{MOVES_WITHOUT_GAMMA}, though `{one_line(name, _LONGEST)}` in your code is {gamma:g}: the "
-        "value of the next state never enters the target."
+        f"{MOVES_WITHOUT_GAMMA}, but `{one_line(name, _LONGEST)}` in your code is {gamma:g}. The target "
+        "never contains the value of the next state."
     )
     if np.all(highest == 0.0) and np.all(evidence.changes.after <= 0.0):
         text += (
-            " A maximum over all states in place of the actions, as in max(Q[:, a]), would explain it: it "
-            "was always 0 here."
+            " A maximum over states instead of actions, as in max(Q[:, a]), would explain this: here it was "
+            "always 0."
         )
     return text
 
@@ -133,9 +133,8 @@ def _few_of_the_next_state(evidence: Evidence) -> Iterator[str]:
     if 0 < len(at) < FEWEST_STEPS and np.array_equal(cell[at], moved):
         first = evidence.number[at[0]]
         yield (
-            f"At {step_text(first)} it was Q(s′, a) that moved, not Q(s, a): {len(at)} such "
-            f"{'step' if len(at) == 1 else 'steps'} so far, {FEWEST_STEPS} would prove that the state "
-            "is moved on before the update."
+            f"At {step_text(first)} Q(s′, a) changed, not Q(s, a). {FEWEST_STEPS} such steps would prove "
+            f"that the state changes before the update. So far: {len(at)}."
         )
 
 

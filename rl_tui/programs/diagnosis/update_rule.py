@@ -297,13 +297,13 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "")
     """
     moved = evidence.changes_of > 0
     if not moved.any():
-        return UpdateFound(reason="No number of the table has moved yet.")
+        return UpdateFound(reason="No number of the table has changed yet.")
     ends = evidence.terminated | evidence.truncated
     several = evidence.changes_of > 1
     inner = moved & ~ends
     if np.mean(ends[moved]) < AT_ENDS and np.mean(several[inner]) > 1 - SHARE:
         most = int(evidence.changes_of[inner].max())
-        return UpdateFound(reason=f"A step moves several numbers, up to {most}: no one-step update fits.")
+        return UpdateFound(reason=f"A step changes several numbers, up to {most}: no one-step update fits.")
     if np.mean(several[moved]) > 1 - SHARE:
         by_returns = monte_carlo_update(evidence, numbers)
         if by_returns:
@@ -312,11 +312,11 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "")
     if np.mean(several[moved]) > 1 - SHARE and place is not MovedCell.ONE_LATE:
         most = int(evidence.changes_of.max())
         return UpdateFound(
-            reason=f"The end of an episode moves several numbers, up to {most}: no one-step update fits."
+            reason=f"The end of an episode changes several numbers, up to {most}: no one-step update fits."
         )
     if place is None:
         return UpdateFound(
-            reason="What moves is not Q(s, a), the number of the state and the action of the step."
+            reason="The changed number is not Q(s, a), the estimate of the state and action of the step."
         )
     sample = sample_of(evidence, place)
     trial = _best(sample, numbers)
@@ -419,15 +419,15 @@ def _found(trial: Trial) -> UpdateFound:
 def _undecided(trial: Trial) -> str:
     """Return the reason why `trial` does not determine the rule, or ""."""
     if not trial.tells_gamma:
-        return "No step yet tells γ: the values of the next states were 0, or always the same."
+        return "γ is not known yet: the values of the next states were 0, or always the same."
     if trial.gamma == 0.0:
-        return "With γ 0 no value of a next state counts: Q-learning and SARSA are the same then."
+        return "γ is 0, so the next state does not count: Q-learning and SARSA are the same."
     if trial.target not in _RIGHT:
         return ""
     rival = _RIGHT[1 - _RIGHT.index(trial.target)]
     deciding = trial.differs_from(trial.sample.value(rival)) & trial.explained
     if np.sum(deciding) < FEWEST_INFORMATIVE:
-        return "No step yet tells Q-learning from SARSA: next actions were greedy, or nearly all were."
+        return "Q-learning and SARSA cannot be distinguished yet: nearly all next actions were greedy."
     return ""
 
 
@@ -436,9 +436,9 @@ def _why_none(sample: Sample, dtype: str) -> str:
     if int(np.sum(sample.change != 0.0)) < FEWEST:
         moved = counted(int(np.sum(sample.evidence.changes_of > 0)), "step")
         rewards = counted(int(np.count_nonzero(sample.evidence.reward)), "reward")
-        return f"Too few numbers of the table have moved yet: {moved} moved one, {rewards} came."
+        return f"Too few numbers of the table have changed yet: {moved} changed one, after {rewards}."
     if np.all(sample.change[sample.change != 0.0] == 1.0):
-        return "Each step adds 1 to one number: the table counts visits, it is not one of values."
+        return "Each step adds 1 to one number: the table counts visits and is not a table of values."
     if sample.evidence.whole_numbers and dtype.startswith(("int", "uint")):
-        return "The table holds whole numbers only: what is put into it is cut off."
-    return "Each step moves one number, but no update that is known explains by how much."
+        return "The table holds only whole numbers, so new estimates lose their decimals."
+    return "Each step changes one number, but no known update explains the change."

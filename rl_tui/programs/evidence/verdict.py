@@ -133,6 +133,17 @@ class CodeFinding:
         """The kind: "fault" if it is wrong, "risk" if it may fail by bad luck."""
         return "risk" if self.fault in RISKS else "fault"
 
+    @property
+    def noun(self) -> Literal["bug", "risk"]:
+        """The kind as reports and the screen name it."""
+        return "risk" if self.fault in RISKS else "bug"
+
+    @property
+    def account(self) -> str:
+        """The text with the number of steps that prove it, and the correction."""
+        proof = "" if self.kind == "risk" else f" Steps that show it: {self.steps_for:,}."
+        return f"{self.text}{proof} Fix: {self.correction.rstrip('.')}."
+
 
 @dataclass(frozen=True, slots=True)
 class ProgramVerdict:

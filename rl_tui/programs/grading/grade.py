@@ -322,10 +322,12 @@ def _measured(recipe: Recipe) -> tuple[TabularMDP, Yardstick]:
     """Return the table of the scenario with its scale of returns."""
     mdp, id_ = begin(recipe).world.mdp, recipe.scenario.id
     if mdp is None or mdp.drift_std > 0.0:
-        said = f"{id_} cannot be graded by: it has no table that stays, and so no exact answer"
+        said = f"{id_} cannot be used for grading: it has no fixed transition table, so no exact values"
         raise UserError(f"{said}; {id_}{_WITH_TABLE} has one" if _has_table_twin(id_) else said)
     if mdp.states > MOST_STATES:
-        raise UserError(f"{id_} cannot be graded by: exact answers are left out above {MOST_STATES:,} states")
+        raise UserError(
+            f"{id_} cannot be used for grading: there are no exact values above {MOST_STATES:,} states"
+        )
     measured = yardstick_of(mdp, recipe.hyperparameters.gamma)
     if measured is None:
         raise UserError(f"{id_} cannot be graded by: no policy in it has a best return")

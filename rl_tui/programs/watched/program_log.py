@@ -344,7 +344,7 @@ class ProgramLog:
         """Return the reason why our own code in the process failed, from its last output."""
         written = [line.text for line in self.output if line.stream == "err" and line.text.strip()]
         why = f": {written[-1].strip()}" if written else ""
-        return f"rl-tui could not start its own part of the process; the script is not at fault{why}"
+        return f"rl-tui could not start its own part of the process; this is not a bug of the script{why}"
 
 
 def _death_in_words(status: int) -> str:

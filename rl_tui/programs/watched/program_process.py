@@ -182,7 +182,7 @@ class ProgramProcess:
         if not hasattr(select, "poll"):
             raise OSError("programs can be watched on Linux and macOS only")
         if not sys.executable:
-            raise FileNotFoundError("which Python this is is not known")
+            raise FileNotFoundError("the Python version is not known")
         with ExitStack() as to_close, ExitStack() as of_the_child:
             pipes = [_pipe(to_close, of_the_child) for _ in range(3)]
             (self._reading, reports), *_ = pipes

@@ -33,7 +33,7 @@ def wait_in_words(wait: Wait, in_words: Writer = number_in_words) -> str:
     if wait.chance == 1.0:
         return NOTHING_IN_THE_WAY
     if wait.chance == 0.0:
-        return "no episode ever moves an estimate"
+        return "no episode ever changes an estimate"
     chance = f"the first update has a chance of {in_words(wait.chance)} per episode"
     if wait.mean_episodes is None:
         return f"{chance}; an episode without it may never end, so there is no mean wait"
@@ -60,7 +60,7 @@ def cause_in_words(
         return ""
     match answer.cause:
         case Cause.ALPHA:
-            return "the step size α is so small that no update moves an estimate"
+            return "the step size α is so small that no update changes an estimate"
         case Cause.NO_REWARD:
             return "no reachable outcome differs from the initial estimates"
         case Cause.TIME_LIMIT:
@@ -72,7 +72,7 @@ def cause_in_words(
         case Cause.EPSILON:
             return f"ε is {in_words(settings.epsilon)}: with another ε the wait is a tenth, or less"
         case None:
-            walk = ", and random ties choose any action on the way" if settings.ties == "random" else ""
+            walk = ", and ties are broken at random on the way" if settings.ties == "random" else ""
             return f"no single setting is to blame: {_nearest(answer)}{walk}"
 
 

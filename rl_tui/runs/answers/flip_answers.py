@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 WORK: Final = "rl_tui.runs.answers.flip_answer:work"
 """Runs in a process of its own: fractions of thousands of digits would block the interpreter for seconds."""
-TOO_LONG: Final = "working them out took too long, or its process was ended"
+TOO_LONG: Final = "the computation took too long, or its process was ended"
 KEPT: Final = 4
 """Number of worlds whose flip points are remembered: one for each run."""
 
@@ -82,7 +82,7 @@ def at_once(mdp: TabularMDP) -> FlipAnswer | None:
 
     if mdp.terminated.all():
         return FlipAnswer(FlipState.KNOWN)
-    reason = "flips are not worked out in a kiosk" if in_kiosk() else why_refused(mdp)
+    reason = "flip points are not computed in a kiosk" if in_kiosk() else why_refused(mdp)
     return refused(reason) if reason else None
 
 

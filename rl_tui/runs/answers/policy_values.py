@@ -93,11 +93,11 @@ class LeftToChance:
 # Values of a policy
 
 
-TOO_MANY: Final = f"more than {LIVE_STATES:,} states: rl-tui evaluate works it out"
+TOO_MANY: Final = f"more than {LIVE_STATES:,} states: use rl-tui evaluate"
 WHILE_RUNNING: Final = "pause to see it"
 PLANS: Final = "a planner takes no actions"
-BROKE_DOWN: Final = "the estimates ran away"
-NO_CHANCES: Final = "its chances have no closed form, or are too many"
+BROKE_DOWN: Final = "the estimates diverged"
+NO_CHANCES: Final = "its probabilities have no closed form, or are too many"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 MANY_EPISODES: Final = 10
-TOO_LARGE: Final = "this world is too large to be worked out on screen; rl-tui why has the answer"
+TOO_LARGE: Final = "this world is too large to be computed on screen; use rl-tui why"
 _KEPT: Final = 16
 _Settings = tuple[TabularMDP, str, Hyperparameters, bool]
 

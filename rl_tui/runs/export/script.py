@@ -315,7 +315,7 @@ def _ends_in_body(part: str) -> bool:
 
 def _remarks_on_run(changed: bool, lane: str) -> list[str]:
     """Return sentences about differences between the run and the script."""
-    return [*([f"It contains lane {lane} only."] if lane else []), *([_CHANGED] if changed else [])]
+    return [*([f"It contains only run {lane}."] if lane else []), *([_CHANGED] if changed else [])]
 
 
 def _head(recipe: Recipe, text: WorldText, params: ParameterText, remarks_on_run: list[str]) -> str:

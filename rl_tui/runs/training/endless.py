@@ -44,7 +44,7 @@ def endless_warning_in(mdp: TabularMDP, hyperparameters: Hyperparameters, episod
     state = endless_state(mdp)
     if state is not None:
         return (
-            f"state {mdp.state_names[state]} can never reach an end and there is no time limit: "
+            f"state {mdp.state_names[state]} can never reach a terminal state, and there is no time limit: "
             f"training stops after {LONGEST_EPISODE:,} steps of one episode; {REMEDY}"
         )
     if not POLICY_BY_ID[hyperparameters.policy].explores_by_epsilon or not _is_tried(mdp):

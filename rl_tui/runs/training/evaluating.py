@@ -45,7 +45,7 @@ def table_of(recipe: Recipe, beginning: Beginning) -> TabularMDP:
     """Return the table of the world. Raises UserError if it has none, and so no exact answer."""
     mdp = beginning.world.mdp
     if mdp is None:
-        raise UserError(f"{recipe.scenario.id} has no exact answer: {NO_TABLE}")
+        raise UserError(f"{recipe.scenario.id} has no exact values: {NO_TABLE}")
     return mdp
 
 

@@ -111,7 +111,7 @@ class ModelScreen(Dialog[None]):
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("q", "cancel", "back", id="close_model", tooltip="Close the model."),
-        Binding("h", "hide", "answer", id="model.hide", tooltip="Hide or show the exact answer."),
+        Binding("h", "hide", "answer", id="model.hide", tooltip="Hide or show the exact values."),
     ]
 
     def __init__(

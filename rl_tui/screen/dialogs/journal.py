@@ -267,14 +267,14 @@ def _places(snapshot: Snapshot) -> Iterator[Candidate]:
     yield Candidate(
         "e1" if reward is None else f"e{int(reward) + 1}",
         "first reward",
-        ("Where returns rise above 0 for the first time.",),
-        "" if reward is not None else "no return has risen from 0 to more so far",
+        ("The first return above 0.",),
+        "" if reward is not None else "no return is above 0 so far",
         "" if reward is None else f"about episode {int(reward) + 1:,}",
     )
     yield Candidate(
         f"step {change or 0}",
         "last change",
-        ("Where you changed something last.",),
+        ("Your latest change.",),
         "" if change is not None else "nothing was changed in this branch",
         "" if change is None else f"{unit} {change:,}",
     )

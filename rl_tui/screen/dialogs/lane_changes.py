@@ -35,7 +35,7 @@ def lane_changes(space: FiniteSpace, recipe: Recipe, name: str, value: float | s
     setting = SwitchAlgorithm(str(value)) if name == ALGORITHM else SetParameter(name, value)
     changes = settings_for(space, recipe, setting)
     if not difference(recipe, changed_recipe(recipe, *changes)):
-        raise UserError("this makes no difference. Choose another value")
+        raise UserError("this changes nothing. Choose another value")
     return changes
 
 

@@ -94,7 +94,7 @@ def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tup
         change = "In some state other actions have the highest estimate than before."
         optimal = "The greedy policy is optimal from the start, for the current γ."
         if is_secret(snapshot):
-            optimal = "Compares with the exact answer without showing it."
+            optimal = "Compares with the exact values without showing them."
         name = f"{'a' if plans else 'an'} {episode} by its number …"
         begins = f"Asks for the {episode}, and stops where it begins."
         found = [
@@ -162,7 +162,7 @@ def _ask_value(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
         if not math.isfinite(number):
             raise ValueError("type a number, such as 0.5")
         if snapshot.agent.holds(pair) and number == float(snapshot.agent.q[pair]):
-            raise ValueError("that is what it is now: type another number")
+            raise ValueError("this is its value now: type another number")
         return number
 
     hint = f"it is {now} now. The run pauses when it reaches or passes your value"

@@ -88,13 +88,13 @@ def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Loo
     value = float(snapshot.agent.values[state])
     if math.isnan(value):
         return NumberHere(
-            f"Vπ({name}): none", f"From state {name} on {policy_name(kind)} {_NO_VALUE}", _OF_POLICY
+            f"Vπ({name}): none", f"From state {name} {policy_name(kind)} {_NO_VALUE}", _OF_POLICY
         )
     text = number_form([value], _COLUMNS).text(value, look.glyphs)
     return NumberHere(
         f"Vπ({name}) = {text}",
-        f"The discounted return to be expected from state {name} on of {policy_name(kind)}. Exact: "
-        f"worked out from the table of the world, not learned. t p compares policies.",
+        f"The expected discounted return of {policy_name(kind)} from state {name}. Exact: computed from the "
+        f"transition table, not learned. t p compares policies.",
         _OF_POLICY,
     )
 
@@ -128,27 +128,27 @@ class _Teller:
             )
         if layer is Layer.POLICY and (known := policy_q(self._snapshot)) is not None:
             if math.isnan(known[0][pair]):
-                meaning = f"From {self._deed(pair)} on the policy that is studied {_NO_VALUE}"
+                meaning = f"After {self._deed(pair)} the chosen policy {_NO_VALUE}"
                 return NumberHere(f"Qπ({name}): none", meaning, "q-pi")
             worth = self._written(float(known[0][pair]))[0]
             return NumberHere(
                 f"Qπ({name}) = {worth}",
-                f"The discounted return to be expected from {self._deed(pair)} on, if that is followed by "
-                f"the policy that is studied. Exact: worked out from the table of the world.",
+                f"The expected discounted return of {self._deed(pair)}, and of the chosen policy afterwards. "
+                f"Exact: computed from the transition table.",
                 "q-pi",
             )
         if layer is Layer.OPTIMAL and exact is not None:
             return NumberHere(
                 f"Q*({name}) = {optimum}",
-                f"{self._best(pair)} Exact: worked out from the table of the world. The agent's estimate is "
+                f"{self._best(pair)} Exact: computed from the transition table. The agent's estimate is "
                 f"{estimate}, {self._from_visits(pair)}.",
                 "q-star",
             )
         if layer is Layer.ERROR and exact is not None:
             return NumberHere(
                 f"Q({name}) − Q* = {error}",
-                f"The agent's estimate, {estimate}, less the exact value, {optimum}: above 0 it hopes for "
-                f"too much. The estimate is {self._from_visits(pair)}.",
+                f"The agent's estimate, {estimate}, minus the exact value, {optimum}: above 0 it is too "
+                f"high. The estimate is {self._from_visits(pair)}.",
                 "error",
             )
         return NumberHere(
@@ -183,11 +183,11 @@ class _Teller:
             names.action_name(self._world, int(self._world.space.pair_action[pair]), glyphs)
             for pair in greedy
         )
-        whose = f"that of {actions}" if len(greedy) == 1 else f"{actions} are tied"
+        whose = f"Q of {actions}" if len(greedy) == 1 else f"{actions} are tied"
         return NumberHere(
             f"V({name}) = {value}",
-            f"The largest of the agent's estimates Q in state {name}: {whose}. It says how much discounted "
-            f"return is to be expected from there on, {self._from_visits(*pairs)}. "
+            f"The largest of the agent's estimates Q in state {name}: {whose}. It estimates the "
+            f"discounted return from there, {self._from_visits(*pairs)}. "
             f"{self._truth(optimum, 'V*')}".strip(),
             "value",
         )
@@ -199,13 +199,13 @@ class _Teller:
         if layer is Layer.OPTIMAL:
             return NumberHere(
                 f"V*({name}) = {optimum}",
-                f"The largest discounted return that can be expected from state {name} on. Exact: worked out "
-                f"from the table of the world. The agent's estimate is {value}, {learned}.",
+                f"The largest expected discounted return from state {name}. Exact: computed "
+                f"from the transition table. The agent's estimate is {value}, {learned}.",
                 "q-star",
             )
         return NumberHere(
             f"V({name}) − V* = {error}",
-            f"The agent's estimate, {value}, less the exact value, {optimum}: above 0 it hopes for too much. "
+            f"The agent's estimate, {value}, minus the exact value, {optimum}: above 0 it is too high. "
             f"The estimate is {learned}.",
             "error",
         )
@@ -222,13 +222,13 @@ class _Teller:
     def _estimated(self, pair: int) -> str:
         if self._is_bandit:
             return "The agent's estimate of the mean reward of this arm"
-        whose = "What the planner has worked out" if self._plans else "The agent's estimate"
-        return f"{whose} of the discounted return from {self._deed(pair)} on"
+        whose = "The planner's value" if self._plans else "The agent's estimate"
+        return f"{whose} of the discounted return of {self._deed(pair)}"
 
     def _best(self, pair: int) -> str:
         if self._is_bandit:
             return "The true mean reward of this arm."
-        return f"The largest discounted return that can be expected from {self._deed(pair)} on."
+        return f"The largest expected discounted return of {self._deed(pair)}."
 
     @property
     def _plans(self) -> bool:

@@ -37,7 +37,7 @@ def caption(snapshot: Snapshot) -> str:
     if not snapshot.counters.step:
         return "Nothing is learned yet: no step was taken."
     if not has_estimates(snapshot):
-        return "What your program learns is not known: no table was found in it yet."
+        return "No table was found in your program yet, so its learning is not shown."
     if isinstance(snapshot.world.drawing, Arms):
         return "Each pull moves the estimate of its arm towards what it paid."
     if has_optimal_policy(snapshot):

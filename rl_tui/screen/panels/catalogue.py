@@ -210,7 +210,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "worlds of up to 100 states.",
         caption="where the optimal actions change",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
-        opened_by=OpeningKey("t g", "flip points", "Show each γ at which the best actions change.", old="G"),
+        opened_by=OpeningKey(
+            "t g", "flip points", "Show each γ at which the optimal actions change.", old="G"
+        ),
         wide_rows=15,
         shows=("flips", "answer"),
         lacks=_without_flips,

@@ -198,10 +198,10 @@ class DiscountPanel(Panel, can_focus=True):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        binding("up", "choose(-1)", "discount.up", "The flip at the next lower γ"),
-        binding("down", "choose(1)", "discount.down", "The flip at the next higher γ"),
+        binding("up", "choose(-1)", "discount.up", "The flip point at the next lower γ"),
+        binding("down", "choose(1)", "discount.down", "The flip point at the next higher γ"),
         binding("v", "turn_layer", "discount.layer", "Q*, or how good each action is from worst to best"),
-        binding("enter", "go_beyond", "discount.go_beyond", "Set γ on the other side of the flip"),
+        binding("enter", "go_beyond", "discount.go_beyond", "Set γ on the other side of the flip point"),
     ]
     _pointed = NOWHERE
     _chosen: float | None = None  # γ of a flip

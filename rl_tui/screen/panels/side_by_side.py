@@ -40,7 +40,7 @@ def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
     """
     group, beside = snapshot.run_group, snapshot.beside
     if beside is None or group.beside is None:
-        raise ValueError("there is no lane beside this one")
+        raise ValueError("only one run is shown")
     swapped = replace(group, shown=group.beside, beside=group.shown)
     other = replace(beside, run_group=swapped, beside=snapshot)
     return (snapshot, other) if group.shown < group.beside else (other, snapshot)

@@ -238,19 +238,17 @@ def why_unmapped(recipe: Recipe, world: World, *, is_edited: bool) -> str:
     """
     row = algorithm_row(recipe.algorithm)
     if in_kiosk():
-        return "settings are not mapped in a kiosk"
+        return "the settings map is not available in a kiosk"
     if row.planner:
-        return f"{row.name} knows the world: no setting changes what it finds, so there is no map"
+        return f"{row.name} knows the world, so no setting changes its result"
     if world.mdp is None:
-        return "an environment that is stepped for real is too slow to be mapped; try rl-tui sweep"
+        return "a simulated environment is too slow for a map; use rl-tui sweep"
     if is_edited:
         return "the world was edited: save it (w d, then w s), open it, and map that"
     if world.space.pairs > MOST_PAIRS:
-        return (
-            f"worlds of more than {MOST_PAIRS:,} pairs of state and action are not mapped; try rl-tui sweep"
-        )
+        return f"worlds of more than {MOST_PAIRS:,} state–action pairs have no map; use rl-tui sweep"
     is_varied = bool(axes_of(recipe, is_bandit=is_bandit(world.space)))
-    return "" if is_varied else "no number decides how this agent learns: choose another algorithm or policy"
+    return "" if is_varied else "this agent has no numeric settings: choose another algorithm or policy"
 
 
 def surroundings(recipe: Recipe, world: World, *, is_awaited: bool) -> AtlasRequest:

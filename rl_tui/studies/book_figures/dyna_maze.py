@@ -113,7 +113,7 @@ def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[BookComparison],
 def _notes() -> tuple[str, ...]:
     """Explain why the first episode differs from the book."""
     return (
-        "Before the goal is found once there is nothing to go by: the first episode is a random walk, of "
+        "Until the goal is found, nothing is learned: the first episode is a random walk, of "
         f"exactly {steps_of_a_random_walk():.1f} steps on average in this maze. The book's about 1700 are "
         "far from that.",
     )

@@ -106,7 +106,7 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
         UserError: A study is impossible for these runs.
     """
     if in_kiosk():
-        raise UserError("many seeds are not worked out in a kiosk")
+        raise UserError("many seeds are not available in a kiosk")
     lanes = studied_runs(group)
     if not any(lane.is_by_luck for lane in lanes):
         raise UserError(
@@ -116,14 +116,14 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
         raise UserError("the runs have different seeds; c e ends the one you control")
     run = group.current.run
     if run.world.space.pairs > MOST_PAIRS:
-        raise UserError(f"many seeds are not worked out above {MOST_PAIRS:,} pairs of state and action")
+        raise UserError(f"many seeds are not available above {MOST_PAIRS:,} state–action pairs")
     episodes, steps, note = _length(group, lanes)
     notes = [note] if note else []
     if any(isinstance(entry.change, TakeAction) for lane in lanes for entry in lane.journal):
         notes.append("steps taken by a person are left out")
     most = MOST_SEEDS if run.learner.rewindable and not is_awaited else FIRST_BLOCK
     if not run.learner.rewindable:
-        notes.append(f"an environment that is stepped for real has {FIRST_BLOCK} seeds")
+        notes.append(f"a simulated environment has {FIRST_BLOCK} seeds")
     return StudyRequest(
         lanes=tuple(map(_settings_only, lanes)),
         shown=group.shown,
@@ -153,10 +153,10 @@ def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None,
     usual = min(episodes_of(lanes[group.shown].recipe.scenario), world.budget or MOST_EPISODES)
     finished = min(run.learner.episodes for run in runs)
     if finished > usual:
-        return usual, None, f"each seed has only the {counted(usual, 'episode')} that are usual here"
+        return usual, None, f"each seed has only the {counted(usual, 'episode')} that are typical here"
     if not finished:
-        who = "the run" if len(runs) == 1 else "a lane"
-        return usual, None, f"the usual {counted(usual, 'episode')}: {who} has none yet"
+        who = "the run" if len(runs) == 1 else "another run"
+        return usual, None, f"the typical {counted(usual, 'episode')}: {who} has none yet"
     return finished, None, ""
 
 

@@ -153,7 +153,7 @@ def _trial(
 MOST_SECONDS: Final = 300
 """CPU-time limit in seconds. The slowest shipped world takes a minute without compiled code."""
 _MOST_NAMED: Final = 3
-TOO_LARGE: Final = f"not worked out above {MOST_STATES:,} states"
+TOO_LARGE: Final = f"not computed above {MOST_STATES:,} states"
 
 
 class Question(NamedTuple):
@@ -219,9 +219,9 @@ def _returns(mdp: TabularMDP, unknown: dict[str, str]) -> tuple[float | None, fl
         return None, None
     by_chance, best = expected_return(mdp, uniform_policy(mdp)), best_expected_return(mdp)
     if by_chance is None:
-        unknown["random_return"] = "there is none, for it may go on being paid for ever"
+        unknown["random_return"] = "none: rewards may go on forever"
     if best is None:
-        unknown["best_return"] = "there is none at γ 1; rl-tui solve --gamma 1 says why"
+        unknown["best_return"] = "none at γ 1: see rl-tui solve --gamma 1"
     return by_chance, best
 
 
@@ -262,7 +262,7 @@ def _wait_warnings(wait: Wait | None, episodes: int) -> tuple[str, ...]:
     if wait is None or wait.median_episodes is None or wait.median_episodes <= episodes:
         return ()
     training = f"and a training has {counted(episodes, 'episode')}"
-    return (f"{wait_in_words(wait)}, {training}: rl-tui why says what helps",)
+    return (f"{wait_in_words(wait)}, {training}: rl-tui why shows a remedy",)
 
 
 def _with_flips(report: WorldReport, mdp: TabularMDP) -> WorldReport:
@@ -281,7 +281,7 @@ def _with_trials(report: WorldReport, asked: Question) -> Iterator[WorldReport]:
     known = (*report.warnings, *([warning] if warning else []))
     report = replace(report, warnings=known)
     if not is_tried(mdp):
-        unknown = {**report.unknown, "endless": "the world is too large for short trainings to tell anything"}
+        unknown = {**report.unknown, "endless": "the world is too large for short trial runs"}
         yield replace(report, stage=CheckStage.DONE, unknown=unknown)
         return
     if not may_stay(mdp):

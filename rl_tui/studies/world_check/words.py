@@ -19,7 +19,7 @@ _DIGITS: Final = 6
 LABELS: Final[Mapping[str, str]] = {
     "random_return": "random policy",
     "best_return": "best policy",
-    "shortest_way": "best way",
+    "shortest_way": "optimal path",
     "first_update": "first update",
     "flips": "flip points",
     "never_reached": "never reached",

@@ -24,7 +24,7 @@ WORK: Final = "rl_tui.studies.world_check.deep_check:work"
 """Runs in a process of its own, which trains every algorithm."""
 KEPT: Final = 4
 """Complete reports that are cached, for worlds and settings visited again."""
-IN_KIOSK: Final = "worlds are not checked in a kiosk"
+IN_KIOSK: Final = "the world check is not available in a kiosk"
 TOO_LARGE: Final = f"more than {LIVE_STATES:,} states: run rl-tui check --deep"
 NO_PROCESS: Final = "no process can be started"
 BROKEN_OFF: Final = "the rest took too long, or its process was ended"

@@ -23,7 +23,7 @@ GROUPS: Final = (
     (200, "Bandits"),
     (300, "Textbook examples"),
     (400, "Larger and harder"),
-    (LAST + 1, "Stepped environments"),
+    (LAST + 1, "Simulated environments"),
 )
 """Groups of shipped scenarios: upper bound of ``order``, and heading."""
 

@@ -26,7 +26,7 @@ from rl_tui.worlds.world import World
 if TYPE_CHECKING:
     from numpy.random import Generator
 
-_TABLE: Final = Expect("true (its transition table) or false (stepped)", is_truth_value)
+_TABLE: Final = Expect("true (its transition table) or false (simulated)", is_truth_value)
 _IN_LINES: Final = "\n\t"
 _DRAWN_HERE: Final = "no such argument: the world is drawn here"
 _NOT_ITS_OWN: Final = "arguments of the environment itself"

@@ -98,7 +98,7 @@ class MeasureValue(OptionValue):
         if isinstance(value, Measure):
             return value
         if str(value) not in MEASURES:
-            self.fail(f"there is no measure {value}; expected one of {', '.join(MEASURES)}", param, ctx)
+            self.fail(f"unknown metric {value}; expected one of {', '.join(MEASURES)}", param, ctx)
         return MEASURES[str(value)]
 
 

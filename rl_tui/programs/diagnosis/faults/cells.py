@@ -139,13 +139,13 @@ def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names:
         state, action = divmod(int(evidence.cell[first]), evidence.actions)
         other = divmod(int(evidence.only_change[0][first]), evidence.actions)
         text = (
-            f"at {step_text(evidence.number[first])} action {action} was taken in state {state}, and "
-            f"Q({other[0]}, {other[1]}) moved, that is {place}; so at all {len(speaking):,} steps where it "
-            f"is not Q(s, a)"
+            f"At {step_text(evidence.number[first])} action {action} was taken in state {state}. "
+            f"Q({other[0]}, {other[1]}) changed, which is Q{place}. It should be Q({state}, {action}), which "
+            f"is Q(s, a)."
         )
     is_swapped = place == _MOVED and _takes_own_maximum(evidence, speaking)
     if is_swapped:
-        text += ", and the maximum in its target is that of Q(s)"
+        text += " The target has the maximum of Q(s), not of Q(s′)."
     return Proof(
         CodeFault.UPDATES_AFTER_MOVING if place == _MOVED and not is_swapped else CodeFault.WRONG_CELL,
         evidence.number[speaking],
@@ -159,14 +159,14 @@ def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names:
 def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
     cell = names.cell()
     if place != _MOVED:
-        return f"update the cell of the state acted in and the action taken there: {cell}"
+        return f"update {cell}, the cell of the state before the step and the action taken in it"
     if is_swapped:
-        swapped = f"{names.state} and {names.next_state} are swapped"
-        return f"{swapped}: {names.target()}; {cell} += {names.alpha} * (target - {cell})"
+        update = f"{cell} += {names.alpha} * (target - {cell})"
+        return f"swap {names.state} and {names.next_state}: {names.target()}; {update}"
     if names.next_state == names.state:  # env.step overwrites it
         names = replace(names, next_state=f"next_{names.state}")
     other = replace(names, state=names.next_state).cell()
-    return f"update {cell}, not {other}; {names.state} = {names.next_state} comes after that"
+    return f"update {cell}, not {other}, and set {names.state} = {names.next_state} after that"
 
 
 def _takes_own_maximum(evidence: Evidence, at: IntArray) -> bool:
@@ -213,8 +213,8 @@ def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames
         CodeFault.SHARED_TABLE,
         steps,
         0,
-        f"rows of the table are the same object: at {step_text(step[first])} the rows of states {one} "
-        f"and {other} changed by the same amount; so at {len(steps):,} steps",
-        f"make a row for each state: {names.table} = {names.rows(actions)}",
+        f"Rows of the table are the same object. At {step_text(step[first])} states {one} and {other} got "
+        f"the same new value. Only one of them should change.",
+        f"create a separate row for each state: {names.table} = {names.rows(actions)}",
         CodePlace.TABLE,
     )

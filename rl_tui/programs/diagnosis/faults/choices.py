@@ -64,16 +64,16 @@ def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -
     others = len(evidence) - len(chosen)
     the_last = "the last " if evidence.recording.first else ""
     without = (
-        f"no reward was seen in {the_last}{episodes:,} episodes, and nothing learned; by random actions one "
-        f"would have been seen with a chance above {_SURE}"
+        f"No reward was seen in {the_last}{episodes:,} episodes, and nothing was learned. Random actions "
+        f"would have found one with a chance above {_SURE}."
     )
     if not others:
         return Proof(
             CodeFault.NEVER_EXPLORES,
             evidence.number[chosen],
             0,
-            f"all {len(chosen):,} actions were action {favourite}: {without}",
-            f"with probability ε take a random action, else one of the best: "
+            f"All {len(chosen):,} actions were action {favourite}. {without}",
+            f"take a random action with probability ε, and one of the best otherwise: "
             f"{names.action} = random.randrange({evidence.actions})",
             CodePlace.CHOICE,
         )
@@ -82,7 +82,7 @@ def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -
         evidence.number[chosen],
         others,
         f"{len(chosen):,} of {len(evidence):,} choices between equal values were action "
-        f"{favourite}: {without}",
-        f"choose at random among the actions of the largest value: {names.random_tie()}",
+        f"{favourite}. {without}",
+        f"choose at random among the best actions: {names.random_tie()}",
         CodePlace.CHOICE,
     )

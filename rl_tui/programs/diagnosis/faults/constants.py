@@ -37,12 +37,13 @@ def proof_of_gamma_twice(
     twice = predictions.after(readings, own, values)
     once = predictions.after(readings, own, values / numbers[name])
     seen = predictions.witnesses(readings, twice, once)
-    root = written(numbers[name])
+    steps, root = evidence.number[readings.at[seen.one]], written(numbers[name])
     return Proof(
         CodeFault.GAMMA_TWICE,
-        evidence.number[readings.at[seen.one]],
+        steps,
         int(seen.other.sum()),
-        f"the table moves with γ {written(gamma)}; your `{name}` is {root}, and {root}² = {written(gamma)}",
+        f"The table changes as with γ {written(gamma)}. Your `{name}` is {root}, and {root}² = "
+        f"{written(gamma)}.",
         f"discount once: {replace(names, gamma=name).target()}",
         certainty="declared",
         neither=int(seen.neither.sum()),
@@ -78,16 +79,12 @@ def proof_of_step_size(predictions: Predictions, reward: FloatArray, names: Code
     nearest = 1.0 if alpha > 1.0 else 0.0
     allowed = readings.before[:, None] + nearest / alpha * (moved - readings.before[:, None])
     seen = predictions.witnesses(readings, moved, allowed)
+    steps, way = evidence.number[readings.at[seen.one]], "beyond" if alpha > 1.0 else "away from"
     return Proof(
         CodeFault.STEP_SIZE_OUT_OF_RANGE,
-        evidence.number[readings.at[seen.one]],
+        steps,
         int(seen.other.sum()),
-        f"{names.alpha} is {written(alpha)} at all {int(seen.one.sum()):,} steps that tell it"
-        + (
-            ": the estimate goes beyond its target"
-            if alpha > 1.0
-            else ": the estimate goes away from its target"
-        ),
-        f"take 0 < {names.alpha} ≤ 1: {names.cell()} += {names.alpha} * (target - {names.cell()})",
+        f"{names.alpha} is {written(alpha)}, so each update moves the estimate {way} its target.",
+        f"choose 0 < {names.alpha} ≤ 1: {names.cell()} += {names.alpha} * (target - {names.cell()})",
         neither=int(seen.neither.sum()),
     )

@@ -75,9 +75,13 @@ def _bootstraps(predictions: Predictions, ended: BoolArray, reward: FloatArray, 
         predictions.evidence.number[ends.readings.at[seen.one]],
         int(seen.other.sum()),
         _seen(
-            predictions, ends, seen.one, "the episode was over, yet the target held the next state's value:"
+            predictions,
+            ends,
+            seen.one,
+            "the episode ended in a terminal state, but the target contained the value of that state",
+            has_next=True,
         ),
-        f"after a terminal state there is nothing more to come: {names.target()}",
+        f"leave out the next value after a terminal step: {names.target()}",
         neither=int(seen.neither.sum()),
     )
 
@@ -95,9 +99,10 @@ def _left_out(predictions: Predictions, cut_off: BoolArray, reward: FloatArray, 
             predictions,
             ends,
             seen.one,
-            "the time limit cut the episode off, and the next state's value was left out:",
+            "the time limit stopped the episode, but the target left out the value of the next state",
+            has_next=False,
         ),
-        f"truncated is not terminated; test only {names.terminated}: {names.target()}",
+        f"test only {names.terminated}, not truncated: {names.target()}",
         neither=int(seen.neither.sum()),
     )
 
@@ -114,16 +119,16 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
     if len(steps):
         first = int(np.argmax(seen.one))
         text = (
-            f"{len(steps):,} last steps of episodes did not change the table, and no last step did; at "
-            f"{step_text(steps[0])} the reward {written(reward[readings.at[first]])} should have moved "
-            f"{written(readings.before[first])} to {written(ends.without[first, 0])}"
+            f"At {step_text(steps[0])} an episode ended with the reward "
+            f"{written(reward[readings.at[first]])}, but the table did not change. The estimate "
+            f"{written(readings.before[first])} should become {written(ends.without[first, 0])}."
         )
     return Proof(
         CodeFault.LOSES_UPDATE,
         steps,
         changed,
         text,
-        f"update also after the last step of an episode, before the loop is left: {names.target()}",
+        f"update after the last step of an episode too, before you leave the loop: {names.target()}",
         CodePlace.CALL,
     )
 
@@ -138,8 +143,10 @@ def _follows_a_change(predictions: Predictions) -> BoolArray:
     return follows
 
 
-def _seen(predictions: Predictions, ends: _Ends, which: BoolArray, what: str) -> str:
-    """Return a sentence about the first step of `which`, and their number."""
+def _seen(predictions: Predictions, ends: _Ends, which: BoolArray, what: str, *, has_next: bool) -> str:
+    """Return sentences about the first step of `which`. `has_next` is True if the program's targets contain
+    the next value.
+    """
     if not which.any():
         return ""
     first = int(np.argmax(which))
@@ -149,11 +156,11 @@ def _seen(predictions: Predictions, ends: _Ends, which: BoolArray, what: str) ->
     value = _value_taken(ends, first)
     bootstrapped = _nearest(ends.with_next[first], readings.after[first])
     before, after = written(readings.before[first]), written(readings.after[first])
-    moved = f"stayed {after}" if before == after else f"went from {before} to {after}"
+    moved = f"stayed {after}" if before == after else f"changed from {before} to {after}"
+    expected = ends.without[first, 0] if has_next else bootstrapped
     return (
-        f"at {step_text(evidence.number[at])} {what} Q({state}, {action}) {moved}, with γ · "
-        f"{written(value)} it would be {written(bootstrapped)}, without it "
-        f"{written(ends.without[first, 0])}; so at all {int(which.sum()):,} such steps that tell it"
+        f"At {step_text(evidence.number[at])} {what}. Q({state}, {action}) {moved}. It should be "
+        f"{written(expected)}, {'without' if has_next else 'with'} γ · {written(value)}."
     )
 
 

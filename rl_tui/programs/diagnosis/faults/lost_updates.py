@@ -7,7 +7,14 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.programs.diagnosis.faults.cells import FEWEST_STEPS, CodePlace, Proof, some_of, step_text, written
+from rl_tui.programs.diagnosis.faults.cells import (
+    FEWEST_STEPS,
+    CodePlace,
+    Proof,
+    some_of,
+    step_text,
+    written,
+)
 from rl_tui.programs.evidence.code_names import CodeNames
 from rl_tui.programs.evidence.code_places import ProgramCode
 from rl_tui.programs.evidence.evidence import Evidence
@@ -45,8 +52,8 @@ def proof_of_rounding(
         CodeFault.ROUNDING_TABLE,
         evidence.number[at],
         0,
-        f"the table holds {dtype}: {text}; so at {len(at):,} steps",
-        f"make it of floats: {names.table} = np.zeros((number of states, number of actions))",
+        f"The table holds {dtype}. {text}",
+        f"create a table of floats: {names.table} = np.zeros((number of states, number of actions))",
         CodePlace.TABLE,
     )
 
@@ -68,7 +75,7 @@ def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray
                 first = int(np.argmax(fractional))
                 step = step_text(evidence.number[at[first]])
                 new, kept = written(full[first]), written(after[first])
-                return at[fractional], f"at {step} the new estimate {new} was cut off to {kept}"
+                return at[fractional], f"At {step} the new estimate should be {new}, but it became {kept}."
     return None
 
 
@@ -82,7 +89,7 @@ def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
     if len(at) < FEWEST_STEPS or evidence.changes_of[at].any():
         return None
     reward, step = written(evidence.reward[at[0]]), step_text(evidence.number[at[0]])
-    return at, f"nothing is kept of the reward {reward} at {step}"
+    return at, f"At {step} the reward {reward} should change an estimate of 0, but it stayed 0."
 
 
 def proof_of_no_update(
@@ -107,25 +114,30 @@ def proof_of_no_update(
         CodeFault.LOSES_UPDATE,
         evidence.number[at],
         0,
-        f"{len(at):,} steps brought a reward, the first at {step_text(evidence.number[first])} "
-        f"({written(evidence.reward[first])}), and no number of the table ever moved",
-        _mend(evidence, at, names, code),
+        f"{_reward_at(int(evidence.number[first]), evidence.reward[first])}, but no number of the table ever "
+        "changed.",
+        _fix(evidence, at, names, code),
         CodePlace.CALL,
     )
 
 
-def _mend(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: ProgramCode) -> str:
+def _reward_at(step: int, reward: float) -> str:
+    """Return the clause about the reward of `step`."""
+    return f"At {step_text(step)} the reward was {written(reward)}"
+
+
+def _fix(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: ProgramCode) -> str:
     """Return the correction if the `rewarded` steps never changed the table."""
     update = f"{names.cell()} += {names.alpha} * (target - {names.cell()})"
     if code.lacks_update:
-        return f"the update is missing, the code only reads: {names.target()}; {update}"
+        return f"add the missing update: {names.target()}; {update}"
     left = code.left_before_update()
     if left is not None and (evidence.terminated | evidence.truncated)[rewarded].all():
         return (
-            f"line {left.line} leaves the loop before the update, so it is not reached at steps that end an "
-            f"episode, which brought every reward: update first, by {names.target()}"
+            f"update before line {left.line}, which leaves the loop at the end of an episode, where every "
+            f"reward is: {names.target()}"
         )
-    return f"after each step put the new estimate into the table itself: {update}"
+    return f"write the new estimate into the table itself after each step: {update}"
 
 
 def proof_of_missing_update(log: ProgramLog, code: ProgramCode) -> Proof | None:
@@ -138,9 +150,8 @@ def proof_of_missing_update(log: ProgramLog, code: ProgramCode) -> Proof | None:
         CodeFault.LOSES_UPDATE,
         at + first,
         0,
-        f"{len(at):,} steps brought a reward, the first at {step_text(int(at[0]) + first)} "
-        f"({written(steps.reward[at[0]])}), and no estimate was ever written",
-        "the update is missing, the code only reads: Q(S, A) ← Q(S, A) + α [R + γ max Q(S′, a) − Q(S, A)]",
+        f"{_reward_at(int(at[0]) + first, steps.reward[at[0]])}, but no estimate was ever written.",
+        "add the missing update: Q(S, A) ← Q(S, A) + α [R + γ max Q(S′, a) − Q(S, A)]",
         CodePlace.CALL,
     )
 

@@ -269,9 +269,9 @@ def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames
     if len(speaking):
         first = int(np.argmax(seen.one))
         text = (
-            f"at {step_text(evidence.number[speaking[0]])} the target held {written(column[first, 0])}, the "
-            f"largest value of any state for action {evidence.action[speaking[0]]}; the largest of the next "
-            f"state is {written(best[first, 0])}; so at all {len(speaking):,} steps that tell the two apart"
+            f"At {step_text(evidence.number[speaking[0]])} the target contained {written(column[first, 0])}, "
+            f"the largest value of action {evidence.action[speaking[0]]} in any state. It should contain "
+            f"{written(best[first, 0])}, the largest value in the next state."
         )
     return Proof(
         CodeFault.WRONG_AXIS,
@@ -329,16 +329,15 @@ def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Pr
     if len(speaking):
         first = speaking[0]
         text = (
-            f"at {step_text(evidence.number[first])} the reward was {written(evidence.reward[first])}, and "
-            f"the update took {written(before[first])}, the one it had before; so at all "
-            f"{len(speaking):,} steps that tell the two apart"
+            f"At {step_text(evidence.number[first])} the reward was {written(evidence.reward[first])}, but "
+            f"the target contained {written(before[first])}, the reward from before this step."
         )
     return Proof(
         CodeFault.SHIFTED_REWARD,
         evidence.number[speaking],
         int(seen.other.sum()),
         text,
-        f"take the {names.reward} that {names.environment}.step({names.action}) returned for this "
+        f"use the {names.reward} that {names.environment}.step({names.action}) returns for this "
         f"{names.state} and {names.action}: {names.target()}",
         neither=int(seen.neither.sum()),
     )

@@ -76,8 +76,8 @@ def _text(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise UserError(
-            f"{name}, line {line}: byte {content[error.start]:#04x} is not {error.encoding}; a first line "
-            "such as # -*- coding: latin-1 -*- says how a file is written"
+            f"{name}, line {line}: byte {content[error.start]:#04x} is not {error.encoding}; declare "
+            "the encoding in the first line, such as # -*- coding: latin-1 -*-"
         ) from error
     except (SyntaxError, LookupError) as error:
         raise UserError(f"{name}: {one_line(str(error), _LONGEST_REASON)}") from error

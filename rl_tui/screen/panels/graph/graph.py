@@ -208,7 +208,7 @@ class GraphView(WorldView):
         else:
             has_choice = len(self.world.space.action_names) > 1
             policy = (LegendSign(self.look.glyphs.right, greedy, palette.strong),) if has_choice else ()
-        unknown = "depends" if self.world.prospects else "kept back" if self._shape_of[1] else ""
+        unknown = "depends" if self.world.prospects else "hidden" if self._shape_of[1] else ""
         return (
             *self.valueless_signs(),
             *([LegendSign(DEPENDS, unknown, palette.text)] if unknown else ()),

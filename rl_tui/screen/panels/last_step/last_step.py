@@ -233,7 +233,7 @@ class StepWriter:
             return self._fitting([self._dim(start), *stays] for start in starts)
         moved = [estimate, self._plain(f" from {self.words.update.before} to "), after]
         by = [self._plain(" ("), self._error, self._plain(")")]
-        forms = ([self._dim(start), *moved, *by] for start in (" your program moved ", " "))
+        forms = ([self._dim(start), *moved, *by] for start in (" your program changed ", " "))
         return self._fitting([*forms, [self._dim(" "), *moved]])
 
     def _why_no_equation(self) -> Line:

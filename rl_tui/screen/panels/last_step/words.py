@@ -223,7 +223,7 @@ def _why_no_equation(story: StepStory) -> Sequence[str]:
     last, program = story.last, story.program
     if last.others:
         cells = f"{last.others + 1:,} cells"
-        return (f"this step moved {cells}; an update of one cell does not explain that", f"moved {cells}")
+        return (f"this step changed {cells}; an update of one cell does not explain this", f"changed {cells}")
     update = None if program is None else program.verdict.update
     if update is None or update.rule is Rule.UNKNOWN:
         reason = "" if update is None else clause(update.reason)

@@ -253,8 +253,8 @@ def _ways_to_truth(view: LessonView, snapshot: Snapshot, *, is_manual: bool) -> 
     steps = counted(ask.steps, "step")
     if missing < ask.steps:
         to_go = f"{missing:,} to go"
-        return (key, f"to the truth: {steps}, {to_go}"), (key, f"to the truth: {to_go}"), (key, to_go)
-    return (key, f"to the truth: {steps}"), (key, "to the truth")
+        return (key, f"to the result: {steps}, {to_go}"), (key, f"to the result: {to_go}"), (key, to_go)
+    return (key, f"to the result: {steps}"), (key, "to the result")
 
 
 def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:

@@ -28,7 +28,7 @@ from rl_tui.worlds.world import World
 
 BACKUP_HEADING: Final = "The backup"
 AFTER_END: Final = "the episode has ended: there is no next state to look up"
-NOT_KNOWN: Final = "which estimates your program looked up is not known"
+NOT_KNOWN: Final = "the estimates that your program looked up are not known"
 MOST_LEAVES: Final = 8
 TARGET_ROWS: Final = 4
 _HEAD_ROWS: Final = 3

@@ -198,7 +198,7 @@ def update_rows(terms: UpdateTerms) -> int:
 def _change_blocks(words: StepWords, look: Look) -> list[Block]:
     palette, update = look.palette, words.update
     moved: list[Line] = [
-        [Piece(" your program moved", palette.dim)],
+        [Piece(" your program changed", palette.dim)],
         [Piece(f" {words.estimate}", palette.strong)],
         [Piece(" from ", palette.dim), Piece(update.before, palette.updated)],
         [Piece(" to ", palette.dim), Piece(update.after, palette.updated)],

@@ -161,7 +161,7 @@ def bellman_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]
         hidden = means_key(snapshot)[0] if hides_means(snapshot) else answer_key(snapshot)
         yield Text(hidden, palette.dim, f"{_EQUALS}··· ", _CONTINUED)
     elif exact.solution is None or mdp is None:
-        why = exact.refused or "the exact answer is being computed"
+        why = exact.refused or "the exact values are being computed"
         yield Text(why, palette.dim, _CONTINUED, _CONTINUED)
     else:
         decimals = decimals_of(mdp, exact.solution, pair)

@@ -126,7 +126,7 @@ def finding_blocks(
     palette = look.palette
     place = place_text(finding.file, finding.line, program)
     style = palette.bad if finding.kind == "fault" else palette.strong
-    named = f"{look.glyphs.cursor if is_chosen else ' '} {finding.kind}: {IN_SHORT[finding.fault]}"
+    named = f"{look.glyphs.cursor if is_chosen else ' '} {finding.noun}: {IN_SHORT[finding.fault]}"
     name, where = Piece(f" {named}", style), Piece(f"   {place}" if place else "", palette.text)
     yield Row([name, where], [name], instead=[Text(named, style, rest=_INDENT)] if is_chosen else ())
     if not is_chosen:
@@ -140,7 +140,7 @@ def finding_blocks(
         code = source_lines(program.source, finding.line, look, width)
         yield from (BLANK, *map(Row, code), BLANK) if code else ()
     if finding.correction:
-        correction = f"Instead: {one_line(finding.correction, LONGEST_SENTENCE)}"
+        correction = f"Fix: {one_line(finding.correction, LONGEST_SENTENCE)}"
         yield Text(correction, palette.text, _INDENT, _INDENT)
 
 
@@ -165,16 +165,16 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look) -> Iter
         yield Text(NO_STEP_YET, style, _INDENT, _INDENT)
         return
     if program.table is None:
-        said = "no table was found in your program, so nothing was examined"
+        said = "No table was found in your program, so nothing was examined."
         yield Text(said, style, _INDENT, _INDENT)
         if program.looked_for:
-            yield Text("looked for:", style, _INDENT, _INDENT)
+            yield Text("Searched for:", style, _INDENT, _INDENT)
         for each in program.looked_for:
             yield Text(one_line(each, LONGEST_SENTENCE), style, f"{_INDENT}- ", f"{_INDENT}  ")
         return
     is_open = update.rule is Rule.UNKNOWN
     is_too_early = is_early(update) or (is_open and counters.step < WORTH_SAYING)
-    head = f"{NO_JUDGEMENT}: no fault was seen" if is_too_early else NOTHING
+    head = f"{NO_JUDGEMENT}: no bug was seen" if is_too_early else NOTHING
     text = f"{head} in {counters.step:,} steps and {counters.episodes:,} ends of episodes."
     if is_open:
         reason = f": {clause(update.reason)}" if update.reason else ""
@@ -183,7 +183,7 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look) -> Iter
         text += f" {EXAMINED_WITHOUT_RULE}"
     else:
         text += (
-            f" {EXAMINED} γ shows only on {update.informative:,} steps: those where the next state's value "
-            "was not 0."
+            f" {EXAMINED} Only {update.informative:,} steps reveal γ: on these the value of the next state "
+            "is not 0."
         )
     yield Text(text, style, _INDENT, _INDENT)

@@ -38,7 +38,7 @@ from rl_tui.screen.panels.program.words import (
 )
 from rl_tui.screen.theme.look import Look
 
-LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
+LOOKED_FOR_LATER: Final = "its table is found while it learns"
 NO_TABLE: Final = "no table found"
 UNKNOWN: Final = "update not known"
 _GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a common value; yours is not known yet"}
@@ -126,7 +126,7 @@ def _parts(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[_Pa
     yield _Part(5, row(_table(program, steps), palette.text))
     looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in program.looked_for)
     if looked and steps and program.table is None:
-        yield _Part(6, text(f"looked for: {looked}", palette.dim))
+        yield _Part(6, text(f"searched for: {looked}", palette.dim))
     update = program.verdict.update
     if texts := update_texts(update, look.glyphs):
         yield _Part(2, row(texts, palette.strong), _REASON_ROWS)
@@ -162,7 +162,7 @@ def _table(program: ProgramView, steps: int) -> Sequence[str]:
     if not steps:
         return f"{environment} · {LOOKED_FOR_LATER}", LOOKED_FOR_LATER
     start = f"{environment} · {NO_TABLE}" if environment else NO_TABLE
-    hint = [f"{start}: a f says what was looked for"] if program.looked_for else []
+    hint = [f"{start}: a f shows the search"] if program.looked_for else []
     return *hint, start, NO_TABLE
 
 
@@ -180,8 +180,8 @@ def _findings(program: ProgramView, look: Look) -> Row:
 def _nothing_wrong(program: ProgramView, steps: int) -> Sequence[str]:
     update = program.verdict.update
     if is_early(update):
-        return f"{NO_JUDGEMENT}   a f says what was examined", NO_JUDGEMENT
+        return f"{NO_JUDGEMENT}   a f shows what was examined", NO_JUDGEMENT
     found = f"nothing wrong found in {steps:,} steps"
     if update.rule is Rule.UNKNOWN:
-        return f"{found}, as far as known   a f says how far", f"{found}, as far as known", found
-    return f"{found}   a f says what was examined", found
+        return f"{found}, as far as known   a f shows how far", f"{found}, as far as known", found
+    return f"{found}   a f shows what was examined", found

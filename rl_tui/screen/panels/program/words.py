@@ -29,14 +29,14 @@ IN_SHORT: Final = {
     CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION: "no bootstrap at the time limit",
     CodeFault.WRONG_AXIS: "maximum along the wrong axis",
     CodeFault.UPDATES_AFTER_MOVING: "updates the state it moved to",
-    CodeFault.SHIFTED_REWARD: "uses the reward before",
-    CodeFault.ROUNDING_TABLE: "the table rounds",
-    CodeFault.SHARED_TABLE: "rows of the table are one",
-    CodeFault.GAMMA_TWICE: "γ counts twice",
+    CodeFault.SHIFTED_REWARD: "uses the previous reward",
+    CodeFault.ROUNDING_TABLE: "the table holds integers",
+    CodeFault.SHARED_TABLE: "rows are one object",
+    CodeFault.GAMMA_TWICE: "discounts twice",
     CodeFault.STEP_SIZE_OUT_OF_RANGE: "step size out of range",
     CodeFault.WRONG_CELL: "updates another cell",
     CodeFault.LOSES_UPDATE: "loses its updates",
-    CodeFault.FIRST_OF_TIES: "takes the first of equals",
+    CodeFault.FIRST_OF_TIES: "takes the first of ties",
     CodeFault.NEVER_EXPLORES: "never explores",
 }
 """Each fault and risk in a few plain words."""
@@ -103,7 +103,7 @@ def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
     if update.rule is Rule.MONTE_CARLO:
         gain = "G"
     else:
-        reward = "r before" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
+        reward = "previous r" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
         bootstrap = _BOOTSTRAPS[update.target]
         gamma = "γ" if update.gamma is None else number_text(update.gamma, glyphs)
         gain = f"{reward} + {gamma}·{bootstrap}" if bootstrap else reward
@@ -176,7 +176,7 @@ def fit_texts(update: UpdateFound) -> tuple[str, ...]:
         return ()
     fits = f"fits {share_text(update.fits)} of steps"
     ruled = f"{_RULES[update.rule]} {fits}" if update.rule in _RULES else fits
-    telling = f"{update.informative:,} {'tells' if update.informative == 1 else 'tell'} γ"
+    telling = f"{update.informative:,} {'reveals' if update.informative == 1 else 'reveal'} γ"
     departs = [] if update.departs_at is None else [f"departs at step {step_number(update.departs_at):,}"]
     forms = ([ruled, telling, *departs], [ruled, *departs], [fits, *departs], [fits])
     return tuple(" · ".join(form) for form in forms)
@@ -195,9 +195,9 @@ def ranked(findings: Sequence[CodeFinding]) -> list[CodeFinding]:
 
 
 def counted(findings: Sequence[CodeFinding]) -> str:
-    """Return the counts: ``1 fault, 2 risks``."""
+    """Return the counts: ``1 bug, 2 risks``."""
     faults = sum(each.kind == "fault" for each in findings)
-    counts = ((faults, "fault"), (len(findings) - faults, "risk"))
+    counts = ((faults, "bug"), (len(findings) - faults, "risk"))
     return ", ".join(f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts if count)
 
 

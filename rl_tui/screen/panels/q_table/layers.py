@@ -236,7 +236,7 @@ def _values(
         other = other_lane(snapshot)
         return np.zeros(len(snapshot.agent.q)) if other is None else np.asarray(snapshot.agent.q - other.q)
     if exact is None:
-        raise ValueError(f"the layer {layer} needs the exact answer")
+        raise ValueError(f"the layer {layer} needs the exact values")
     return exact[0] if layer in LEARNED_NOT else np.asarray(snapshot.agent.q - exact[0])
 
 

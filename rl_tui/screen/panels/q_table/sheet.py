@@ -132,7 +132,7 @@ class Sheet:
 # Texts on the border
 
 
-COMPUTING: Final = "computing the exact answer …"
+COMPUTING: Final = "computing the exact values …"
 FOLLOW_HINT: Final = "esc: follow the agent"
 TITLES: Final = {
     Layer.Q: "Q",
@@ -217,6 +217,6 @@ def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs
 def no_answer(snapshot: Snapshot, width: int, look: Look) -> list[list[Piece]]:
     """Return why exact values are missing or pending."""
     palette, refused = look.palette, snapshot.exact_answer.refused
-    text = f"No exact answer: {refused}" if refused else COMPUTING
+    text = f"No exact values: {refused}" if refused else COMPUTING
     lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, look)
     return [[Piece(" ", palette.text), *line] for line in lines]

@@ -67,7 +67,7 @@ def mark_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:
     """Yield the legend entries of marks."""
     if editor.endless:
         ((sign, style),) = EditMarks(is_endless=True).signs(look)
-        yield LegendSign(sign, "no end", style, "no way to an end")
+        yield LegendSign(sign, "no end", style, "no path to a terminal state")
     if editor.turned:
         ((sign, style),) = EditMarks(is_turned=True).signs(look)
-        yield LegendSign(sign, "turned", style, "turned: best is another action")
+        yield LegendSign(sign, "changed", style, "another action is optimal now")

@@ -29,8 +29,8 @@ from rl_tui.worlds.world import World
 
 
 _TIES: Final = {
-    "random": "ties random: one of equal best actions is drawn",
-    "first": "ties first: of equal best actions the first is taken",
+    "random": "ties random: one of the best actions is drawn",
+    "first": "ties first: the first of the best actions is taken",
 }
 
 

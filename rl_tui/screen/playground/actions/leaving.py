@@ -27,7 +27,7 @@ class Leaving(Subject):
     def back(self) -> None:
         """Close what is open, or go back to the start screen."""
         where = "the start screen" if self.link.wanted.lesson is None else "the lessons"
-        if not self._closes() and not self._asks("esc", f"esc again goes to {where}"):
+        if not self._closes() and not self._asks("esc", f"esc again: back to {where}"):
             self.leave()
 
     def quit(self) -> None:

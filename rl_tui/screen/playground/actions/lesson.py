@@ -120,7 +120,7 @@ def _read_name(text: str) -> str:
 _FRACTION: Final = re.compile(r"([+-]?\d{1,9}(?:\.\d{1,9})?)\s*/\s*(\d{1,9}(?:\.\d{1,9})?)", re.ASCII)
 _NUMBER: Final = re.compile(r"[+-]?(?:\d{1,15}(?:\.\d{0,15})?|\.\d{1,15})(?:[eE][+-]?\d{1,3})?", re.ASCII)
 EXPECTED: Final = "type a number, such as 0.5, -2 or 1/3"
-NO_COMMA: Final = "write a decimal point and no comma: 0.5, or 184616"
+NO_COMMA: Final = "write a decimal point, not a comma: 0.5, or 184616"
 
 
 def read_answer(text: str) -> float:
@@ -133,7 +133,7 @@ def read_answer(text: str) -> float:
     if fraction := _FRACTION.fullmatch(written):
         below = float(fraction[2])
         if below == 0.0:
-            raise ValueError("nothing can be divided by 0")
+            raise ValueError("division by 0 is not possible")
         return float(fraction[1]) / below
     if _NUMBER.fullmatch(written) and math.isfinite(value := float(written)):
         return value
@@ -310,7 +310,7 @@ class LessonActions(Subject):
         if page.task.program is not None:
             self._own_program.answer(page, page.task.program, lambda: self._claim(page))
             return
-        do = Candidate("do", "Do it", ("The world is where you do it.",))
+        do = Candidate("do", "Do it", ("Do it in the world.",))
         choice = Choice("Your task", (do, CANNOT_BE_DONE), "", self.glyphs, plain(page.task.do))
         self.ask(choice, lambda chosen: self._claim(page) if chosen == _CLAIM else self._show_world())
 

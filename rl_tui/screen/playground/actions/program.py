@@ -57,7 +57,7 @@ class ProgramActions(Subject):
             return ""
         table = self.program.table
         if table is None:
-            return "no table was found in your program, so there is none to choose"
+            return "no table was found in your program, so you cannot choose one"
         name = one_line(table.name, _LONGEST_NAME)
         return "" if table.others else f"{name} is the only table of your program"
 

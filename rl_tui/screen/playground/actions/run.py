@@ -148,7 +148,7 @@ class RunActions(Subject):
         """Pause a run that goes on without a user."""
         if self.is_under_way:
             self.link.send(Pause())
-            self.screen.tell("Paused: no key was pressed for some minutes.", timeout=_UNTIL_SEEN)
+            self.screen.tell("Paused: no key was pressed for several minutes.", timeout=_UNTIL_SEEN)
 
     def step(self) -> None:
         """Take one step."""

@@ -74,7 +74,7 @@ class SessionActions(Subject):
     def why_not(self, deed: str) -> str:
         """Return why nothing can be saved."""
         reason = ": this is a kiosk" if self.screen.in_kiosk else ""
-        return f"no session is kept here{reason}" if deed == "save" and self.autosave is None else ""
+        return f"no session is saved here{reason}" if deed == "save" and self.autosave is None else ""
 
     def save(self) -> None:
         """Ask for a name, and save the session."""

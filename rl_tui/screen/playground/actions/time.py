@@ -22,7 +22,7 @@ class TimeActions(Subject):
         snapshot = self.snapshot
         if deed in ("step_back", "episode_back"):
             is_at_start = self.link.settled is not None and not self.link.settled.counters.step
-            return "this is step 0, where the run begins" if is_at_start else ""
+            return "this is step 0, the start of the run" if is_at_start else ""
         is_prepared = snapshot is None or snapshot.playback.phase is not Phase.PREPARING
         is_to_choose = deed in ("go_to", "show_branches")
         if snapshot is None or is_prepared or not is_to_choose or snapshot.counters.step:
@@ -93,7 +93,7 @@ class TimeActions(Subject):
             self.screen.tell(f"End of the run so far ({here}). space: continue.")
         if sought is not None and sought == now.timeline.branch:
             unit = "pull" if isinstance(now.world.drawing, Arms) else "step"
-            stays = "as before" if now.timeline.in_past else "as far as it has come"
+            stays = "as before" if now.timeline.in_past else "its latest step"
             self.screen.tell(f"{now.timeline.current.name}, {unit} {now.counters.step:,}: {stays}")
 
     def _go_to_branch(self, moment: Moment | AddBranch) -> None:

@@ -30,7 +30,7 @@ from rl_tui.worlds.world import World
 
 
 _NEW: Final = "+ an action"
-_NOTHING: Final = "there are no actions here. enter: add one"
+_NOTHING: Final = "no actions here. enter: add one"
 
 
 def _no_outcome(box: GraphTools, desk: Desk) -> str:
@@ -279,7 +279,7 @@ class GraphTools(Toolbox):
         def read(text: str) -> str:
             name = read_name(text)
             if name in draft.states:
-                raise ValueError("there is a state of that name: enter says what leads there")
+                raise ValueError("this state exists: enter adds an action that leads there")
             return read_outcomes(draft, state, f"to {name}", as_json({"reward": 0.0, "to": name})) and name
 
         def answered(name: object) -> None:

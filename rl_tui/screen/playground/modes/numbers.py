@@ -20,7 +20,7 @@ LIVING: Final = Parameter(
 LIMIT: Final = Parameter(
     "time_limit",
     "limit",
-    "time limit: steps after which an episode is cut off, 0 for none",
+    "time limit: steps after which an episode is truncated, 0 for none",
     Range(0, LONGEST_TIME_LIMIT),
     whole=True,
     slide=Slide(0, 500),

@@ -29,7 +29,7 @@ def title(snapshot: Snapshot) -> tuple[str, ...]:
         )
     notes = []
     if editor.turned:
-        notes.append(f"best actions turned in {counted(len(editor.turned), 'state')}")
+        notes.append(f"optimal action changed in {counted(len(editor.turned), 'state')}")
     if editor.endless:
         notes.append(f"no end from {counted(len(editor.endless), 'state')}")
     together = " · ".join(notes)
