@@ -15,6 +15,7 @@ check: $(VENV)/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy --strict
 	$(BIN)/lint-imports
+	$(BIN)/python tests/prose.py --check
 
 test: $(VENV)/ready
 	$(BIN)/python -m pytest

@@ -1,4 +1,4 @@
-"""Autosaves of a student's evening, and what is in their folder afterwards."""
+"""Autosaves of a student's evening, and the content of their folder."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def only(folder: Path) -> StoredSession:
 
 
 def kept(folder: Path, *offered: Record, **how: Any) -> Autosave:
-    """An autosave that was offered these, and closed."""
+    """Return a closed autosave that has received these records."""
     autosave = Autosave(OPENED, folder, **how)
     for record in offered:
         autosave.offer(record)

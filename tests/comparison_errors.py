@@ -1,4 +1,4 @@
-"""How often a cell that is as good as the best is called different from it."""
+"""How often a comparison calls a cell worse although it ties with the best."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ Cells = tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]
 
 
 def equal_cells(kind: str, cells: int = 20) -> Callable[[np.random.Generator, int], Cells]:
-    """Return what draws cells that are all of one kind."""
+    """Return a function that draws cells of one kind."""
     return lambda random, runs: (RESULTS[kind].draw(random, (cells, runs)), np.ones(cells, np.bool_))
 
 
 def _alike_by_seed(random: np.random.Generator, runs: int) -> Cells:
-    """Three in five runs of a seed come out the same in all cells."""
+    """Three in five runs of a seed have equal results in all cells."""
     draw = RESULTS["mostly learned"].draw
     own, common = draw(random, (20, runs)), draw(random, (1, runs))
     return np.where(random.random((20, runs)) < 0.6, common, own), np.ones(20, np.bool_)
@@ -55,11 +55,11 @@ SWEEPS: Final = {
     "5 of 20 best": _five_best,
     "20 of unlike shapes": _unlike_shapes,
 }
-"""The last breaks what a t-test assumes: with few runs a failure that is rare may not be seen at all."""
+"""The last sweep violates the assumption of a t-test: few runs may miss a rare failure."""
 
 
 def errors(sweep: str, runs: int, trials: int, seed: int = 1) -> float:
-    """Return in which share of the trials any of the cells that are truly the best was called different."""
+    """Return the share of trials in which a truly best cell was called different."""
     random = np.random.Generator(np.random.PCG64([seed, runs]))
     wrong = 0
     for _ in range(trials):

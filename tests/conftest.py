@@ -1,4 +1,4 @@
-"""Which tests share a process, as the suite runs in several, and what they find around them."""
+"""Groups of tests that share a process, the choice among tests, and their surroundings."""
 
 from __future__ import annotations
 
@@ -57,22 +57,22 @@ _OF_A_PERSON: Final = re.compile(  # their terminal, language, shell and login
 _UTF_8: Final = "C.UTF-8"
 _LONGEST_TEST: Final = 300  # seconds
 
-# At once, since the program looks at some of these when it is imported
+# At once: the program reads some of these on import
 for _name in filter(_OF_THE_PROGRAM.fullmatch, list(os.environ)):
     if not _KEPT.fullmatch(_name):
         del os.environ[_name]
-# Each program that tests start would compile the source of all that it imports
+# Otherwise each program that tests start would compile the source of its imports
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-# Tests are listed for each scenario there is: those of the person who runs them are none
+# Tests are listed for each available scenario: leave out your own
 os.environ["XDG_CONFIG_HOME"] = os.path.join(os.path.dirname(__file__), "nobody")
-if "textual.constants" in sys.modules:  # the plugin for pictures was here first
+if "textual.constants" in sys.modules:  # the plugin for pictures came first
     importlib.reload(sys.modules["textual.constants"])
 
 
 @pytest.fixture(autouse=True, scope="session")
 def _nothing_of_a_person(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Tests, and the programs that they start, are alike for everybody, in every terminal and everywhere."""
+    """Give tests and their programs the same surroundings on every machine and in every terminal."""
     folder = tmp_path_factory.getbasetemp()
     before = locale.setlocale(locale.LC_CTYPE)
     with pytest.MonkeyPatch.context() as patch:
@@ -86,7 +86,7 @@ def _nothing_of_a_person(tmp_path_factory: pytest.TempPathFactory) -> Iterator[N
         patch.setenv("TZ", "UTC")
         time.tzset()
         with suppress(locale.Error):
-            locale.setlocale(locale.LC_CTYPE, _UTF_8)  # in which files are read and written
+            locale.setlocale(locale.LC_CTYPE, _UTF_8)  # the encoding of files
         yield
     time.tzset()
     locale.setlocale(locale.LC_CTYPE, before)
@@ -94,13 +94,12 @@ def _nothing_of_a_person(tmp_path_factory: pytest.TempPathFactory) -> Iterator[N
 
 @pytest.fixture(autouse=True)
 def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """No test reads or writes the sessions of another; programs that tests start do not either."""
+    """Give each test, and the programs it starts, a session folder of its own."""
     folder = tmp_path_factory.getbasetemp() / "sessions" / str(next(_TESTS))
     monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the options that choose among the tests."""
     group = parser.getgroup("rl-tui")
     group.addoption("--all", action="store_true", help="exhaustive tests too")
     group.addoption("--quick", action="store_true", help="unit tests, and a picture of each screen")
@@ -108,10 +107,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Register the kinds, and let hypothesis try the same examples in every run, however long they take.
+    """Register the kinds, and let hypothesis try the same examples in every run, without a deadline.
 
-    ``--hypothesis-profile=default`` looks for others. A change is then judged by what it changes.
-    Nothing is written down, so the folder may be read-only.
+    A change is then judged by its own effects. ``--hypothesis-profile=default`` tries other examples. Nothing
+    is saved, so the folder may be read-only.
     """
     for line in (
         *(f"{kind}: {meaning}" for kind, meaning in KINDS.items()),
@@ -129,7 +128,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_sessionstart() -> None:
-    """Let signals count that a shell's background, or nohup, ignores: programs that tests start would too."""
+    """Reset signals that nohup or a background shell ignores: child programs would inherit that."""
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_IGN:
             usual = signal.default_int_handler if number is signal.SIGINT else signal.SIG_DFL
@@ -137,12 +136,12 @@ def pytest_sessionstart() -> None:
 
 
 def pytest_collection() -> None:
-    """Look for no garbage while tests are collected: there is none, and to look took a quarter."""
+    """Turn the garbage collector off during collection: it finds nothing and took a quarter of the time."""
     gc.disable()
 
 
 def pytest_collection_finish() -> None:
-    """Look for garbage less often: looking through all that the libraries hold took a sixth of the time."""
+    """Collect garbage less often: scanning the libraries' objects took a sixth of the time."""
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
     gc.enable()
@@ -150,7 +149,7 @@ def pytest_collection_finish() -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
-    """End a test that hangs, so that the others run, and its report says where it hung."""
+    """Stop a test that hangs, so that the others run and its report shows where it hung."""
 
     def end(*_: object) -> NoReturn:
         raise TimeoutError(f"{item.nodeid} took longer than {_LONGEST_TEST} s")
@@ -166,7 +165,7 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def _is_of_its_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Refuse a unit test what would make it slow."""
+    """Refuse slow operations in unit tests."""
 
     def refused(*_: object, **__: object) -> NoReturn:
         raise AssertionError("a unit test starts no app and no process: mark it as screen or process")
@@ -180,7 +179,7 @@ def _is_of_its_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPa
 
 @pytest.fixture(autouse=True)
 def _what_is_loaded_stays_frozen(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have players look for no garbage among all that tests have loaded, which takes a second each time."""
+    """Turn off players' garbage collections: with all loaded modules they take a second each."""
     if "real_collections" not in request.fixturenames:
         nothing = SimpleNamespace(unfreeze=bool, collect=bool, freeze=bool)
         monkeypatch.setattr(interpreter, "gc", nothing)
@@ -188,7 +187,7 @@ def _what_is_loaded_stays_frozen(request: pytest.FixtureRequest, monkeypatch: py
 
 @pytest.fixture
 def processes(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
-    """The processes that answer background questions, noted as they begin."""
+    """The processes for background questions, noted when they begin."""
     started: list[subprocess.Popen[bytes]] = []
     start = background.python_process
 
@@ -202,7 +201,7 @@ def processes(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
 
 @pytest.fixture
 def real_collections() -> None:
-    """Have players spare the garbage collector what is loaded, as they do for people."""
+    """Let players freeze loaded objects for the garbage collector, as for people."""
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -212,10 +211,10 @@ def _what_all_share_is_compiled() -> None:
 
 @pytest.fixture(autouse=True)
 def _is_compiled_where_it_pays(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have a loop compiled once it has taken many steps, unless a test says otherwise; read it if it can be.
+    """Compile a loop after many steps, or read it from the cache, unless a test says otherwise.
 
-    To compile one takes as long as some 300,000 interpreted steps, and the bits are the same. Child processes
-    do as the program does.
+    Compiling takes as long as about 300,000 interpreted steps, and the bits are equal. Child processes do as
+    the program does.
     """
     if request.node.get_closest_marker("interpreted"):
         return
@@ -251,7 +250,7 @@ def _is_compiled_where_it_pays(request: pytest.FixtureRequest, monkeypatch: pyte
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Leave out the files without tests about the subject: collecting all of them takes many seconds."""
+    """Skip files without tests about the subject: collecting all of them takes many seconds."""
     subject = config.option.subject
     is_test = collection_path.name.startswith("test_") and collection_path.suffix == ".py"
     return True if subject and is_test and not may_be_about(collection_path, subject) else None
@@ -259,10 +258,10 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark each test with its kind, leave out what was not asked for, and say which share a process.
+    """Mark each test with its kind, leave out tests not asked for, and group tests by process.
 
-    The tests of an algorithm do, so that its loop is compiled once, and the rest of a file. A file may name
-    another group, to share it with other files.
+    The tests of an algorithm share a process, which compiles its loop once. So do the other tests of a file.
+    A file may name another group, to share it with other files.
     """
     for item in items:
         if not any(item.get_closest_marker(kind) for kind in KINDS):

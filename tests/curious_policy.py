@@ -1,7 +1,7 @@
-"""A made-up policy, to see that the program needs to be told of a new one in its row and nowhere else.
+"""A made-up policy: it shows that a new policy needs only its own row in the program.
 
-It has an ε and is not ε-greedy: with probability ε it takes one of the actions that were never tried, as long
-as there are any, else the first of the best.
+It has an ε but is not ε-greedy. With probability ε it takes one of the untried actions, if any are left.
+Otherwise it takes the first of the best actions.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ CURIOUS = Policy(
 
 @pytest.fixture
 def curious(monkeypatch: pytest.MonkeyPatch) -> str:
-    """Put the policy into the catalogue and return its id."""
+    """Add the policy to the catalogue and return its id."""
     monkeypatch.setitem(POLICY_BY_ID, CURIOUS.id, CURIOUS)
     return CURIOUS.id
 
 
 class Rule(NamedTuple):
-    """The ε in force."""
+    """The current ε."""
 
     epsilon: float
 
@@ -48,7 +48,7 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 
 @inlined
 def untried(visits: IntArray, first: int, last: int) -> int:
-    """Return how many of the pairs ``first`` .. ``last`` were never tried."""
+    """Return the number of untried pairs from ``first`` to ``last``."""
     count = 0
     for pair in range(first, last):
         count += visits[pair] == 0

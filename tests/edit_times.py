@@ -1,4 +1,4 @@
-"""How soon an edit of a map shows: in the player's snapshot, with its exact answer, and on the screen."""
+"""The delay from an edit of a map to the snapshot, to its exact values, and to the screen."""
 
 from __future__ import annotations
 
@@ -44,22 +44,22 @@ map = '''
 
 
 class EditTimes(NamedTuple):
-    """Medians, in milliseconds, from the command on; and of a frame that draws the new world."""
+    """Medians in milliseconds: the delay after the command, and the time of a frame of the new world."""
 
     drawn: float
     """Until a snapshot has the drawing."""
     made: float
-    """Until one has the world of the drawing."""
+    """Until a snapshot has the edited world."""
     answered: float
-    """Until one has the exact answer of that world, or says that there is none."""
+    """Until a snapshot has the exact values of that world, or reports that there are none."""
     frame: float
-    """What the screen takes to show it."""
+    """The drawing time of the screen."""
     seen: float
-    """Until a frame of the app, which draws 15 a second, has the exact answer."""
+    """Until a frame of the app, at 15 a second, has the exact values."""
 
 
 def map_with_walls(side: int) -> Recipe:
-    """Return a run on a side × side map, a fifth of it walls, with noise, so that few actions are as good."""
+    """Return a run on a side × side map, a fifth of it walls, with noise, to make ties rare."""
     cells = np.random.default_rng(0).choice(list("....#"), (side, side))
     cells[0, 0], cells[-1, -1] = "S", "G"
     cells[-1, :-1], cells[1:, 0] = ".", "."
@@ -75,7 +75,7 @@ async def _until(snapshots: AsyncIterator[Snapshot], holds: Callable[[Snapshot],
 
 
 async def edit_times(side: int, edits: int = 10) -> EditTimes:
-    """Return how soon an edit of a side × side map shows: a wall or a hole more in the middle each time."""
+    """Return the delays of edits on a side × side map: each adds a wall or a hole near the middle."""
     player = Player(map_with_walls(side))
     snapshots = player.snapshots()
     player.send(OpenEditor(is_open=True))
@@ -106,7 +106,7 @@ def _is_answered(snapshot: Snapshot) -> bool:
 
 
 async def _frame(side: int, snapshots: list[Snapshot]) -> float:
-    """Return how long the screen takes to show each of ``snapshots``, all of other worlds, at 120×40."""
+    """Return the drawing time of each of ``snapshots``, all of different worlds, at 120×40."""
     app = RlTuiApp(Display(fps=1000.0), map_with_walls(side), picture=True)
     taken = []
     async with app.run_test(size=SIZE) as pilot:
@@ -128,7 +128,7 @@ def _edit(side: int, number: int) -> DrawWorld:
 
 
 async def _seen(side: int, edits: int) -> float:
-    """Return how long after an edit the app shows its exact answer, at 120×40, all threads at work."""
+    """Return the delay from an edit to its exact values in the app, at 120×40, with all threads."""
     app = RlTuiApp(Display(), map_with_walls(side), picture=True)
     taken = []
     async with app.run_test(size=SIZE) as pilot:
@@ -149,7 +149,7 @@ async def _seen(side: int, edits: int) -> float:
 
 
 def main() -> None:
-    """Print the figures of maps of some sizes."""
+    """Print the figures for maps of some sizes."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("sides", nargs="*", type=int, default=[10, 30, 100, 1_000])
     for side in parser.parse_args().sides:

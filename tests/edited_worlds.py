@@ -1,4 +1,4 @@
-"""A small map whose world is edited on the way, and edits of it, good and bad."""
+"""A small map, and edits of its world, good and bad."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def small_map(**overrides: Any) -> Recipe:
 
 
 def large_map(**overrides: Any) -> Recipe:
-    """A map of so many states that it is solved as large worlds are."""
+    """A map with this many states, large enough for the solver of large worlds."""
     cells = np.random.default_rng(0).choice(list("......#"), (25, 25))
     cells[0, :], cells[:, -1], cells[0, 0], cells[-1, -1] = ".", ".", "S", "G"
     text = "\n".join("".join(row) for row in cells)
@@ -85,7 +85,7 @@ def small_graph(**overrides: Any) -> Recipe:
 
 
 def edit(text: str) -> EditWorld:
-    """The stroke that ``text`` writes; ``world.`` before each edit may be left out."""
+    """Parse the stroke in ``text``; ``world.`` before each edit is optional."""
     return EditWorld(read_edits(";".join(f"world.{each}" for each in text.split(";"))))
 
 
@@ -100,7 +100,7 @@ _MAP_EDITS = st.one_of(
         st.integers(0, 4),
     ),
     st.sampled_from(["noise=0.5", "noise=0", "noise=7", "time_limit=5", "time_limit=0", "wind[1]=1"]),
-    # the start is moved, the only goals are taken away, all is wall
+    # moves the start, removes the only goals, fills the map with walls
     st.sampled_from(["cell[0,0]=.;cell[2,0]=.;cell[0,2]=S", "cell[0:3,0:4]=#", "cell[0:2,0:2]=."]),
 )
 _GRAPH_EDITS = st.sampled_from(

@@ -1,4 +1,4 @@
-"""The screen of a terminal emulator: what a program's output comes to, read by pyte's parser."""
+"""A terminal emulator for tests: pyte's parser reads a program's output and fills a screen."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import pyte
 from pyte.screens import Char
 from wcwidth import wcwidth
 
-# Most of what is written are texts and colours. The latter are taken out: pyte reads sequences a character at
-# a time, which is slow. So is what pyte 0.8.2 takes for text or for something else: sequences with <, = or >
-# before their numbers or a character after them, the keyboard protocol's question, strings for the terminal
+# Most output is text and colours. Colours are taken out: pyte reads sequences slowly, one character at a
+# time. Sequences that pyte 0.8.2 misreads are taken out too: those with <, = or > before their numbers or a
+# character after them, the query of the keyboard protocol, and strings for the terminal
 _TAKEN_OUT: Final = re.compile(
     r"\x1b(?:\[(?P<colours>[0-9;]*)m"
     r"|\[[<=>][0-?]*[ -/]*[@-~]|\[[0-?]*[ -/]+[@-~]|\[\?[0-9;]*u|[P_^X][^\x1b]*\x1b\\)"
@@ -22,14 +22,13 @@ _UNFINISHED: Final = re.compile(r"\x1b(?:\[[0-?]*[ -/]*|[\]P_^X][^\x07\x1b]*\x1b
 _MODE_QUESTION: Final = re.compile(r"\x1b\[\?(\d+)\$p")
 _SYNCHRONISED: Final = 2026
 _ALTERNATE: Final = 1049
-_PRIVATE: Final = 5  # by so many bits pyte shifts a private mode's number
+_PRIVATE: Final = 5  # pyte shifts the number of a private mode by this many bits
 
 
 class Emulator(pyte.Screen):
-    """Shows what it is fed; ``answer`` gets what a terminal would send back to the program.
+    """Shows its input on a screen; ``answer`` receives the replies of the terminal to the program.
 
-    It says where its cursor is if ``tells_position``, and that it can hold a frame back until it is whole if
-    it ``synchronises``.
+    It reports its cursor if ``tells_position``. It supports synchronised output if it ``synchronises``.
     """
 
     def __init__(
@@ -55,7 +54,7 @@ class Emulator(pyte.Screen):
         self._rest = ""
 
     def feed(self, written: bytes) -> None:
-        """Show ``written``; a sequence that has no end yet waits for it."""
+        """Show ``written``. An unfinished sequence waits for its end."""
         text = self._rest + self._decoder.decode(written)
         unfinished = _UNFINISHED.search(text)
         end = unfinished.start() if unfinished else len(text)
@@ -73,7 +72,7 @@ class Emulator(pyte.Screen):
 
     @property
     def text(self) -> str:
-        """What stands on the screen, a line a row, without the blanks at their ends."""
+        """The text on the screen, one line per row, without trailing blanks."""
         if len(self._rows) != self.lines:
             self._rows = [""] * self.lines
             self.dirty.update(range(self.lines))
@@ -86,7 +85,7 @@ class Emulator(pyte.Screen):
 
     @property
     def is_whole(self) -> bool:
-        """Whether no frame is being written of which a synchronising terminal shows nothing yet."""
+        """Whether no synchronised frame is in progress."""
         return _SYNCHRONISED << _PRIVATE not in self.mode
 
     def cell(self, column: int, row: int) -> Char:
@@ -94,7 +93,7 @@ class Emulator(pyte.Screen):
         return self.buffer[row][column]
 
     def draw(self, data: str) -> None:
-        """Write ``data`` at the cursor: as pyte does, but quicker for plain text, which most is."""
+        """Write ``data`` at the cursor like pyte, but faster for plain text, the usual case."""
         cursor = self.cursor
         is_plain = data.isascii() or all(map(self._is_narrow, data))
         if not is_plain or cursor.x + len(data) > self.columns or pyte.modes.IRM in self.mode or self.charset:
@@ -110,7 +109,7 @@ class Emulator(pyte.Screen):
         self.dirty.add(cursor.y)
 
     def set_mode(self, *modes: int, **options: Any) -> None:
-        """Set modes; pyte has no alternate screen."""
+        """Set modes, including the alternate screen, which pyte lacks."""
         super().set_mode(*modes, **options)
         if options.get("private") and _ALTERNATE in modes and self._main is None:
             self._main = (dict(self.buffer), (self.cursor.x, self.cursor.y))
@@ -118,7 +117,7 @@ class Emulator(pyte.Screen):
             self.dirty.update(range(self.lines))
 
     def reset_mode(self, *modes: int, **options: Any) -> None:
-        """Take modes back; with the alternate screen goes all that was on it."""
+        """Reset modes. Leaving the alternate screen discards its content."""
         super().reset_mode(*modes, **options)
         if options.get("private") and _ALTERNATE in modes and self._main is not None:
             self.buffer.clear()
@@ -129,7 +128,7 @@ class Emulator(pyte.Screen):
             self.dirty.update(range(self.lines))
 
     def report_device_status(self, mode: int = 0, **options: Any) -> None:
-        """Say where the cursor is, if told to."""
+        """Report the cursor's place, if enabled."""
         if self._tells_position or mode != 6:
             super().report_device_status(mode)
 
@@ -138,7 +137,7 @@ class Emulator(pyte.Screen):
         self._answer(data)
 
     def _colour(self, numbers: str) -> None:
-        """Change the colours of what is written from now on."""
+        """Set the colours of the text that follows."""
         key = (self.cursor.attrs, numbers)
         if key not in self._coloured:
             self.select_graphic_rendition(*(int(number or 0) for number in numbers.split(";")))

@@ -1,4 +1,4 @@
-"""Scripts to be tested: how they are made, and what came of running them here."""
+"""Export scripts for tests, and the results of running them here."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ALLOWED: Final = {"gymnasium", "numpy", "bisect", "collections"}
 
 
 def has_script(row: Algorithm | Policy) -> bool:
-    """Return whether there is a text beside its module that writes it down as a script."""
+    """Return whether its module has a text for scripts."""
     return (PACKAGE.parent / row.module.replace(".", "/")).with_suffix(ENDING).is_file()
 
 
@@ -41,14 +41,14 @@ def script_of(scenario: str, episodes: int = 100, **overrides: object) -> str:
 
 
 def ran(text: str, until: str = "\nprint(") -> dict[str, Any]:
-    """Return what the names of a script stand for once it has run, up to where it prints."""
+    """Run a script up to its printing and return the values of its names."""
     names: dict[str, Any] = {"__name__": "script"}
     exec(compile(text.split(until)[0], "script", "exec"), names)
     return names
 
 
 def q_of(names: dict[str, Any], mdp: TabularMDP) -> np.ndarray:
-    """Return the estimates of a script, [P]; its states are numbered as in ``mdp``, or by cell."""
+    """Return the estimates of a script, [P]. Its states are numbered as in ``mdp``, or by cell."""
     rows = names["Q"]
     numbers = range(mdp.states)
     if len(rows) != mdp.states:

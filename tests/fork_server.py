@@ -1,6 +1,6 @@
-"""The process that programs of tests are forked from: it has imported what they would, and waits.
+"""A process that imports the modules of test programs once, and then forks those programs.
 
-:mod:`warm_start` starts it and asks it. It has one thread only: others would not be there in what is forked.
+:mod:`warm_start` starts it and sends requests. It has only one thread, because a fork would lose others.
 """
 
 # ruff: noqa: F401
@@ -28,18 +28,18 @@ LARGEST: Final = 200_000
 """Bytes of a request, which is one datagram."""
 MOST_DESCRIPTORS: Final = 32
 _ABOVE: Final = 300
-"""Descriptors from there on are those that no program is given."""
+"""Programs get no descriptors from this number on."""
 
 Request = dict[str, Any]
 
 
 class _Ending:
-    """How the program wants to end, where that is an ordinary exit."""
+    """The exit status of a program that ends normally."""
 
     status: int | None = None
 
     def leave(self) -> None:
-        """Skip Python's own farewell, which takes apart all that was imported: a tenth of a second."""
+        """Skip Python's own shutdown, which destroys every imported module in a tenth of a second."""
         if self.status is not None:
             for stream in (sys.stdout, sys.stderr):
                 with suppress(Exception):
@@ -48,14 +48,14 @@ class _Ending:
 
 
 def serve(door: socket.socket) -> tuple[Request, list[int]] | None:
-    """Fork a process for each request, and return the request there; return None once nobody can ask."""
+    """Fork a process for each request and return the request there. Return None once the door is closed."""
     while True:
         message, descriptors, *_ = socket.recv_fds(door, LARGEST, MOST_DESCRIPTORS)
         if not message:
             return None
         held, release = os.pipe()
         reading, writing = os.pipe()
-        # The one in between ends at once, so that the program becomes a child of the process that asked
+        # The process between ends at once. The program then becomes a child of the process that asked
         between = os.fork()
         if between == 0:
             program = os.fork()
@@ -63,7 +63,7 @@ def serve(door: socket.socket) -> tuple[Request, list[int]] | None:
                 os.write(writing, str(program).encode())
                 os._exit(0)
             os.close(release)
-            os.read(held, 1)  # until it is
+            os.read(held, 1)  # until it is adopted
             for each in (held, reading, writing):
                 os.close(each)
             door.close()
@@ -75,7 +75,7 @@ def serve(door: socket.socket) -> tuple[Request, list[int]] | None:
 
 
 def prepare(request: Request, descriptors: Sequence[int]) -> None:
-    """Make this process what it would be, had it been started anew."""
+    """Give this process the state of a newly started one."""
     if request["session"]:
         os.setsid()
     os.umask(request["umask"])
@@ -93,7 +93,7 @@ def prepare(request: Request, descriptors: Sequence[int]) -> None:
 
 
 def _place(descriptors: Sequence[int], numbers: Sequence[int]) -> None:
-    """Let each of ``descriptors`` have the number that the program expects, and close all others."""
+    """Give each of ``descriptors`` the number that the program expects, and close all others."""
     high = [fcntl.fcntl(each, fcntl.F_DUPFD, _ABOVE) for each in descriptors]
     os.closerange(0, _ABOVE)
     for each, number in zip(high, numbers, strict=True):
@@ -102,7 +102,7 @@ def _place(descriptors: Sequence[int], numbers: Sequence[int]) -> None:
 
 
 def _stream(number: int, like: Any) -> io.TextIOWrapper:
-    """Open a descriptor as Python opens it when it starts, with the encoding of ``like``."""
+    """Open a descriptor as Python does at its start, with the encoding of ``like``."""
     mode = "r" if number == 0 else "w"
     is_raw = like.write_through
     binary: Any = open(number, f"{mode}b", 0 if is_raw and number else -1, closefd=False)  # noqa: SIM115
@@ -120,7 +120,7 @@ def _stream(number: int, like: Any) -> io.TextIOWrapper:
 
 
 def run(command: Sequence[str], path: Sequence[str], ending: _Ending) -> None:
-    """Run what ``command``, which begins with Python and its options, says: a module or a text."""
+    """Run ``command``, which begins with Python and its options: a module or a text."""
     arguments = list(command[1:])
     is_safe = arguments[0] == "-P"
     how, what, *rest = arguments[is_safe:]
@@ -142,15 +142,15 @@ def run(command: Sequence[str], path: Sequence[str], ending: _Ending) -> None:
 
 
 def import_for_watched_programs() -> None:
-    """Import what runs beside a watched program, and what nearly each of those programs imports."""
+    """Import the modules around a watched program, and those that nearly every such program needs."""
     import rl_tui.programs.watched.child.agent
     import rl_tui.programs.watched.child.main
 
 
 def import_for_ours() -> None:
-    """Import what commands, screens and workers do, but for where machine code is kept.
+    """Import the modules of commands, screens and workers, except the compiler cache.
 
-    Which folder that is, the environment of each program says when it imports that.
+    The environment of each program chooses the cache folder when that module is imported.
     """
     import gymnasium.envs.classic_control
     import gymnasium.envs.toy_text
@@ -175,18 +175,18 @@ def import_for_ours() -> None:
 
 
 IMPORTS: Final = {"ours": import_for_ours, "watched": import_for_watched_programs}
-"""Of each kind of program, what it imports."""
+"""By kind of program: its import function."""
 
 
 def begin(door: int, kind: str) -> None:
-    """Import what programs of this kind need, say so at the ``door``, and serve there."""
+    """Import the modules for this kind of program, report it at the ``door``, and serve there."""
     ending, path = _Ending(), [each for each in sys.path if each]
-    atexit.register(ending.leave)  # the first one registered is called last
+    atexit.register(ending.leave)  # callbacks run in reverse order
     IMPORTS[kind]()
     if len(os.listdir("/proc/self/task")) > 1:
-        return  # threads are not forked, and leave their locks behind
+        return  # threads do not survive a fork, but their locks do
     gc.collect()
-    gc.freeze()  # so that looking for garbage copies no memory
+    gc.freeze()  # so that garbage collection copies no memory
     with socket.socket(fileno=door) as listening:
         listening.send(b"ready")
         asked = serve(listening)

@@ -1,4 +1,4 @@
-"""How long a frame takes on a map of any size: the player's snapshot, and the screen that draws it."""
+"""The time of a frame for maps of any size: the player's snapshot and the drawn screen."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.playground.playground import Playground
 
 SIZE: Final = (120, 40)
-STEPS: Final = 20_000  # between two frames, so that much has changed in each
+STEPS: Final = 20_000  # between two frames, so that each differs much
 
 
 class FrameTimes(NamedTuple):
@@ -26,14 +26,14 @@ class FrameTimes(NamedTuple):
 
 
 async def painted(screen: Playground) -> None:
-    """Wait until what was drawn is on screen."""
+    """Wait until the drawing is on screen."""
     done = asyncio.Event()
     screen.call_after_refresh(done.set)
     await done.wait()
 
 
 async def frame_times(side: int, frames: int = 40) -> FrameTimes:
-    """Return how long snapshot and frame take on an open side × side map at 120×40, with steps between."""
+    """Return the times of snapshot and frame on an open side × side map at 120×40, with steps between."""
     app = app_at(open_grid_recipe(side))
     snapshots: list[Snapshot] = []
     copied: list[float] = []
@@ -47,7 +47,7 @@ async def frame_times(side: int, frames: int = 40) -> FrameTimes:
             screen.send(Train(STEPS))
             await screen.settled()
             start = time.perf_counter()
-            # the player is idle now: nobody else touches its run
+            # the player is idle now: nothing else touches its run
             snapshots.append(screen.player._playback.snapshot())
             copied.append(time.perf_counter() - start)
         for snapshot in snapshots:

@@ -1,7 +1,7 @@
-"""Break files of scenarios, sessions and lessons in many ways: ``python tests/fuzz.py 10000 [SEED] [KIND]``.
+"""Break files of scenarios, sessions and lessons: ``python tests/fuzz.py 10000 [SEED] [KIND]``.
 
-Whatever a file holds, it is used or refused by one clear line. Prints what was found, and figures. A single
-input is written with ``python tests/fuzz.py --show KIND SEED NUMBER``.
+Every file must work or be refused in one clear line. The command prints faults and counts. ``python
+tests/fuzz.py --show KIND SEED NUMBER`` writes a single input.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fuzz_inputs import LESSON, SCENARIO, SESSION, input_of
 
 CHILD: Final = Path(__file__).parent / "fuzz_child.py"
-HANGS: Final = 120.0  # seconds without a word, on a busy machine
-CHUNK: Final = 400  # inputs a process: one that grows is not hidden for ever
+HANGS: Final = 120.0  # seconds of silence, on a busy machine
+CHUNK: Final = 400  # inputs per process, to reveal one that grows
 SCREENS: Final = 40
 
 
 @dataclass
 class Figures:
-    """What a number of inputs came to. ``found`` are faults: of which input, and what happened."""
+    """Counts for a number of inputs. ``found`` are faults: the input and the failure."""
 
     inputs: int = 0
     results: Counter[str] = field(default_factory=Counter)
@@ -40,7 +40,6 @@ class Figures:
     largest: tuple[int, int] = (0, -1)
 
     def add(self, number: int, outcome: dict[str, object]) -> None:
-        """Count one input."""
         self.inputs += 1
         self.results[str(outcome["result"])] += 1
         self.slowest = max(self.slowest, (float(str(outcome["seconds"])), number))
@@ -52,7 +51,7 @@ class Figures:
 def fuzz(
     kind: str, count: int, seed: int, *, first: int = 0, screens: int = SCREENS, quick: bool = False
 ) -> Figures:
-    """Try ``count`` inputs of a kind from number ``first`` on; every so many of those accepted is drawn."""
+    """Try ``count`` inputs of a kind from number ``first`` on. One in several accepted inputs is drawn."""
     figures, number, end = Figures(), first, first + count
     while number < end:
         number = _child(figures, kind, seed, number, min(CHUNK, end - number), screens, quick)
@@ -60,7 +59,7 @@ def fuzz(
 
 
 def _child(figures: Figures, kind: str, seed: int, first: int, count: int, screens: int, quick: bool) -> int:
-    """Let a process go through ``count`` inputs; return the number of the first that it did not come to."""
+    """Let a process try ``count`` inputs and return the number of the first it did not reach."""
     arguments = [kind, *map(str, (seed, first, count, screens)), *(["quick"] if quick else [])]
     with tempfile.TemporaryDirectory() as home, tempfile.TemporaryFile() as stderr:
         places = dict.fromkeys(("XDG_CONFIG_HOME", "XDG_DATA_HOME", "RL_TUI_SESSIONS_DIR"), home)

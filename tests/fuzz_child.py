@@ -1,4 +1,4 @@
-"""What a user does with a file, in a process that may die of it: a child of fuzz.py.
+"""A user's actions on a file, in a process that may die of it: a child of fuzz.py.
 
 ``python tests/fuzz_child.py KIND SEED FIRST COUNT SCREENS`` prints a line before and after each input.
 """
@@ -23,9 +23,9 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from fuzz_inputs import LESSON, SCENARIO, SESSION, input_of
 
-ADDRESS_SPACE: Final = 2 << 30  # bytes beyond what the imports need
+ADDRESS_SPACE: Final = 2 << 30  # bytes in addition to the imports
 MOST_STEPS: Final = 200
-FARTHEST: Final = 20_000  # a session that was left later is not replayed to its end
+FARTHEST: Final = 20_000  # a session with more steps is not replayed to its end
 MOST_STATES: Final = 300
 LONGEST_LINE: Final = 2_000
 MOST_LINES: Final = 120
@@ -39,14 +39,14 @@ WARNED: Final = re.compile(
 )
 FAULT: Final = re.compile(r"^(:\d+)?: .*found .*; expected ")
 AS_IT_IS: Final = (
-    10  # of so many scenarios one is trained by its own algorithm, which takes seconds to compile
+    10  # one in this many scenarios trains with its own algorithm, which takes seconds to compile
 )
 QUICK: Final = (
     "--algorithm",
     "q-learning",
     "--policy",
     "epsilon-greedy",
-)  # loops that the other tests compile
+)  # loops that other tests compile too
 SIZES: Final = ((80, 24), (120, 40), (60, 18), (200, 60), (20, 5))
 KEYS: Final = [
     *("wait:60", "v", "v", "v", "v", "v", "w", "m", "escape", "f", "f", "f", "f", "f", "escape"),
@@ -56,7 +56,7 @@ KEYS: Final = [
 
 
 class Ended(NamedTuple):
-    """How a command ended: its status and what it wrote."""
+    """The end of a command: its status and output."""
 
     status: int
     out: str
@@ -68,7 +68,7 @@ class FoundError(Exception):
 
 
 def main() -> None:
-    """Go through the inputs that the arguments say."""
+    """Try the inputs given by the arguments."""
     kind, (seed, first, count, screens) = sys.argv[1], map(int, sys.argv[2:6])
     quick = "quick" in sys.argv
     report = sys.stdout
@@ -87,7 +87,7 @@ def main() -> None:
 
 
 def _import_all(screens: int) -> None:
-    """Import what the inputs need, and let the process take two gigabytes more."""
+    """Import the modules for the inputs, then limit the process to two more gigabytes."""
     import gymnasium  # noqa: F401
 
     from rl_tui.runs.figures import training_figures  # noqa: F401
@@ -105,7 +105,7 @@ def _gone_through(path: Path, kind: str, quick: bool, screen: int | None) -> dic
     try:
         go_through = {SCENARIO: _scenario, SESSION: _session, LESSON: _lesson}[kind]
         result = go_through(path, quick, screen)
-        if time.process_time() - begin > SLOWEST:  # a second time nothing has to be compiled
+        if time.process_time() - begin > SLOWEST:  # a second time everything is compiled
             begin = time.process_time()
             result = go_through(path, quick, screen)
         spent, grown = time.process_time() - begin, _memory() - memory
@@ -194,7 +194,7 @@ def _session(path: Path, quick: bool, screen: int | None) -> str:
 
 
 def _shown(start: Any, number: int) -> None:
-    """Draw what ``start`` begins on a screen of some size, after some keys."""
+    """Draw the playground of ``start`` on a screen of some size, after some keys."""
     import random
 
     from rl_tui.common.errors import UserError
@@ -209,7 +209,7 @@ def _shown(start: Any, number: int) -> None:
 
 
 def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
-    """Call ``do``; return what it wrote on stdout and stderr."""
+    """Call ``do`` and return its output on stdout and stderr."""
     kept = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in kept)
     try:
@@ -221,7 +221,7 @@ def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
 
 
 def _run_command(arguments: list[str], path: Path) -> Ended:
-    """Run a command; raise FoundError where it does not end as a command has to."""
+    """Run a command; raise FoundError if it does not end as a command must."""
     from rl_tui.commands.main import program
 
     status = 0
@@ -266,7 +266,7 @@ def _refuse(name: str) -> None:
 
 
 def _kind_of(message: str) -> str:
-    """Return what a file was refused for, without what stands in it."""
+    """Return the kind of a refusal, without the content of the file."""
     line = message.splitlines()[0].split("mine.", 1)[-1]
     line = re.sub(r'"[^"]*"', '""', line)
     line = re.sub(r"[-+]?\d[\d,.e+]*", "0", line)

@@ -1,4 +1,4 @@
-"""Whole scenario documents for every kind of world, most of them nearly sound."""
+"""Whole scenario documents for every kind of world, most of them nearly valid."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def table(required: dict[str, Any], optional: dict[str, Any]) -> st.SearchStrate
 
 @st.composite
 def shares(draw: st.DrawFn) -> dict[str, Any]:
-    """Draw a distribution over a few names; it sums to 1 unless something odd has come into it."""
+    """Draw a distribution over a few names. It sums to 1 unless an odd value is in it."""
     over = draw(st.lists(names, min_size=1, max_size=3, unique=True))
     found: dict[str, Any] = {name: 1 / len(over) for name in over}
     if draw(st.integers(0, 5)) == 0:
@@ -176,7 +176,7 @@ documents = st.one_of(
 
 @cache
 def block(number: int) -> list[dict[str, Any]]:
-    """Return documents, the same for the same ``number``."""
+    """Return documents, equal for equal ``number``."""
     drawn: list[dict[str, Any]] = []
 
     @seed(number)

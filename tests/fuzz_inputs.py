@@ -1,4 +1,4 @@
-"""The inputs of the fuzzer: each is determined by its kind, a seed and its number."""
+"""The inputs of the fuzzer. Kind, seed and number determine each input."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _lesson(chance: random.Random, number: int) -> bytes:
         pages = document.get("pages")
         if not isinstance(pages, list) or not all(isinstance(page, dict) for page in pages):
             return _bytes(as_toml(document))
-        del document["pages"]  # by tables with a header a lesson is told from a scenario
+        del document["pages"]  # tables with a header distinguish a lesson from a scenario
         return _bytes(as_toml(document) + "".join(f"[[pages]]\n{as_toml(page)}" for page in pages))
     return mutated_bytes(chance.choice(seeds), chance.choice(seeds), chance)
 
@@ -56,7 +56,7 @@ def _session(chance: random.Random, seed: int, number: int) -> bytes:
     match number % 5:
         case 0:
             return mutated_bytes(text, chance.choice(session_seeds()), chance)
-        case 1:  # a fault in the text, with a checksum all the same
+        case 1:  # an error in the text, with a valid checksum
             faulty = mutated_bytes(text, chance.choice(session_seeds()), chance)
             try:
                 fields = json.loads(faulty)
@@ -73,7 +73,7 @@ def _session(chance: random.Random, seed: int, number: int) -> bytes:
 
 
 def _plain(value: Any) -> Any:
-    """Return ``value`` with nothing in it that JSON has not."""
+    """Return ``value`` without anything that JSON lacks."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, list):

@@ -43,7 +43,7 @@ HUGE: tuple[Callable[[], Any], ...] = (
 
 
 def nested(levels: int) -> list[Any]:
-    """Return an empty list in so many others."""
+    """Return an empty list inside ``levels`` others."""
     value: list[Any] = []
     for _ in range(levels):
         value = [value]

@@ -1,4 +1,4 @@
-"""Sound scenario files and sessions, from which broken ones are made."""
+"""Valid scenario files and sessions, the sources of broken ones."""
 
 from __future__ import annotations
 
@@ -74,20 +74,20 @@ B = { kind = "floor", only = ["left", "up"] }
 
 @cache
 def scenario_seeds() -> tuple[str, ...]:
-    """The texts of sound scenario files: those that are shipped, and some that use what those do not."""
+    """The texts of valid scenario files: shipped ones, and some with other features."""
     shipped = [path.read_text(encoding="utf-8") for path in sorted(shipped_folder().glob("*.toml"))]
-    # of a large map the mutations would seldom touch anything else
+    # in a large map, mutations would rarely touch anything else
     return (*(text for text in shipped if len(text) < 10_000), BINS, EDGES, OUTCOMES, LEGEND)
 
 
 @cache
 def session_seeds() -> tuple[str, ...]:
-    """The texts of sound session files."""
+    """The texts of valid session files."""
     return tuple(encoded(record).decode() for record in _records())
 
 
 def lesson_seeds() -> tuple[str, ...]:
-    """The texts of sound lesson files: small ones, which are soon checked."""
+    """The texts of valid lesson files, small for fast checks."""
     return EVENING, SOUND
 
 
@@ -124,7 +124,7 @@ def _with_branches(record: Record) -> Record:
 
 
 def signed(fields: dict[str, Any]) -> str:
-    """Return the text of a session file of ``fields``, with the checksum that they have."""
+    """Return the text of a session file with ``fields`` and their checksum."""
     unsigned = {key: value for key, value in fields.items() if key != "checksum"}
     text = json.dumps(unsigned, sort_keys=True, separators=(",", ":"))
     return json.dumps({**unsigned, "checksum": hashlib.sha256(text.encode()).hexdigest()})

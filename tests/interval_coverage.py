@@ -1,4 +1,4 @@
-"""How often the 95 % interval of the mean covers the true mean, for kinds of results whose mean is known."""
+"""How often the 95 % interval of the mean covers the true mean, for results with a known mean."""
 
 from __future__ import annotations
 
@@ -54,20 +54,23 @@ RESULTS: Final = {
     "0 or 1, evenly": Results(_two_values(0.5), 0.5),
     "0 or 1, nine in ten 1": Results(_two_values(0.9), 0.9),
 }
-"""``two clusters``: four in five runs 1, one in five 0, each ± 0.1 normally. ``mostly learned``: four in five
-a little below 1, by 0.1 on average, exponentially; one in five anywhere from 0 to 0.5."""
+"""Distributions of results.
+
+``two clusters``: four in five runs 1, one in five 0, each ± 0.1 normally. ``mostly learned``: four in five a
+little below 1, by 0.1 on average, exponentially; one in five anywhere from 0 to 0.5.
+"""
 HELD: Final = ("normal", "mostly learned")
-"""Those for which 93 to 97 % are promised from 30 runs on."""
+"""Kinds for which 93 to 97 % are promised from 30 runs on."""
 
 
 def coverage_of_mean(kind: str, runs: int, trials: int, seed: int = 1) -> Coverage:
-    """Return how often the interval of ``runs`` results of that kind covers, over that many trials."""
+    """Return how often the interval of ``runs`` results covers the true mean, over many trials."""
     ends = [interval_of(each) for each in _trials(kind, runs, trials, seed)]
     return _coverage(ends, RESULTS[kind].mean)
 
 
 def coverage_of_difference(kind: str, runs: int, trials: int) -> Coverage:
-    """Return the same of the interval of the difference between two cells of that kind, which is 0."""
+    """Return how often the interval of the difference between two equal cells covers 0."""
     pairs = zip(_trials(kind, runs, trials, 1), _trials(kind, runs, trials, 2), strict=True)
     found = [shrinkage_of(first, again) for first, again in pairs]
     return _coverage([(each.low, each.high) for each in found if each], 0.0)

@@ -1,4 +1,4 @@
-"""How long it takes to go anywhere in a long run, and what the checkpoints weigh."""
+"""The time to jump to any step of a long run, and the size of its checkpoints."""
 
 from __future__ import annotations
 

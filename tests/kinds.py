@@ -1,4 +1,4 @@
-"""What kind of test each is, and which are about a subject."""
+"""The kind of each test, and the tests about a subject."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ COMPILED: Final = "compiled: loops run as machine code from their first step"
 
 
 def kind_of(item: pytest.Item) -> str:
-    """Return what a test or its file is marked with; without a mark, what tests of its folder are."""
+    """Return the mark of a test or its file. Unmarked tests have the kind of their folder."""
     marked = next((kind for kind in KINDS if item.get_closest_marker(kind)), None)
     if marked is not None:
         return marked
     room = item.path.relative_to(TESTS).parts[0]
-    if room in ("browser", "terminals", item.path.name):  # the last: at the top there is no room
+    if room in ("browser", "terminals", item.path.name):  # the last case: a file at the top has no folder
         return "process"
     plays = "snap_compare" in item.fixturenames or inspect.iscoroutinefunction(item.function)
     return "screen" if room == "screen" and plays else "unit"
 
 
 def may_be_about(path: Path, subject: str) -> bool:
-    """Return whether the file at ``path`` can have tests about ``subject``, by its text alone.
+    """Return whether the file at ``path`` can have tests about ``subject``, judged by its text.
 
-    It names the subject, or its tests go through the catalogue that the subject is in.
+    It names the subject, or its tests loop over a catalogue that contains the subject.
     """
     text = path.read_text(encoding="utf-8")
     if _plain(subject) in _plain(f"{path.stem} {text}"):
@@ -59,10 +59,10 @@ def may_be_about(path: Path, subject: str) -> bool:
 
 
 def about(items: list[pytest.Item], subject: str) -> list[pytest.Item]:
-    """Return the tests that are about ``subject``: an id, a panel, a module.
+    """Return the tests about ``subject``: an id, a panel or a module.
 
-    Tests of real programs, which take long, are returned only where there are no others. Raises
-    UsageError, with the names that are near, where there is no test.
+    Tests of real programs are slow; they are returned only if there are no others. Raises UsageError with
+    similar names if there is no test.
     """
     wanted = _plain(subject)
     found = [item for item in items if wanted in _names(item) or _stands_in(wanted, _title(item))]
@@ -122,7 +122,7 @@ def _imported(path: Path) -> frozenset[str]:
 
 
 def is_everyday(item: pytest.Item, named: Collection[str]) -> bool:
-    """Return whether a test runs without ``--all``: it is not exhaustive, or the command line names tests."""
+    """Return whether a test runs without ``--all``: it is not exhaustive, or the command line names it."""
     mark = item.get_closest_marker("exhaustive")
     if mark is None or any("::" in name for name in named):
         return True
@@ -130,14 +130,14 @@ def is_everyday(item: pytest.Item, named: Collection[str]) -> bool:
 
 
 def take_few_examples(test: Any) -> None:
-    """Let a property test try a fifth of its examples, which is enough to notice what is always wrong."""
+    """Limit a property test to a fifth of its examples, enough to notice constant errors."""
     asked_for = test._hypothesis_internal_use_settings
     fewer = settings(asked_for, max_examples=max(3, asked_for.max_examples // 5))
     test._hypothesis_internal_use_settings = fewer
 
 
 def is_quick(item: pytest.Item) -> bool:
-    """True for unit tests that take no seconds, and for the small pictures, in which every screen is seen."""
+    """True for fast unit tests, and for the small pictures, which show every screen."""
     if item.path.stem == "test_pictures":
         return "80x24" in item.name
     return kind_of(item) == "unit" and not item.get_closest_marker("slow")

@@ -1,8 +1,7 @@
-"""Print how much memory a kiosk takes after much abuse: ``python tests/kiosk_memory.py [ROUNDS] | cat``.
+"""Print the memory of a kiosk after much abuse: ``python tests/kiosk_memory.py [ROUNDS] | cat``.
 
-The pipe is needed: a kiosk writes to no file.
-Every round opens and closes dialogs, takes steps by hand, moves sliders, forks branches, opens lanes,
-runs at full speed and changes the scenario, as somebody would who wants to break it.
+The pipe is needed: a kiosk writes to no file. Every round opens and closes dialogs, takes steps by hand and
+moves sliders. It also forks branches, adds runs, runs at full speed and changes the scenario.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Prints how the program does on slow links: ``python tests/links.py``.
+"""Print measures of the program on slow links: ``python tests/links.py``.
 
-The playground trains at full speed in a terminal of 80×24 at the end of a throttled link. For each: how long
-after a key was pressed what it does stands on the screen, how large a frame is, how many arrive, and how fast
-the agent learns meanwhile. They are figures, not tests: other work on the machine shows in them.
+The playground trains at full speed in a terminal of 80×24 at the end of a throttled link. The measures are
+the delay from key to screen, the size and rate of frames, and the learning speed. They are not tests: other
+work on the machine changes them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ ALLOWED: Final = {None: 0.3, 100_000: 0.3, 30_000: 0.3, 10_000: 0.6}  # seconds 
 STEPS: Final = re.compile(r"step +([\d,.]+)([MG]?)\s")
 END_OF_FRAME: Final = b"\x1b[?2026l"
 SSH_BUFFER: Final = 65536
-# what is pressed, and what stands on the screen then, in turns that end where they began
+# keys and the screens they lead to, in cycles that end at their start
 KEYS: Final = (
     ("pause", " ", r"❚❚ paused"),
     ("run", " ", r"▶"),
@@ -47,14 +47,14 @@ KEYS: Final = (
 
 
 class Key(NamedTuple):
-    """How many seconds after ``name`` was pressed it showed."""
+    """The key ``name`` and the seconds until its effect was visible."""
 
     name: str
     delay: float
 
 
 class Frames(NamedTuple):
-    """What arrived in a while: sizes of frames in bytes, frames and bytes a second, steps a second."""
+    """Arrivals in a period: bytes per frame, frames and bytes per second, steps per second."""
 
     sizes: list[int]
     frames_per_second: float
@@ -63,7 +63,7 @@ class Frames(NamedTuple):
 
 
 def start(rate: float | None, depth: str, room: int, options: argparse.Namespace) -> ThrottledTerminal:
-    """Start the playground and let it train at full speed; it comes over the link from the beginning."""
+    """Start the playground over the link and let it train at full speed."""
     terminal = ThrottledTerminal(
         [*RL_TUI, "play", options.scenario, "--colors", depth],
         rate=rate,
@@ -73,19 +73,19 @@ def start(rate: float | None, depth: str, room: int, options: argparse.Namespace
     terminal.wait_for("paused")
     terminal.press(FULL_SPEED)
     terminal.wait_for(r"▶ max +ep .* step +[\d,.]{5,}")
-    terminal.press("1")  # the first slider gets the arrow keys
+    terminal.press("1")  # focuses the first slider, for the arrow keys
     return terminal
 
 
 def finish(terminal: ThrottledTerminal) -> None:
-    """Quit; the shell that comes next must find nothing in its input."""
+    """Quit. The next shell must find nothing in its input."""
     terminal.rate = None
     terminal.press("qq")
     terminal.wait_for_end()
 
 
 def watch(terminal: ThrottledTerminal, seconds: float) -> Frames:
-    """Read for a while, until the run is seen to have gone on in any case."""
+    """Read for a while, at least until the run has advanced."""
     before, began = len(terminal.written), time.perf_counter()
     steps: list[tuple[float, float]] = []
     while time.perf_counter() < began + seconds or len({step for _, step in steps}) < 3:
@@ -98,13 +98,13 @@ def watch(terminal: ThrottledTerminal, seconds: float) -> Frames:
 
 
 def step_of(screen: str) -> float | None:
-    """Return the step that stands on ``screen``."""
+    """Return the step shown on ``screen``."""
     found = STEPS.search(screen)
     return float(found[1].replace(",", "")) * {"": 1, "M": 1e6, "G": 1e9}[found[2]] if found else None
 
 
 def press_keys(terminal: ThrottledTerminal, count: int) -> Iterator[Key]:
-    """Press ``count`` keys and more, until all is as before; at no particular moment of a frame."""
+    """Press at least ``count`` keys until their cycle is complete, at random moments of a frame."""
     for number, (name, key, pattern) in enumerate(cycle(KEYS)):
         if number >= count and number % len(KEYS) == 0:
             return
@@ -125,7 +125,7 @@ def headless(scenario: str) -> float:
 
 
 def report(rate: float | None, depth: str, room: int, options: argparse.Namespace) -> None:
-    """Print what one link comes to."""
+    """Print the measures of one link."""
     with start(rate, depth, room, options) as terminal:
         frames = watch(terminal, options.seconds)
         keys = list(press_keys(terminal, options.keys))
@@ -152,7 +152,7 @@ def report(rate: float | None, depth: str, room: int, options: argparse.Namespac
 
 
 def come_back(options: argparse.Namespace) -> None:
-    """Print the frame rate before a link turns slow, meanwhile, and after."""
+    """Print the frame rate before, during and after a slow period of the link."""
     with start(None, "256", SSH_BUFFER, options) as terminal:
         rates = []
         for rate in (None, 10_000, None):
@@ -164,12 +164,10 @@ def come_back(options: argparse.Namespace) -> None:
 
 
 def name_of(rate: float | None) -> str:
-    """Return a rate in words."""
     return f"{rate / 1e3:.0f} kB/s" if rate else "no limit"
 
 
 def main() -> None:
-    """Measure, a link at a time."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rates", type=float, nargs="*", default=RATES, help="bytes a second, 0: no limit")
     parser.add_argument("--depths", nargs="*", default=DEPTHS, choices=DEPTHS)

@@ -1,7 +1,7 @@
-"""Prints the timings that this project is held to, as they are on this machine: ``python tests/measure.py``.
+"""Print this machine's timings for the project's targets: ``python tests/measure.py``.
 
-They are figures, not tests: nothing fails on a slow machine. Each is taken with the real program, in turns
-with what it is compared with, and given as a median unless said otherwise.
+They are not tests: nothing fails on a slow machine. Each runs the real program, in turns with its point of
+comparison. Values are medians unless marked.
 """
 
 from __future__ import annotations
@@ -83,13 +83,13 @@ Rows = Iterator[tuple[str, str, str]]
 
 
 def start_up(rounds: int) -> Rows:
-    """How long ``rl-tui --version`` takes."""
+    """Time ``rl-tui --version``."""
     taken = [_time_of((*RL_TUI, "--version")) for _ in range(rounds)]
     yield "rl-tui --version", f"{median(taken):.3f} s", "at most 0.25 s"
 
 
 def beginnings(rounds: int) -> Rows:
-    """How soon something comes of a command, as a multiple of the slow imports, in turns."""
+    """Measure the first output of each command, as a multiple of the slow imports, in turns."""
     imports: list[float] = []
     times: dict[str, list[float]] = {what: [] for what in (*BEGINNINGS, FIRST_STEP)}
     for _ in range(rounds):
@@ -137,7 +137,7 @@ def bench(rounds: int) -> Rows:
 
 
 def algorithms(rounds: int) -> Rows:
-    """Every one-step rule on a scenario of its own, against the plain Gymnasium loop, in turns."""
+    """Every one-step rule on its own scenario, against the plain Gymnasium loop, in turns."""
     speeds: dict[str, list[float]] = {name: [] for name in ONE_STEP}
     plain = []
     for _ in range(rounds):
@@ -152,7 +152,7 @@ def algorithms(rounds: int) -> Rows:
 
 
 def sizes(rounds: int) -> Rows:
-    """Q-learning on open grids of growing size: the cost of a step should not grow with them."""
+    """Q-learning on open grids of growing size: the cost of a step should stay constant."""
     with TemporaryDirectory() as folder:
         speeds: dict[int, list[float]] = {side: [] for side in SIDES}
         for side in SIDES:
@@ -174,7 +174,7 @@ def _write_open_grid(path: Path, side: int, limit: int) -> None:
 
 
 def evaluation(rounds: int) -> Rows:
-    """How long it takes to evaluate a policy exactly in a large world, with the time to start in it."""
+    """Time the exact evaluation of a policy in a large world, and the start in it."""
     limits = {"without a time limit": 0, "within 1,000 steps": 1_000}
     started: list[float] = []
     taken: dict[str, list[float]] = {what: [] for what in limits}
@@ -192,7 +192,7 @@ def evaluation(rounds: int) -> Rows:
 
 
 def frames(rounds: int) -> Rows:
-    """A frame on a small and on a large map at 120×40, and the snapshot it shows."""
+    """A frame on a small and on a large map at 120×40, and its snapshot."""
     small, large = ([asyncio.run(frame_times(side)) for _ in range(rounds)] for side in (4, 1_000))
     for name in ("frame", "snapshot"):
         few, many = (median(getattr(each, name) for each in times) for times in (small, large))
@@ -201,7 +201,7 @@ def frames(rounds: int) -> Rows:
 
 
 def edits(rounds: int) -> Rows:
-    """How soon a wall that is drawn is in a snapshot, with the exact answer, and how soon on the screen."""
+    """Time a drawn wall until the snapshot, until the exact values, and until the screen."""
     for side in (10, 30, 100):
         times = asyncio.run(edit_times(side, 4 * rounds))
         what = f"edit of a {side}×{side} map"
@@ -216,7 +216,7 @@ def edits(rounds: int) -> Rows:
 
 
 def first_paint(rounds: int) -> Rows:
-    """The time to the first frame with something on it, against that of an empty Textual app."""
+    """Compare the time to the first visible frame with that of an empty Textual app."""
     empty, ours = [], []
     for _ in range(rounds):
         empty.append(_time_to(EMPTY_APP, _is_filled))
@@ -228,7 +228,7 @@ def first_paint(rounds: int) -> Rows:
 
 
 def _is_filled(terminal: PseudoTerminal) -> bool:
-    """Whether the last row has a colour of its own."""
+    """Whether the last row has a background colour."""
     return terminal.emulator.cell(0, terminal.emulator.lines - 1).bg != "default"
 
 
@@ -242,7 +242,7 @@ def _time_to(command: tuple[str, ...], is_painted: Callable[[PseudoTerminal], bo
 
 
 def live(rounds: int) -> Rows:
-    """The playground at full speed at 120×40 against headless training, and how soon keys show meanwhile."""
+    """The playground at full speed at 120×40 against headless training, and the delay of keys meanwhile."""
     headless, on_screen, changes, layers = [], [], [], []
     for _ in range(rounds):
         headless.append(_headless_speed())
@@ -282,7 +282,7 @@ def _live_speed(terminal: PseudoTerminal) -> float:
 
 
 def _delay(terminal: PseudoTerminal, turn: int, key: str, text: str) -> float:
-    """Return the milliseconds from pressing ``key``, at no particular moment of a frame, to ``text``."""
+    """Return the milliseconds from pressing ``key``, at a random moment of a frame, to ``text``."""
     for _ in terminal.reading(0.1 + 0.011 * turn):
         pass
     start = time.perf_counter()
@@ -296,7 +296,7 @@ def _percentile(delays: list[float]) -> float:
 
 
 def travel(steps: int) -> Rows:
-    """Yield how long it takes to go to a random moment of a long run: median and slowest."""
+    """Yield the time to jump to a random moment of a long run: median and slowest."""
     for scenario, length in ((SCENARIO, steps), ("cliff", steps), ("blackjack", min(steps, 20_000))):
         kinds: dict[str, list[float]] = {}
         for kind, milliseconds in journeys(scenario, length):
@@ -308,7 +308,7 @@ def travel(steps: int) -> Rows:
 
 
 def seeds(rounds: int) -> Rows:
-    """What is left of the live run's speed beside a study of many seeds; it wants two quiet cores."""
+    """Measure the live run's speed during a study of many seeds. It needs two quiet cores."""
     speeds, thrifts = zip(*asyncio.run(seed_study_cost(8 * rounds)), strict=True)
     load = f"load {os.getloadavg()[0]:.1f} of {os.cpu_count()}"
     yield "live speed beside many seeds", f"{median(speeds):.1%}, {load}", "at least 95 %"
@@ -325,7 +325,6 @@ def memory(steps: int) -> Rows:
 
 
 def main() -> None:
-    """Measure, a line at a time."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "what",
@@ -336,7 +335,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
     options = parser.parse_args()
-    compile_dir(PACKAGE, quiet=1)  # as where it is installed, also where Python may not write bytecode itself
+    compile_dir(PACKAGE, quiet=1)  # an installed package has bytecode, even if Python may not write it
     measures: dict[str, Callable[[], Rows]] = {
         "start-up": lambda: start_up(options.rounds),
         "beginnings": lambda: beginnings(options.rounds),

@@ -1,11 +1,13 @@
-"""The numbers that texts say: which of them stand in ``tests/said/``, and which need nothing behind them.
+"""The numbers in texts: those checked by a file in ``tests/said/``, and those that need no check.
 
-A file there belongs to one text, to the help, or to all guides. ``said`` are pieces of the text with names of
-figures in braces (``{name:words}``: written as a word), and ``[figures]`` says what each is worked out by, as
-a lesson does (docs/how-to/write-a-lesson.md). ``[copies.NAME]`` is a copy of the scenario file with other
-values of some keys, the setup NAME of figures. ``[constants]`` are numbers that the program holds under a
-name. ``quoted`` are numbers that somebody else has measured, printed or laid down, who is named beside them.
-``chosen`` are numbers that the text chooses: settings to try and occasions that no rule below knows.
+Each file belongs to one text, to the help, or to all guides. Its keys are:
+
+* ``said``: pieces of the text with names of figures in braces (``{name:words}``: written as a word).
+* ``[figures]``: how each figure is computed, as in a lesson (docs/how-to/write-a-lesson.md).
+* ``[copies.NAME]``: a copy of the scenario file with other values of some keys, as the setup NAME.
+* ``[constants]``: numbers that the program holds under a name.
+* ``quoted``: numbers with another source, named beside them.
+* ``chosen``: numbers that the text chooses, such as settings to try, and that match no rule below.
 """
 
 from __future__ import annotations
@@ -46,7 +48,7 @@ _SENTENCE: Final = re.compile(r"(?<=[.?!])\*{0,2} (?:\* )?(?=[^a-z])")
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """What one file of ``tests/said/`` holds a text to."""
+    """The demands of one file of ``tests/said/`` on a text."""
 
     id: str
     pieces: tuple[str, ...]
@@ -57,22 +59,22 @@ class Said:
     lesson: Lesson
     figures: LessonFigures
     constants: Mapping[str, tuple[str, float]]
-    """The number as it is written, and what the program holds, by name."""
+    """By name: the number as written, and its value in the program."""
 
     @property
     def expressions(self) -> str:
-        """All by which its figures are worked out."""
+        """All expressions of its figures."""
         return " ".join(figure.by for figure in self.figures_by_name.values())
 
     @property
     def figures_by_name(self) -> Mapping[str, Figure]:
-        """The figures as they are written."""
+        """The figures by name."""
         return self.lesson.figures
 
 
 @functools.cache
 def said_of(text_id: str) -> Said:
-    """Return what is written down of the text of this name: nothing where it has no file."""
+    """Return the demands on the text of this name; empty if it has no file."""
     path = FOLDER / f"{text_id}.toml"
     table = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     copies = {name: copied(find(text_id), changes) for name, changes in table.get("copies", {}).items()}
@@ -96,7 +98,7 @@ def said_of(text_id: str) -> Said:
 
 
 def _put_in(value: str, form: str | None) -> str:
-    """Return a figure as its piece has it: in digits, as a word, or as one that counts places."""
+    """Return a figure in the form of its piece: digits, a word, or an ordinal."""
     if form is None:
         return value
     word = _WORDS[int(number(value))]
@@ -104,7 +106,7 @@ def _put_in(value: str, form: str | None) -> str:
 
 
 def copied(scenario: Scenario, changes: Mapping[str, str]) -> str:
-    """Return the file of ``scenario`` with other values of some keys; a new key comes behind ``moves``."""
+    """Return the file of ``scenario`` with other values of some keys. New keys follow ``moves``."""
     text = re.sub(r'^notes = """.*?^"""$', "", scenario.text, flags=re.MULTILINE | re.DOTALL)
     for key, value in changes.items():
         line = f"{key} = {value}"
@@ -116,7 +118,7 @@ def copied(scenario: Scenario, changes: Mapping[str, str]) -> str:
 
 
 def _held(name: str) -> float:
-    """Return the number ``module:NAME``, the one at a place ``module:NAME[2]``, or how many there are."""
+    """Return the number ``module:NAME``, its item ``module:NAME[2]``, or the length."""
     found = re.fullmatch(r"([\w.]+):(\w+)(?:\[(\d+)\])?", name)
     assert found, name
     module, constant, place = found.groups()
@@ -127,13 +129,13 @@ def _held(name: str) -> float:
 
 
 def plain(text: str) -> str:
-    """Return ``text`` without the breaks of its lines."""
+    """Return ``text`` without line breaks."""
     return " ".join(text.split())
 
 
 @functools.cache
 def held_by_tests(path: Path) -> tuple[str, ...]:
-    """Return the strings with numbers of a test module: pieces of texts which its tests hold."""
+    """Return the strings with numbers in a test module, the pieces of texts that its tests check."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     strings = {each.value for each in ast.walk(tree) if isinstance(each, ast.Constant)}
     return tuple(
@@ -141,7 +143,7 @@ def held_by_tests(path: Path) -> tuple[str, ...]:
     )
 
 
-# Numbers behind which nothing need stand
+# Numbers that need no check
 
 _N: Final = r"(?:[−-]?\.?\d+(?:,\d{3})*(?:\.\d+)?)"
 _LIST: Final = rf"{_N}(?:(?:,| and| or| to|, then|;)+ {_N})*"
@@ -159,20 +161,20 @@ RULES: Final[Mapping[str, str]] = {
     "a number of a list": r"(?:^| )\d\. (?=\*\*)",
     "a range that comes from the table of settings": r"a (?:whole )?number in [\[(][^\])]*[\])]",
 }
-"""Why a number needs nothing, and what shows it: each number within such a match is left alone."""
+"""By reason: the pattern of numbers that need no check."""
 _SETTINGS: Final = (
     rf"{_SETTING} (?:(?:=|to|of|at|is|above|below|from|starts? at) )?(?:about )?{_LIST}",
     rf"(?:\b[Tt]ry|at) {_LIST}(?= (?:and|:|planning)|[:?;,])",
 )
-"""What shows that numbers are settings."""
+"""Patterns of numbers that are settings."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mention:
-    """A number that a text mentions outside of all pieces and rules, what stands around it, its sentence.
+    """A number outside all pieces and rules, with its surroundings and its sentence.
 
-    ``is_setting`` is of one that is written like a setting; ``has_piece`` says that a piece stands in the
-    same sentence, so that the number may be a condition of what is said.
+    ``is_setting``: it is written like a setting. ``has_piece``: its sentence contains a piece, so the number
+    may be a condition of that claim.
     """
 
     number: str
@@ -184,12 +186,12 @@ class Mention:
 
     @property
     def is_setting_to_try(self) -> bool:
-        """Whether nothing is said of what comes of that setting."""
+        """Whether the text claims no effect of that setting."""
         return self.is_setting and not self.has_piece
 
 
 def mentions(text: str, pieces: Sequence[str], others: Sequence[str] = ()) -> Iterator[Mention]:
-    """Yield the numbers of ``text`` that stand in no piece, in none of the ``others`` and under no rule."""
+    """Yield the numbers of ``text`` outside all ``pieces``, ``others`` and rules."""
     held = [span for piece in pieces for span in _places(text, piece)]
     free = [span for piece in others for span in _places(text, piece)]
     free += [match.span() for pattern in RULES.values() for match in re.finditer(pattern, text)]
@@ -222,7 +224,7 @@ def _places(text: str, piece: str) -> Iterator[tuple[int, int]]:
 
 
 def number(text: str) -> float:
-    """Return what a number of a text comes to."""
+    """Return the value of a number in a text."""
     found = written_number(text)
     assert found is not None, text
     return found.value

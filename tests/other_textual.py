@@ -1,7 +1,8 @@
-"""rl-tui with a Textual in which some private names are others: ``python other_textual.py NAME,NAME play …``.
+"""rl-tui with a Textual in which some private names are renamed.
 
-Textual itself agrees with the new names, so that it works as a later version of it would that has renamed
-something within.
+``python other_textual.py NAME,NAME play …``
+
+Textual itself uses the new names, and so works like a later version with internal renames.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from types import CodeType
 
 
 def rename(names: list[str]) -> None:
-    """Have each of ``names`` replaced in every module of Textual that is imported from now on."""
+    """Replace each of ``names`` in every module of Textual that is imported later."""
     found = re.compile(rf"(?<!drivers\.)(?<!textual\.)\b(?:{'|'.join(map(re.escape, names))})\b".encode())
     get_code = SourceFileLoader.get_code
 

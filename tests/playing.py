@@ -21,11 +21,11 @@ from rl_tui.runs.run import Run
 
 _PACKAGE: Final = Path(rl_tui.__file__).parent
 _COMPILED: Final = tuple(str(_PACKAGE / "agents" / each) for each in ("algorithms", "kernels", "policies"))
-"""Folders of what the program runs as machine code, and most tests interpret."""
+"""Folders of code that is compiled in the program, and interpreted in most tests."""
 
 
 class Ticking:
-    """A clock on which everything takes a while, so that checkpoints are many and journeys go in pieces."""
+    """A clock on which everything takes a while. This causes many checkpoints, and jumps in several parts."""
 
     def __init__(self) -> None:
         self.now = 0.0
@@ -54,9 +54,9 @@ def do(playback: Playback, *commands: Command) -> Snapshot:
 
 
 def note_function(found: set[tuple[str, str]], frame: FrameType, event: str, _: object = None) -> None:
-    """Add the function of the program that is called, as (file, name).
+    """Add the called function of the program, as (file, name).
 
-    Kernels, lambdas, comprehensions and what dataclasses generate do not count.
+    Kernels, lambdas, comprehensions and generated methods of dataclasses do not count.
     """
     code = frame.f_code
     is_ours = code.co_filename.startswith(str(_PACKAGE)) and not code.co_filename.startswith(_COMPILED)
@@ -65,7 +65,7 @@ def note_function(found: set[tuple[str, str]], frame: FrameType, event: str, _: 
 
 
 def functions_of(playback: Playback, command: Command) -> set[tuple[str, str]]:
-    """Return the functions of the program that ``command`` and its snapshot run."""
+    """Return the functions of the program that run for ``command`` and its snapshot."""
     found = set[tuple[str, str]]()
     before = sys.getprofile()
     sys.setprofile(partial(note_function, found))
@@ -85,7 +85,7 @@ def bits(value: Any) -> Any:
 
 
 def stand(run: Run) -> Any:
-    """All that a run knows."""
+    """The complete state of a run."""
     learner = run.learner
     known = [learner.q, learner.visits, learner.counters, run.results]
     known += [learner.algorithm, learner.hyperparameters, run.journal, run.stop_reason, run.over]
@@ -93,7 +93,7 @@ def stand(run: Run) -> Any:
 
 
 def assert_true_to_the_record(playback: Playback) -> None:
-    """Every lane stands as the straight replay of its recipe and journal does."""
+    """Assert that every run equals the straight replay of its recipe and journal."""
     record = playback.record
     for number, lane in enumerate(record.lanes):
         playback.handle(ChooseLane(number))

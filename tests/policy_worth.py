@@ -1,4 +1,4 @@
-"""The exact value of a policy, as tests ask for it."""
+"""The exact value of a policy, for tests."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 def evaluate(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyValue:
     """Return the exact value of ``policy``, [P] probabilities that sum to 1 in each state.
 
-    There is no time limit; ``gamma`` is in [0, 1]. At γ = 1 an endless part that pays nothing adds 0. Raises
-    NoExactAnswer where rounding would spoil the answer.
+    There is no time limit; ``gamma`` is in [0, 1]. At γ = 1 an endless part without rewards adds 0. Raises
+    NoExactAnswer if rounding would spoil the value.
     """
     return PolicyChain(exact_model(mdp), policy).value(gamma)

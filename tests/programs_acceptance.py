@@ -1,8 +1,8 @@
-"""Every program of the corpus over many seeds: are the faults found, and is nothing claimed of what is right?
+"""Run every program of the corpus over many seeds; check that all faults, and only faults, are found.
 
-    python tests/programs_acceptance.py [--seeds 20] [--only TEXT] [--jobs 2]
+python tests/programs_acceptance.py [--seeds 20] [--only TEXT] [--jobs 2]
 
-Prints a row for each program, and exits with 1 where a fault was missed or claimed.
+Prints a row for each program. Exits with 1 if a fault was missed or claimed wrongly.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _FIGURES = ("alpha", "gamma", "epsilon")
 
 
 class Seen(NamedTuple):
-    """What one run of one program came to."""
+    """The result of one run of one program."""
 
     faults: tuple[str, ...]
     lines: tuple[str, ...]
@@ -84,7 +84,6 @@ def _more(others: Counter[tuple[str, ...]], runs: list[Seen]) -> str:
 
 
 def main() -> None:
-    """Watch them all."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--only", default="", help="programs whose path holds this")

@@ -73,7 +73,9 @@ RELATIVE: Final = re.compile(
     re.IGNORECASE,
 )  # a sentence that begins with a clause in place of a noun, questions aside
 WORD: Final = re.compile(r"[A-Za-zÀ-ÿα-ωΑ-Ω][A-Za-zÀ-ÿα-ωΑ-Ω'’-]*")
-SENTENCE_END: Final = re.compile(r"(?<=[.!?])[\"')\]]*\s+(?=[A-Z\"'(`*◉◆▸≠~])|\n\s*\n")
+SENTENCE_END: Final = re.compile(
+    r"(?<=[.!?])[\"')\]]*\s+(?=[A-Z\"'(`*◉◆▸≠~])|\n\s*\n|\n +(?=\w+: )|(?:Args|Returns|Raises|Yields):\n"
+)  # the items of a docstring's lists are sentences too
 NOT_PROSE: Final = re.compile(
     r"^\s*(?:SELECT|INSERT|CREATE|PRAGMA|BEGIN|UPDATE|DELETE)\b|^[#.&][\w-]+ ?\{|:\s*1fr;|\bon #|\bon color\("
     r"|^bold|^dim |width: |import \w+|<svg|</|px\b|^(?:bright_|black on|white on)|^move\('"

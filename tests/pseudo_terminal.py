@@ -1,4 +1,4 @@
-"""A program in a pseudo-terminal: press keys, wait for what stands on the screen, see how it was left."""
+"""A program in a pseudo-terminal: press keys, wait for text on the screen, check the state it leaves."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from typing import Any, Final
 
 from emulator import Emulator
 
-DEADLINE: Final = 120.0  # seconds for something to appear; a broken program is told by it, not a slow machine
+DEADLINE: Final = 120.0  # seconds until text appears: only a broken program takes longer
 RL_TUI: Final = (sys.executable, "-m", "rl_tui")
 
 _SEQUENCE: Final = re.compile(
@@ -32,10 +32,10 @@ _NOT_INHERITED: Final = ("NO_COLOR", "COLORTERM", "TERM_PROGRAM", "TMUX", "STY")
 
 
 class PseudoTerminal:
-    """Starts ``command`` in a terminal of ``size`` (columns, rows) and shows what it writes on ``emulator``.
+    """Starts ``command`` in a terminal of ``size`` (columns, rows) and shows its output on ``emulator``.
 
-    ``environment`` is added to this process's own, None takes a variable away. The terminal says where its
-    cursor is if ``tells_position``, and that it can hold back unfinished frames if it ``synchronises``.
+    ``environment`` is added to this process's own; None removes a variable. The terminal reports its cursor
+    if ``tells_position``, and supports synchronised output if it ``synchronises``.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class PseudoTerminal:
         self._ours, self.theirs = pty.openpty()
         self._set_size(*size)
         self.attributes_before = termios.tcgetattr(self.theirs)
-        self._alive, alive = os.pipe()  # its other end is only held by the program, and closed when that ends
+        self._alive, alive = os.pipe()  # only the program holds its other end, and closes it by ending
         self.written = b""
         self.emulator = Emulator(*size, self._send, tells_position=tells_position, synchronises=synchronises)
         self.started = time.perf_counter()
@@ -73,7 +73,7 @@ class PseudoTerminal:
     ) -> None:
         if self.process.poll() is None:
             with suppress(ProcessLookupError):
-                os.killpg(self.process.pid, signal.SIGKILL)  # with what it has started
+                os.killpg(self.process.pid, signal.SIGKILL)  # with its child processes
         self.process.wait()
         for descriptor in (self._ours, self.theirs, self._alive):
             os.close(descriptor)
@@ -83,25 +83,25 @@ class PseudoTerminal:
         self._send(keys)
 
     def blank(self) -> None:
-        """Have nothing on the screen: what is found there from now on was written later.
+        """Clear the screen: anything found on it later is new.
 
-        A program does not know of it, and has to be made to draw everything.
+        The program does not notice, and must be made to draw everything again.
         """
         self.emulator.erase_in_display(2)
 
     def resize(self, columns: int, rows: int) -> None:
-        """Make the terminal another size, and let the program know as a terminal does."""
+        """Resize the terminal, and send the program the signal of a terminal."""
         self._set_size(columns, rows)
         self.emulator.resize(rows, columns)
         self.process.send_signal(signal.SIGWINCH)
 
     @property
     def screen(self) -> str:
-        """What stands on the screen now, as far as it was read: a line a row, without blanks at its end."""
+        """The text read from the screen so far, one line per row, without trailing blanks."""
         return self.emulator.text
 
     def wait_for(self, pattern: str, seconds: float = DEADLINE) -> re.Match[str]:
-        """Read until ``pattern`` is found on the screen; it may stand there already."""
+        """Read until ``pattern`` is on the screen. It may be there already."""
         found: list[re.Match[str]] = []
 
         def find() -> bool:
@@ -115,14 +115,14 @@ class PseudoTerminal:
     def wait_until(
         self, condition: Callable[[], bool], seconds: float = DEADLINE, what: str = "what was waited for"
     ) -> None:
-        """Read until ``condition`` holds on a whole frame, or fail."""
+        """Read until ``condition`` is true on a whole frame, or fail."""
         deadline = time.perf_counter() + seconds
         while not (self.emulator.is_whole and condition()):
             if not self.read_more(deadline):
                 raise AssertionError(f"{what!r} did not appear; what stands there:\n{self.screen}")
 
     def wait_for_end(self, seconds: float = DEADLINE) -> int:
-        """Read until the program has ended, and return its exit status."""
+        """Read until the program ends and return its exit status."""
         deadline = time.perf_counter() + seconds
         while self.read_more(deadline):
             pass
@@ -130,7 +130,7 @@ class PseudoTerminal:
         return self.process.returncode
 
     def reading(self, seconds: float) -> Iterator[tuple[float, str]]:
-        """Read for so long; yield the screen whenever a whole frame came, with the moment."""
+        """Read for ``seconds`` and yield the moment and the screen after every whole frame."""
         deadline = time.perf_counter() + seconds
         while self.read_more(deadline):
             if self.emulator.is_whole:
@@ -138,12 +138,12 @@ class PseudoTerminal:
 
     @property
     def attributes(self) -> list[Any]:
-        """How the terminal is set now, as termios has it."""
+        """The terminal's current termios settings."""
         return termios.tcgetattr(self.theirs)
 
     @property
     def modes_left_changed(self) -> set[str]:
-        """The private modes that are not as they were before the program started."""
+        """The private modes that differ from those before the program's start."""
         last = {
             number: letter == b"h"
             for numbers, letter in _MODE.findall(self.written)
@@ -158,7 +158,7 @@ class PseudoTerminal:
         os.write(self._ours, text.encode())
 
     def read_more(self, deadline: float) -> bool:
-        """Read what there is, waiting for it; False at the deadline, or when an ended program is all read."""
+        """Wait for output and read it; return False at the deadline, or at the end of the output."""
         left = max(0.0, deadline - time.perf_counter())
         ready, _, _ = select.select([self._ours, self._alive], [], [], left)
         if self._ours in ready:
@@ -170,12 +170,12 @@ class PseudoTerminal:
 
 
 def visible(written: bytes) -> str:
-    """Return what was written without the sequences that steer the terminal."""
+    """Return the output without escape sequences."""
     return _SEQUENCE.sub(b"", written).decode("utf-8", errors="replace")
 
 
 def environment_with(changes: Mapping[str, str | None]) -> dict[str, str]:
-    """Return this process's environment without what says anything of its terminal, and ``changes``."""
+    """Return this process's environment without facts about its terminal, and with ``changes``."""
     kept = {
         name: value
         for name, value in os.environ.items()

@@ -1,4 +1,4 @@
-"""What tests do with an app and see of it. A private name that they cannot do without stands here, once."""
+"""Access to an app for tests. It also holds every private name that tests need, each once."""
 
 from __future__ import annotations
 
@@ -27,27 +27,27 @@ from rl_tui.screen.playground.playground import Playground
 AnyWidget = TypeVar("AnyWidget", bound=Widget)
 
 
-# What is seen
+# Reading
 
 
 def notes(app: App[Any]) -> list[str]:
-    """The messages that are shown, oldest first."""
+    """The visible messages, oldest first."""
     assert isinstance(app, RlTuiApp)
     return app.messages.texts
 
 
 def screen_text(app: App[Any]) -> str:
-    """All that is drawn, row by row."""
+    """All text on screen, row by row."""
     return "\n".join(strip.text for strip in app.screen._compositor.render_strips())
 
 
 def playground(pilot: Pilot[Any]) -> Playground:
-    """The playground, which may be beneath a dialog."""
+    """The playground, perhaps beneath a dialog."""
     return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
 
 
 def snapshot(pilot: Pilot[Any]) -> Snapshot:
-    """The snapshot that the playground shows."""
+    """The playground's current snapshot."""
     shown = playground(pilot).snapshot
     assert shown is not None
     return shown
@@ -58,11 +58,11 @@ def slider(app: App[Any], name: str) -> Slider:
     return app.screen.query_one(f"#{name}", Slider)
 
 
-# What is done
+# Acting
 
 
 def app_at(start: object = None, **options: Any) -> RlTuiApp:
-    """An app that begins with ``start``, and whose steps pass only as it is told."""
+    """An app that begins with ``start``. It takes steps only on request."""
     app = RlTuiApp(
         Display(fps=1000.0), start, make_player=partial(Player, automatic=False), picture=True, **options
     )
@@ -74,14 +74,14 @@ def app_at(start: object = None, **options: Any) -> RlTuiApp:
 async def on_screen(
     app: App[Any], size: tuple[int, int] = (80, 24), **options: Any
 ) -> AsyncIterator[Pilot[Any]]:
-    """Run ``app`` in a terminal of ``size`` columns and rows, once all is drawn that it begins with."""
+    """Run ``app`` in a terminal of ``size`` columns and rows, and wait for its first drawing."""
     async with app.run_test(size=size, **options) as pilot:
         await settle(pilot)
         yield pilot
 
 
 async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
-    """Press ``keys``, each when the one before is done and drawn; return what the playground shows then."""
+    """Press ``keys``, each after the previous one is done and drawn; return the playground's snapshot."""
     for key in keys:
         await pilot.press(key)
         await settle(pilot)
@@ -89,19 +89,19 @@ async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
 
 
 async def tap(pilot: Pilot[Any], *keys: str) -> None:
-    """Press ``keys`` without a wait between them; return once all they do is drawn."""
+    """Press ``keys`` without a wait between them and return once their effects are drawn."""
     await pilot.press(*keys)
     await settle(pilot)
 
 
 async def click(pilot: Pilot[Any], *where: Any, **offset: Any) -> None:
-    """Click as the pilot does; return once all that does is drawn."""
+    """Click as the pilot does and return once the effect is drawn."""
     await pilot.click(*where, **offset)
     await settle(pilot)
 
 
 async def order(pilot: Pilot[Any], command: Command) -> None:
-    """Send ``command`` to the run; return once all it does is drawn."""
+    """Send ``command`` to the run and return once its effect is drawn."""
     playground(pilot).send(command)
     await settle(pilot)
 
@@ -115,14 +115,14 @@ async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002
 
 
 async def switch(pilot: Pilot[UserError], algorithm: str) -> None:
-    """Let ``algorithm`` take over, with keys."""
+    """Switch to ``algorithm`` with keys."""
     pilot.app.set_focus(None)
     await press(pilot, "a", "a")
     await choose(pilot, algorithm)
 
 
 async def train(pilot: Pilot[UserError], steps: int) -> Snapshot:
-    """Take ``steps`` steps; return what the playground shows then."""
+    """Take ``steps`` steps and return the playground's snapshot."""
     playground(pilot).send(Train(steps))
     await settle(pilot)
     return snapshot(pilot)
@@ -136,12 +136,12 @@ async def scroll_down(pilot: Pilot[UserError], widget: Widget) -> None:
 
 
 def show(screen: Playground, snapshot: Snapshot) -> None:
-    """Draw ``snapshot`` as if the player had just published it; to settle shows what it holds again."""
+    """Draw ``snapshot`` as if the player had just published it. Settling restores the player's own."""
     screen.player._newest = None
     screen._draw(snapshot)
 
 
 def sized(widget: AnyWidget, width: int, height: int) -> AnyWidget:
-    """``widget``, which stands on no screen, as if it had that size there."""
+    """Give ``widget`` this size without a screen."""
     widget._size = Size(width, height)
     return widget

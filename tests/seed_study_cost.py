@@ -1,7 +1,7 @@
-"""What a study of many seeds costs the live run.
+"""The cost of a study of many seeds for the live run.
 
-The live run plays at full speed, a reader takes snapshots as often as a screen draws them, and the process of
-the study is stopped and goes on in turns: so short ones that what else the machine does is much the same.
+The live run plays at full speed, and a reader takes snapshots at the rate of a screen. The study's process is
+stopped and continued in turns. They are short, to expose both to the same load from other work.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ FRAME: Final = 1 / 30
 
 
 class _LiveRun:
-    """A player at full speed whose snapshots are read as a screen reads them."""
+    """A player at full speed, with snapshots read at the rate of a screen."""
 
     def __init__(self) -> None:
         self._player = Player(recipe_named(SCENARIO), speed=None)
@@ -48,7 +48,7 @@ class _LiveRun:
             await asyncio.sleep(FRAME)
 
     async def speed(self) -> tuple[float, float]:
-        """Return its steps by seconds, and by seconds of processor."""
+        """Return its steps per second, and per CPU second."""
         before, start, used = self._steps, time.perf_counter(), time.process_time()
         await asyncio.sleep(SECONDS)
         steps = self._steps - before
@@ -68,9 +68,9 @@ class _LiveRun:
 
 
 async def seed_study_cost(rounds: int) -> list[tuple[float, float]]:
-    """Return what is left beside a study, each round: of the speed, and of the steps a second of processor.
+    """Return, per round, the fractions left during a study: of the speed, and of the steps per CPU second.
 
-    The second leaves out what others took away, and shows what is lost in the caches.
+    The second leaves out time taken by other processes, and shows losses in the caches.
     """
     processes: list[subprocess.Popen[bytes]] = []
     start_process = background.python_process

@@ -27,7 +27,7 @@ NAMES = st.text(st.characters(exclude_categories=("C", "Z")), min_size=1, max_si
 
 
 def fresh(made_from: Recipe, speed: float | None = 10.0) -> Record:
-    """What a playground starts from."""
+    """A playground's initial record."""
     return Record((RunRecord(made_from, (FIRST,)),), speed=speed)
 
 

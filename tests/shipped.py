@@ -1,4 +1,4 @@
-"""The shipped scenarios as they stand in their folder, so that no list of them has to be kept by hand."""
+"""The shipped scenarios, listed from their folder."""
 
 from __future__ import annotations
 

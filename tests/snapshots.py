@@ -1,4 +1,4 @@
-"""Snapshots of a run, and snapshots that differ from others in some fields of their groups."""
+"""Snapshots of a run, and variants with other values in some fields."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def snapshot_of(
     exact_answer: Answer = PENDING,
     viewport: Viewport | None = None,
 ) -> Snapshot:
-    """What a player would show of ``run``."""
+    """Return the snapshot that a player would show of ``run``."""
     lane: Any = SimpleNamespace(run=run, timeline=Timeline(), trail=(), begun_at=None)
     questions = Questions(Record((RunRecord(run.recipe),)), lambda: None, automatic=False)
     questions.viewport = viewport

@@ -1,10 +1,8 @@
-"""The real program at full speed for a long time: ``python tests/soak.py [MINUTES] [--untouched]``.
+"""Run the real program at full speed for a long time: ``python tests/soak.py [MINUTES] [--untouched]``.
 
-Prints a row of figures a minute, sixty by default, and at the end how the last minute compares with the
-first. What it writes is counted, not looked at: only now and then is a screen drawn anew and read.
-
-With ``--untouched`` no key is pressed once it runs at full speed, and all that is looked at is memory, which
-has to stay where it is after ten minutes, up to 2 %.
+It prints one row a minute, sixty by default, then a comparison of the last minute with the first. Output is
+counted but rarely looked at: now and then a screen is redrawn and read. With ``--untouched`` no key is
+pressed at full speed, and only memory counts. It must stay constant within 2 % after ten minutes.
 """
 
 from __future__ import annotations
@@ -35,36 +33,35 @@ from rl_tui.live.sessions.session import sessions_in
 
 SCENARIO: Final = "frozenlake-slippery"
 UNTOUCHED: Final = "frozenlake"
-SETTLED: Final = 10  # minutes after which memory has to stay where it is,
-MOST_DRIFT: Final = 0.02  # up to this part of it
+SETTLED: Final = 10  # minutes after which memory must be constant,
+MOST_DRIFT: Final = 0.02  # within this share
 SIZE: Final = (120, 40)
 FULL_SPEED: Final = "+" * 9
-FULL: Final = "▶ max"  # as the status line has it
+FULL: Final = "▶ max"  # in the format of the status line
 PAUSED: Final = "paused"
 MINUTE: Final = 60.0
 MOST_GROWTH: Final = 1.25  # of memory and of frame time, from the first minute to the last
-START: Final = 120.0  # seconds until the first frame at most; kernels may have to be compiled
-PATIENCE: Final = 10.0  # seconds until what a key asks for has to be seen
+START: Final = 120.0  # seconds until the first frame at most: kernels may need compiling
+PATIENCE: Final = 10.0  # seconds until the effect of a key is visible
 QUIET: Final = 0.4  # seconds without a byte: the screen stands still
 _FRAME_END: Final = b"\x1b[?2026l"
 _MEGABYTE: Final = 2**20
-_END_KEPT: Final = 1_000_000  # bytes, to tell why it ended
+_END_KEPT: Final = 1_000_000  # bytes kept to explain an early end
 _TICKS: Final = os.sysconf("SC_CLK_TCK")
-# What the program asks of its terminal: whether it knows synchronised output, and where it has just been told
-# to put its cursor
+# Queries of the program to its terminal: support for synchronised output, and the cursor after a move
 _KNOWS_SYNCHRONISED: Final = re.compile(rb"\x1b\[\?2026\$p")
 _WHERE: Final = re.compile(rb"\x1b\[(\d+)(?:;(\d+))?H\x1b\[6n")
 _TOLD: Final = re.compile(b"|".join((re.escape(_FRAME_END), _KNOWS_SYNCHRONISED.pattern, _WHERE.pattern)))
-_LONGEST: Final = 16  # bytes of such a sequence
+_LONGEST: Final = 16  # the length of such a sequence in bytes
 
-# What is typed in a minute: keys, and how long they are given. Space pauses and runs on.
+# The keys of a minute, and the time for each. Space pauses and continues.
 KEYS: Final = (
     *((" ", 0.5), ("v", 0.3), ("b", 0.5), ("bbb", 0.5), (" ", 0.5)),
     *(("1", 0.3), ("\x1b[C", 0.3), ("\x1b[D", 0.3), ("vvv", 0.5), ("?", 0.7), ("\x1b", 0.7), ("wm", 0.7)),
     *(("\x1b", 0.7), ("aa", 0.7), ("\x1b", 0.7), ("u", 0.7), ("\x1b", 0.7), ("d", 0.7), ("d", 0.5)),
     *(("f", 0.5), ("f", 0.5), ("mb", 0.7), ("\x1b", 0.7), ("\x10", 0.7), ("\x1b", 0.7)),
 )
-# Now and then: to another scenario and back, where the run begins anew, and on with two runs side by side
+# From time to time: another scenario and back, which restarts the run, then two visible runs
 ELSEWHERE: Final = (
     *(("w]", 2.0), (" " + FULL_SPEED, 2.0), ("w[", 2.0), (" " + FULL_SPEED, 2.0)),
     *(("ca", 1.0), ("\x1b[B\r", 5.0), ("cl", 1.0), ("cc", 1.0), ("\x1b[3~", 1.0), ("\x1b", 0.7)),
@@ -73,12 +70,12 @@ ELSEWHERE_EVERY: Final = 3  # minutes
 
 
 class Minute(NamedTuple):
-    """Figures of a minute: of the whole program, and of its screen while the run goes on undisturbed.
+    """Measures of one minute: of the whole program, and of its screen while the run continues undisturbed.
 
-    ``memory`` is the resident set in bytes, ``steps`` those of a second; ``frame`` and ``gap`` are the time
-    of the processor that the screen's thread takes for a frame, and the 95th percentile of the time from one
-    frame to the next, in milliseconds; ``written`` the bytes of a frame, ``key`` the milliseconds until a key
-    is answered by a paused run.
+    ``memory`` is the resident set in bytes, ``steps`` is steps per second and ``written`` is bytes per frame.
+    ``frame`` is the CPU time of the screen's thread for a frame, in milliseconds. ``gap`` is the 95th
+    percentile of the time between frames, in milliseconds. ``key`` is the time until a paused run answers a
+    key, in milliseconds.
     """
 
     memory: int
@@ -92,7 +89,7 @@ class Minute(NamedTuple):
     key: float
 
     def row(self, number: int) -> str:
-        """Return the figures as a line of the table."""
+        """Return the measures as a row of the table."""
         return (
             f"{number:6} {self.memory / _MEGABYTE:9.1f} {self.threads:7} {self.files:5} "
             f"{self.steps / 1e6:9.2f} {self.frames:8.1f} {self.frame:9.2f} {self.gap:8.1f} "
@@ -104,7 +101,7 @@ HEADER: Final = "minute  RSS (MB) threads files Msteps/s frames/s CPU ms/fr gap9
 
 
 class Program:
-    """The program in a terminal that takes in all it writes at once, and answers what it asks."""
+    """The program in a terminal that reads all output at once, and answers queries."""
 
     def __init__(self, sessions: Path, scenario: str = SCENARIO) -> None:
         self._ours, theirs = pty.openpty()
@@ -124,7 +121,7 @@ class Program:
             stderr=theirs,
             env=environment,
             start_new_session=True,
-            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # or it is not told of a new size
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # for the signals of new sizes
         )
         os.close(theirs)
         self.pid = self._process.pid
@@ -151,7 +148,7 @@ class Program:
 
     @property
     def ended(self) -> bool:
-        """Whether it is no longer there."""
+        """Whether the process has ended."""
         return self._process.poll() is not None
 
     def press(self, keys: str) -> None:
@@ -159,13 +156,13 @@ class Program:
         os.write(self._ours, keys.encode())
 
     def quit(self) -> int:
-        """Type what ends it, and return its exit status."""
+        """Type the keys to quit and return the exit status."""
         if not self.ended:
             self.press("qq")
         return self._process.wait(START)
 
     def look(self) -> str:
-        """Return what stands on the screen, which is drawn anew for it."""
+        """Redraw the screen and return its text."""
         screen = pyte.Screen(*SIZE)
         stream = pyte.ByteStream(screen)
         self._copies = []
@@ -177,11 +174,11 @@ class Program:
         return "\n".join(screen.display)
 
     def wait_for_quiet(self) -> None:
-        """Wait until nothing has been written for a while."""
+        """Wait until there is no output for a while."""
         self.wait_until(lambda: time.perf_counter() - self.last_byte > QUIET, PATIENCE)
 
     def answer_time(self, keys: str) -> float:
-        """Return in how many seconds ``keys`` are answered by a screen that stands still."""
+        """Return the seconds until a still screen answers ``keys``."""
         self.wait_for_quiet()
         before, start = self.bytes, time.perf_counter()
         self.press(keys)
@@ -189,26 +186,25 @@ class Program:
         return self.last_byte - start if self.bytes > before else PATIENCE
 
     def memory(self) -> int:
-        """Return the resident set in bytes."""
         pages = int(Path(f"/proc/{self.pid}/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
 
     def share(self) -> int:
-        """Return the resident set in bytes, of pages that others have too only its share."""
+        """Return the resident set in bytes; shared pages count by their share."""
         rollup = Path(f"/proc/{self.pid}/smaps_rollup").read_text()
         return sum(int(line.split()[1]) << 10 for line in rollup.splitlines() if line.startswith("Pss:"))
 
     def count(self, folder: str) -> int:
-        """Return how many entries ``folder`` of its process has: ``task`` or ``fd``."""
+        """Return the number of entries of a folder of its process: ``task`` or ``fd``."""
         return len(os.listdir(f"/proc/{self.pid}/{folder}"))
 
     def screen_seconds(self) -> float:
-        """Return how long the processor has worked for the thread of the screen."""
+        """Return the CPU time of the screen's thread."""
         fields = Path(f"/proc/{self.pid}/task/{self.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / _TICKS
 
     def wait_until(self, is_over: object, seconds: float) -> None:
-        """Wait until ``is_over`` says so, at most so long."""
+        """Wait until ``is_over`` returns true, at most ``seconds``."""
         deadline = time.perf_counter() + seconds
         while time.perf_counter() < deadline and not (callable(is_over) and is_over()):
             time.sleep(0.002)
@@ -233,7 +229,7 @@ class Program:
                 self._copies.append(data)
             seen = tail + data
             self.bytes += len(data)
-            # a sequence may be cut in two, but none must be counted twice
+            # a sequence may be divided, but none may count twice
             done = max((match.end() for match in _TOLD.finditer(seen)), default=0)
             tail = seen[done:][-_LONGEST:]
             ends = seen.count(_FRAME_END, 0, done)
@@ -247,18 +243,18 @@ class Program:
 
 
 def plain(written: bytes) -> str:
-    """Return what was written last, without the sequences that steer the terminal."""
+    """Return the latest output without escape sequences."""
     return re.sub(rb"\x1b\[[0-?]*[ -/]*[@-~]", b"", written).decode(errors="replace")
 
 
 def steps_kept(folder: Path) -> int:
-    """Return how far the run has come that was written last."""
+    """Return the latest step in the output."""
     sessions, _ = sessions_in(folder)
     return max(sessions, key=lambda session: session.written[1]).step if sessions else 0
 
 
 def run_on(program: Program) -> None:
-    """See that it runs at full speed; raise SystemExit where the playground is not on the screen any more."""
+    """Make sure it runs at full speed; raise SystemExit if the playground is no longer on the screen."""
     for _ in range(60):
         if program.ended:
             return
@@ -275,7 +271,7 @@ def run_on(program: Program) -> None:
 
 
 def minute(program: Program, folder: Path, number: int) -> Minute:
-    """Let a minute pass: most of it undisturbed, then keys; return the figures."""
+    """Let a minute pass, mostly undisturbed, press keys, and return the measures."""
     deadline = time.perf_counter() + MINUTE
     undisturbed = MINUTE / 2
     begun, frames, written, worked = (
@@ -316,7 +312,7 @@ def minute(program: Program, folder: Path, number: int) -> Minute:
 
 
 def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
-    """Return how ``last`` compares with ``first``, and whether it is flat."""
+    """Compare ``last`` with ``first`` and return the text, and whether it is flat."""
     memory, frame = last.memory / first.memory, last.frame / first.frame
     is_flat = memory <= MOST_GROWTH and frame <= MOST_GROWTH and last.threads <= first.threads + 2
     words = (
@@ -328,7 +324,7 @@ def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
 
 
 def untouched(minutes: int) -> int:
-    """Print the memory of each minute; return 1 where it does not stay where it is after some."""
+    """Print the memory of each minute and return 1 if it does not become constant."""
     with tempfile.TemporaryDirectory() as name, Program(Path(name), UNTOUCHED) as program:
         program.wait_until(lambda: program.frames > 0, START)
         program.wait_for_quiet()
@@ -358,7 +354,7 @@ def untouched(minutes: int) -> int:
 
 
 def main() -> int:
-    """Print the figures; return 1 where they are not flat or the program broke down."""
+    """Print the measures and return 1 if they are not flat or the program broke down."""
     numbers = [argument for argument in sys.argv[1:] if argument.isdecimal()]
     minutes = int(numbers[0]) if numbers else 60
     if "--untouched" in sys.argv:

@@ -1,4 +1,4 @@
-"""Figures of what is said of many runs, for ``measure.py``: how often it is right, how long it takes."""
+"""Accuracy and time of the statistics of many runs, for ``measure.py``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Rows = Iterator[tuple[str, str, str]]
 
 
 def coverage(trials: int) -> Rows:
-    """How often the intervals of means cover, below and above, and how long one takes."""
+    """Report how often the intervals of means cover, miss below and miss above, and the time of one."""
     for kind in RESULTS:
         for runs in (10, 20, 30, 50, 100):
             of_mean = coverage_of_mean(kind, runs, trials)
@@ -33,7 +33,7 @@ def coverage(trials: int) -> Rows:
 
 
 def comparison(trials: int) -> Rows:
-    """How often a cell as good as the best is called different, and how long ten thousand cells take."""
+    """Report how often a cell tied with the best is called worse, and the time for ten thousand cells."""
     for sweep in SWEEPS:
         for runs in (10, 30, 100):
             yield f"{sweep}, {runs} runs", f"{errors(sweep, runs, trials):.2%}", "at most 5 %"

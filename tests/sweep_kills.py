@@ -1,4 +1,4 @@
-"""Kill a sweep at random moments, and see what its store has kept: ``python tests/sweep_kills.py 50``."""
+"""Kill a sweep at random moments and check its store: ``python tests/sweep_kills.py 50``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rl_tui.studies.sweeps.store import Store
 from rl_tui.studies.sweeps.sweep import run_sweep
 
 ALLOWED_LOSS: Final = 0.25  # seconds
-# Says of each run that it is finished, and when, and then keeps it as every sweep does
+# Reports each finished run with its time, and then stores it as every sweep does
 CHILD: Final = """
 import os, sys, time
 from pathlib import Path
@@ -43,25 +43,25 @@ with Store.to_write(Path(sys.argv[1])) as store:
 
 
 class Kill(NamedTuple):
-    """What one kill came to: ``lost`` is for how long, in seconds, the oldest run lost had been finished."""
+    """The result of one kill. ``lost`` is the age, in seconds, of the oldest finished run that was lost."""
 
     kept: int
     lost: float
 
 
 def plan_of(cells: int) -> SweepPlan:
-    """Return a plan of so many cells, of 2 runs each."""
+    """Return a plan of ``cells`` cells, of 2 runs each."""
     vary = read_variation(f"alpha=0.01:1:{cells}")
     return SweepPlan(find("maze"), (vary,), {"algorithm": "q-learning"}, episodes=100, runs=2)
 
 
 def kill(store: Path, cells: int, chance: random.Random) -> Kill:
-    """Sweep into ``store``, kill that, and raise where what is kept is not sound."""
+    """Sweep into ``store``, kill the sweep, and raise if the store is not valid."""
     command = [sys.executable, "-c", CHILD, str(store), str(cells)]
     told = dict[tuple[int, int], float]()
     with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=Path(__file__).parent) as child:
         assert child.stdout is not None
-        if chance.random() < 0.1:  # while it begins
+        if chance.random() < 0.1:  # while it starts
             time.sleep(chance.uniform(0.0, 0.6))
         for _ in range(chance.randint(0, cells // 4)):
             index, seed, moment = (child.stdout.readline() or b"-1 0 0").split()
@@ -69,20 +69,20 @@ def kill(store: Path, cells: int, chance: random.Random) -> Kill:
         child.kill()
         killed = time.monotonic()
         child.wait()
-    told.pop((-1, 0), None)  # it came to its end
+    told.pop((-1, 0), None)  # it finished
     kept = kept_in(store, plan_of(cells))
     lost = [killed - moment for place, moment in told.items() if place not in kept]
     return Kill(len(kept), max(lost, default=0.0))
 
 
 def kept_in(store: Path, plan: SweepPlan) -> set[tuple[int, int]]:
-    """Return cell and seed of each run in ``store``, which may not be there; raise where it is not sound."""
+    """Return cell and seed of each run in ``store``, which may be missing. Raise if it is not valid."""
     if not store.exists():
         return set()
     with sqlite3.connect(store) as database:
         assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
         if database.execute("SELECT COUNT(*) FROM sqlite_master").fetchone() == (0,):
-            return set()  # killed before it had its tables
+            return set()  # killed before its tables existed
         pairs = database.execute("SELECT key, seed FROM rows").fetchall()
     database.close()
     assert len(pairs) == len(set(pairs))
@@ -91,16 +91,16 @@ def kept_in(store: Path, plan: SweepPlan) -> set[tuple[int, int]]:
 
 
 def csv_of(plan: SweepPlan, store: Store) -> str:
-    """Return the CSV of what ``store`` has."""
+    """Return the CSV of ``store``."""
     stream = io.StringIO()
     write_csv(stream, plan, store)
     return stream.getvalue()
 
 
 def kills(count: int, seed: int, cells: int = 400) -> Iterator[Kill]:
-    """Yield what came of ``count`` kills; raise where the end of a sweep is not what it is without them.
+    """Yield the results of ``count`` kills; raise if a sweep's result differs from one without kills.
 
-    A sweep that has come to its end before is followed by another one.
+    A sweep that finishes before its kill is followed by another one.
     """
     chance, plan = random.Random(seed), plan_of(cells)
     with Store.without_file() as whole:
@@ -118,7 +118,7 @@ def kills(count: int, seed: int, cells: int = 400) -> Iterator[Kill]:
 
 
 def main() -> None:
-    """Print figures of as many kills as the first argument says."""
+    """Print figures for this many kills (first argument)."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 50
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else random.randrange(2**32)
     print(f"{count} kills, seed {seed}", flush=True)

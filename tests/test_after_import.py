@@ -1,4 +1,4 @@
-"""What is done after somebody else's module was imported, and that the import is otherwise the same."""
+"""Hooks that run after the import of a foreign module. The import itself stays the same."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The real program, killed at any moment, has kept what was done; ``tests/crashes.py`` does it more often."""
+"""The real program saves its work even if killed; ``tests/crashes.py`` tries more moments."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from crashes import ALLOWED_LOSS, crashes
 @pytest.mark.exhaustive("kills it again and again")
 def test_a_kill_loses_no_more_than_a_second() -> None:
     lost = []
-    for _ in range(3):  # a machine that does other things may stand still for a second, but not every time
+    for _ in range(3):  # a busy machine may pause for a second, but not every time
         done = list(crashes(3, seed=5))
         assert sum(each.actions for each in done) > 0
         lost.append(max(each.lost for each in done))

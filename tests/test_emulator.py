@@ -1,4 +1,4 @@
-"""The terminal emulator that the tests look at: what pyte alone would show wrongly."""
+"""The terminal emulator of the tests, in cases that plain pyte gets wrong."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The real program with an environment that prints, hangs and fails: keys act, the screen stays clean."""
+"""The real program with an environment that prints, hangs and fails: keys work, the screen stays clean."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pseudo_terminal import PseudoTerminal, visible
 
 from rl_tui.live.sessions.session import sessions_in
 
-TAKEN = b"\x1b[?1049h"  # the screen that a program has for itself
+TAKEN = b"\x1b[?1049h"  # the alternate screen
 
 SCRIPT = """
 import os, sys, threading, warnings
@@ -47,7 +47,7 @@ main()
 """
 
 
-# It never stops to print: in its steps, in a thread of its own, and when the interpreter ends
+# It prints all the time: in its steps, in its own thread, and at the interpreter's end
 LOUD = """
 import atexit, os, sys, threading, time
 import gymnasium
@@ -100,7 +100,7 @@ def check_left_as_it_was(terminal: PseudoTerminal) -> None:
     assert terminal.attributes == terminal.attributes_before
     written = visible(terminal.written)
     assert "Traceback" not in written
-    # what is printed before the screen is taken goes to the terminal, as any message does
+    # output before the screen starts goes to the terminal, like any message
     assert "NOISE" not in written[written.index("Odd-v0") :]
 
 

@@ -1,4 +1,4 @@
-"""The first start of all, with nothing compiled yet: the real program in a terminal, and its compiler."""
+"""The very first start, with nothing compiled yet: the real program in a terminal, and its compiler."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MOST_SECONDS = 120.0
 
 @pytest.fixture
 def terminal(tmp_path: Path) -> Iterator[PseudoTerminal]:
-    """A playground that has just opened, with a cache of its own that is empty."""
+    """A newly opened playground, with its own empty cache."""
     variables = {"RL_TUI_CACHE_DIR": str(tmp_path / "cache")}
     with PseudoTerminal([*RL_TUI, "play", "frozenlake"], variables) as opened:
         opened.wait_for("no step yet")
@@ -33,7 +33,7 @@ def terminal(tmp_path: Path) -> Iterator[PseudoTerminal]:
 
 
 def compilers_of(pid: int) -> list[int]:
-    """The processes that compile for the program ``pid``."""
+    """The compiler processes of the program ``pid``."""
     found = []
     for folder in Path("/proc").iterdir():
         with suppress(OSError):
@@ -44,7 +44,7 @@ def compilers_of(pid: int) -> list[int]:
 
 
 def becomes(condition: Callable[[], bool]) -> bool:
-    """Whether ``condition`` holds soon."""
+    """Return whether ``condition`` becomes true soon."""
     end = time.perf_counter() + MOST_SECONDS
     while not condition() and time.perf_counter() < end:
         time.sleep(0.01)
@@ -52,7 +52,7 @@ def becomes(condition: Callable[[], bool]) -> bool:
 
 
 def is_gone(pid: int) -> bool:
-    """Whether the process has ended, be it that nobody has asked how."""
+    """Return whether the process has ended, even if nothing has waited for it."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
     except OSError:
@@ -65,7 +65,7 @@ def test_it_takes_steps_at_once_and_goes_on_as_machine_code(terminal: PseudoTerm
     terminal.wait_for(r"step\s+1\s")
     terminal.press(FULL_SPEED)
     terminal.wait_for("compiling")
-    terminal.press(SLOWER)  # so that the processor is the compiler's
+    terminal.press(SLOWER)  # so that the compiler has the processor
     assert becomes(lambda: not compilers_of(terminal.process.pid))
     terminal.press(FASTER)
     terminal.wait_for(TEN_MILLIONS)

@@ -1,4 +1,4 @@
-"""``import rl_tui``: the figures of the commands, as arrays, and nothing imported before it is needed."""
+"""``import rl_tui``: the numbers of the commands as arrays, and imports only when needed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def without_times(document: dict) -> dict:
 
 
 def as_rows(array: np.ndarray, missing: float | None = None) -> list:
-    """The array as JSON has it: None where an action is not legal."""
+    """The array in its JSON form: None for unavailable actions."""
     absent = np.isnan(array) if missing is None else array == missing
     return [
         [None if gone else value for value, gone in zip(row, away, strict=True)]

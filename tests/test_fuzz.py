@@ -1,4 +1,4 @@
-"""A first five hundred of the inputs of fuzz.py, in children that may take two gigabytes and no more."""
+"""The first hundreds of inputs of fuzz.py, in child processes limited to two more gigabytes."""
 
 from __future__ import annotations
 

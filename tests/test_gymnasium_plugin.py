@@ -1,4 +1,4 @@
-"""``import rl_tui`` makes scenarios known to Gymnasium, whichever of the two is imported first."""
+"""``import rl_tui`` registers scenarios in Gymnasium, in any order of imports."""
 
 from __future__ import annotations
 

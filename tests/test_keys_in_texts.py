@@ -1,4 +1,4 @@
-"""The keys that texts name are current ones, and each row of a menu is in the table."""
+"""The keys in texts are current, and each row of a menu is in the table."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ PATHS: Final = {each.key for each in ACTIONS if each.menu} | DRAWING
 
 OTHERS: Final = {
     "ask-exact-questions.md": "C",  # a tool
-    "commands.md": "V.x",  # of JSON; the beginning of names
+    "commands.md": "V.x",  # of JSON, or the beginning of names
     "edit-a-world.md": "[],AHz",  # tools
     "first-hour.md": "p",  # the letter of a menu
-    "keys.md": "op",  # a tool; the letter of a menu
+    "keys.md": "op",  # a tool, or the letter of a menu
     "scenario-files.md": "#.GHSV",  # characters of maps
     "sweep-settings.md": "n",  # a key of the map of settings
     "terminals-and-ssh.md": "GO",  # characters in ASCII
     "use-from-python.md": "Pq",  # attributes of environments and results
-    "write-and-grade-an-agent.md": "Q.",  # an attribute of agents; the beginning of names
+    "write-and-grade-an-agent.md": "Q.",  # an attribute of agents, or the beginning of names
 }
-"""What stands in quotes on a page like a key, and is something else."""
+"""Quoted words on a page that look like keys but are not."""
 
 
 def quoted_in(path: Path) -> set[str]:

@@ -1,4 +1,4 @@
-"""Tests are of one kind each, and are found by what they are about."""
+"""Every test has one kind, and can be found by its subject."""
 
 from __future__ import annotations
 

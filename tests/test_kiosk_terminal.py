@@ -1,4 +1,4 @@
-"""A kiosk as a stranger has it: keys that would write are typed, and no file anywhere is another one."""
+"""A stranger at a kiosk: keys that would write are typed, and no file changes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pseudo_terminal import RL_TUI, PseudoTerminal
 
 
 def tree(folder: Path) -> dict[str, tuple[int, int]]:
-    """Every file below ``folder``, with its size and when it was written."""
+    """Every file below ``folder``, with its size and time of change."""
     return {
         str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns)
         for path in sorted(folder.rglob("*"))
@@ -39,21 +39,21 @@ def test_nothing_is_written_whatever_is_typed(tmp_path: Path) -> None:
         terminal.wait_for("bandit")
         assert "Mine" not in terminal.written.decode(errors="replace")
         terminal.press("\x1b[3~")
-        terminal.wait_for("No sessions are kept here: this is a kiosk")
+        terminal.wait_for("Not here: a kiosk keeps no sessions")
         terminal.press("\x1b[B\x1b[B\r")
         terminal.wait_for("paused|preparing")
         terminal.press("m")
         terminal.wait_for("go to…")
         assert "save…" not in terminal.screen
         assert "export…" not in terminal.screen
-        terminal.press("sx\x1b[27u")  # nothing that writes is in the menu
+        terminal.press("sx\x1b[27u")  # the menu has no command that writes
         terminal.wait_until(lambda: "go to…" not in terminal.screen)
         terminal.press("\x1a")  # ctrl+z
         terminal.press("\x10")  # ctrl+p
         terminal.wait_for("a few letters of anything")
         terminal.press("export")
-        terminal.wait_for(r"More +m +action")  # its menu, which has no such row here
+        terminal.wait_for(r"More +m +action")  # its menu, without that row here
         assert "m x" not in terminal.screen
-        terminal.press("\x11")  # ctrl+q quits from wherever one is
+        terminal.press("\x11")  # ctrl+q quits from everywhere
         assert terminal.wait_for_end() == 0
     assert tree(tmp_path) == before

@@ -1,4 +1,4 @@
-"""Every module named in a string exists, and private names of Textual stay behind the terminal."""
+"""Every module named in a string exists, and private names of Textual stay in the terminal package."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ GLOB: Final = re.compile(r"[\w/]*\*[\w/*]*\.\w+")
 
 
 SCRIPTS: Final = ROOT / "tests" / "programs" / "scripts"
-"""Programs to be watched: some are no Python, but notebooks."""
+"""Programs to be watched: some are notebooks, not Python."""
 
 
 def sources(*folders: Path) -> list[Path]:
@@ -47,7 +47,7 @@ def strings_in(path: Path) -> frozenset[str]:
 
 
 def named_in_strings() -> set[str]:
-    """Return all names of modules, and of what is in them, that stand in strings and cross-references."""
+    """Return all names of modules and their members in strings and cross-references."""
     strings = {each for path in sources(PACKAGE, ROOT / "tests") for each in strings_in(path)}
     dotted = {each for each in strings if DOTTED.fullmatch(each)}
     return dotted | {each[1] for string in strings for each in CROSS_REFERENCE.finditer(string)}
@@ -124,7 +124,7 @@ def test_a_folder_that_is_listed_has_such_files(folder: Path, pattern: str) -> N
 
 
 def private_names_of_textual(path: Path) -> list[str]:
-    """Return what ``path`` imports of Textual that begins with one underscore."""
+    """Return the names in ``path``'s imports from Textual that begin with one underscore."""
     names: list[str] = []
     if "textual" not in path.read_text(encoding="utf-8"):
         return names

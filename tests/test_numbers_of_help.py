@@ -1,4 +1,4 @@
-"""Every number in README, docs and what the program says of itself: held, or in need of nothing."""
+"""Every number in README, docs and help is checked, or needs no check."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ GUIDES: Final = [
     for path in sorted((TESTS.parent / "docs" / folder).glob("*.md"))
     if path.stem not in ("statistics", "charts-and-book-figures")
 ]
-"""All but the tables of tests/measure.py and of tests/studies/book_figures."""
+"""All pages except the tables of tests/measure.py and tests/studies/book_figures."""
 NEIGHBOURS: Final = (TESTS / "commands/test_readme.py", TESTS / "lessons/test_figures_of_notes.py")
 ELSEWHERE: Final = (
     "Python 3.11 or newer",  # below
@@ -58,7 +58,7 @@ ELSEWHERE: Final = (
     "time without a key | 10 minutes",  # rl_tui.screen.app
     "up to 15 steps a second",  # rl_tui.screen.panels.grid.motion
 )
-"""What other tests hold."""
+"""Claims that other tests check."""
 
 
 def texts_of_panels() -> Iterator[str]:
@@ -72,7 +72,7 @@ def texts_of_glossary() -> Iterator[str]:
 
 
 def texts_of_commands(command: click.Command = program) -> Iterator[str]:
-    """What is written of commands and options; ranges and defaults are put behind that by the program."""
+    """Return the help of commands and options. The program appends ranges and defaults."""
     yield inspect.cleandoc(command.help or "")
     for parameter in command.params:
         yield getattr(parameter, "help", None) or ""
@@ -85,7 +85,7 @@ def texts_of_commands(command: click.Command = program) -> Iterator[str]:
 
 
 def texts_of_help() -> Iterator[str]:
-    """The topics of the help, as its module has them, without names of keys."""
+    """The topics of the help from its module, without names of keys."""
     for node in ast.walk(ast.parse(inspect.getsource(help_screen))):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
             yield node.value
@@ -107,7 +107,7 @@ TEXTS: Final = {
     "agents": re.sub(r"<!-- made by .*?<!-- end -->", "", AGENTS, flags=re.DOTALL),
     **{path.stem: prose_of(path) for path in GUIDES},
 }
-"""By their names; what the page of agents has from the program is left out."""
+"""The texts by name, without the generated parts of the page of agents."""
 OF_GUIDES: Final = {path.stem: "guides" for path in GUIDES}
 FILES: Final = {name: OF_GUIDES.get(name, name if name in ("README", "agents") else "help") for name in TEXTS}
 PAGES: Final = ("README", "agents", "guides")

@@ -1,4 +1,4 @@
-"""The program with other versions of Textual, in which private names that it takes are not there."""
+"""The program with other versions of Textual, without the private names it uses."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ VERSION = rl_tui.__version__
 
 
 def build(source: Path, target: Path, *what: str) -> None:
-    """Build from ``source`` with what is installed here; nothing is fetched."""
+    """Build from ``source`` with the installed tools, without downloads."""
     subprocess.run(
         [sys.executable, "-m", "build", "--no-isolation", *what, "--outdir", str(target), str(source)],
         check=True,
@@ -80,7 +80,7 @@ def test_the_sdist_is_enough_to_build_the_same_wheel(dist: Path, tmp_path: Path)
 @pytest.mark.exhaustive("installs all it needs")
 def test_the_wheel_works_in_an_empty_environment_from_another_folder(dist: Path, tmp_path: Path) -> None:
     home = tmp_path / "venv"
-    venv.EnvBuilder(with_pip=False).create(home)  # a pip of its own would take longer than its work
+    venv.EnvBuilder(with_pip=False).create(home)  # its own pip would take longer than the test
     binaries = home / "bin"
     pip = [sys.executable, "-m", "pip", "--python", binaries / "python"]
     installing = subprocess.run(
@@ -97,7 +97,7 @@ def test_the_wheel_works_in_an_empty_environment_from_another_folder(dist: Path,
     elsewhere.mkdir()
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["RL_TUI_CACHE_DIR"] = str(tmp_path / "cache")
-    environment["NUMBA_DISABLE_JIT"] = "1"  # compiling, which other tests do, takes longer than all else here
+    environment["NUMBA_DISABLE_JIT"] = "1"  # compiling takes longer than everything here
 
     def rl_tui_says(*args: str) -> str:
         done = subprocess.run(

@@ -1,4 +1,4 @@
-"""Tests go through what is public. A private name that one cannot do without stands here, with the reason."""
+"""Tests use public names. Necessary private names are listed here, with the reason."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.unit
 
 MOST: Final = 28
 WHY: Final = {
-    # Textual, for which it has no public name
+    # Textual has no public name for it
     "_batch_count": "a layout is not over while the app holds updates back",
     "_close_all": "the moment between the end of an app and that of its screens",
     "_compositor": "all that is drawn on a screen, as text",
@@ -23,9 +23,9 @@ WHY: Final = {
     "_parse_rules": "styles are parsed once for all apps",
     "_size": "a widget that stands on no screen has no size of its own",
     "_time": "a clock that stalls",
-    # Hypothesis, which has no public name for it
+    # Hypothesis has no public name for it
     "_hypothesis_internal_use_settings": "everyday tests try fewer examples than all tests",
-    # Numba: what compiling/jit.py sets there
+    # Numba: set by compiling/jit.py
     "_OverloadFunctionTemplate": "a Numba without it compiles all that is inlined",
     "_can_compile": "the same",
     "_get_jit_decorator": "the same",
@@ -44,8 +44,8 @@ WHY: Final = {
     "_position": "an episode of ten million steps, and a choice that is taken back",
 }
 PUBLIC: Final = {
-    *("_asdict", "_exit", "_field_defaults", "_fields", "_make", "_replace"),  # Python says so
-    "_repr_html_",  # and IPython: by it a notebook asks any object how it looks
+    *("_asdict", "_exit", "_field_defaults", "_fields", "_make", "_replace"),  # by Python's own convention
+    "_repr_html_",  # and IPython: a notebook calls it to display an object
 }
 BY_NAME: Final = {"delattr", "getattr", "hasattr", "setattr"}
 PRIVATE: Final = re.compile(r"_(?!_)\w+")

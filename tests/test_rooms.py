@@ -1,4 +1,4 @@
-"""What each room loads in a fresh process: imports run one way, and slow ones come late."""
+"""Imports of each package in a fresh process: they run one way, and slow ones come late."""
 
 from __future__ import annotations
 

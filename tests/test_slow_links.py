@@ -17,9 +17,9 @@ A_MILLION_STEPS = r"step\s+(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])"
 
 
 def left_in_input(terminal: PseudoTerminal) -> bytes:
-    """Return what the next program would read there."""
+    """Return the input that the next program would read there."""
     theirs = terminal.theirs
-    tty.setraw(theirs, termios.TCSANOW)  # without throwing away what is there
+    tty.setraw(theirs, termios.TCSANOW)  # without discarding it
     (count,) = struct.unpack("i", fcntl.ioctl(theirs, termios.FIONREAD, b"\0" * 4))
     return os.read(theirs, count) if count else b""
 
@@ -47,7 +47,7 @@ def test_all_is_drawn_again_when_the_terminal_has_another_size() -> None:
     with PseudoTerminal([*RL_TUI, "play", "frozenlake-slippery"], size=(120, 40)) as terminal:
         terminal.wait_for("paused")
         for size in ((80, 24), (130, 45), (90, 30)):
-            terminal.emulator.feed(b"\x1b[H" + b"#" * 500)  # lines are wrapped anew
+            terminal.emulator.feed(b"\x1b[H" + b"#" * 500)  # lines wrap again
             terminal.resize(*size)
             terminal.wait_until(
                 lambda: (

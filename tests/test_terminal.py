@@ -1,4 +1,4 @@
-"""The real program in a pseudo-terminal: it trains, it quits, and it leaves the terminal as it was."""
+"""The real program in a pseudo-terminal: it trains, quits, and restores the terminal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
 from rl_tui.live.sessions.session import sessions_in
 
-KEYBOARD_ON = re.compile(rb"\x1b\[>\d+u")  # the protocol that tells all keys apart
+KEYBOARD_ON = re.compile(rb"\x1b\[>\d+u")  # the protocol that distinguishes all keys
 KEYBOARD_OFF = b"\x1b[<u"
 FASTER = "+" * 9
 A_MILLION_STEPS = r"step\s+(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])"
@@ -21,12 +21,12 @@ A_MILLION_STEPS = r"step\s+(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])"
 
 @contextmanager
 def rl_tui(*args: str, cache: Path | None = None, status: int = 0, **more: str) -> Iterator[PseudoTerminal]:
-    """Start rl-tui; when the block has ended it must have quit and put everything back."""
+    """Start rl-tui. At the end of the block it must have quit and restored everything."""
     environment = {**({"RL_TUI_CACHE_DIR": str(cache)} if cache else {}), **more}
     with PseudoTerminal([*RL_TUI, *args], environment) as terminal:
         yield terminal
         assert terminal.wait_for_end() == status
-        assert b"\x1b[?1049h" in terminal.written  # it did take the alternate screen
+        assert b"\x1b[?1049h" in terminal.written  # it did use the alternate screen
         assert terminal.modes_left_changed == set()
         assert len(KEYBOARD_ON.findall(terminal.written)) == terminal.written.count(KEYBOARD_OFF)
         assert terminal.attributes == terminal.attributes_before

@@ -1,4 +1,4 @@
-"""A pseudo-terminal at the end of a slow link: what the program writes arrives at so many bytes a second."""
+"""A pseudo-terminal at the end of a slow link, with a limited rate of bytes."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from typing import Any
 
 from pseudo_terminal import PseudoTerminal
 
-_PIECE = 0.01  # seconds: what arrives in so long arrives at once
+_PIECE = 0.01  # seconds: bytes within this time arrive together
 
 
 class ThrottledTerminal(PseudoTerminal):
-    """Lets ``rate`` bytes a second through, all there are if it is None; it may be changed at any time.
+    """Passes ``rate`` bytes a second, or everything at once if it is None. The rate may change at any time.
 
-    Between the program and the link lies a buffer of ``room`` bytes, as SSH has one, besides the kernel's.
+    A buffer of ``room`` bytes lies between the program and the link, as with SSH, in addition to the
+    kernel's.
     """
 
     def __init__(
@@ -33,7 +34,7 @@ class ThrottledTerminal(PseudoTerminal):
         self.rate = rate
         self._room = room
         self._waiting = b""
-        self._free_at = time.perf_counter()  # when the link has carried all that was given to it
+        self._free_at = time.perf_counter()  # the time when the link has carried all its input
 
     def read_more(self, deadline: float) -> bool:
         if self.rate is None and not self._waiting:
@@ -63,7 +64,7 @@ class ThrottledTerminal(PseudoTerminal):
         return len(self._waiting) >= max(self._room, int((self.rate or 65536) * _PIECE))
 
     def _fill(self, now: float) -> None:
-        """Take what the program has written, as far as there is room for it."""
+        """Read the program's output as far as the buffer has space."""
         while not self._is_full() and select.select([self._ours], [], [], 0.0)[0]:
             if not self._waiting:
                 self._free_at = max(self._free_at, now - _PIECE)

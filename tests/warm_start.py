@@ -1,9 +1,8 @@
-"""Programs that tests start are forked from a process that has imported what they import.
+"""Start the programs of tests by forking a process that has already imported their modules.
 
-Starting Python and importing takes most of the time of such a test. Where the start is what a test is about
-it asks for the fixture ``real_start``. What could not be forked faithfully is started anew too: programs of
-other kinds, those before which something is to be done, and those whose environment differs in what is
-read when Python starts or imports.
+Starting Python and importing takes most of the time of such a test. Tests about the start itself use the
+fixture ``real_start``. Some programs cannot be forked faithfully and start normally: other kinds of programs,
+those with a ``preexec_fn``, and those with environment variables that Python reads at its start or on import.
 """
 
 from __future__ import annotations
@@ -33,10 +32,10 @@ _READ_AT_START: Final = re.compile(
 )
 _OF_SERVERS: Final = {"LC_ALL": "C.UTF-8", "OPENBLAS_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
 _MEANS_THE_SAME: Final = {"PYTHONPATH": str(_SERVER.parents[1]), **dict.fromkeys(_OF_SERVERS)}
-"""Besides the value that a server has."""
+"""Values that mean the same as the server's own."""
 _SET_CHILD_SUBREAPER: Final = 36
 _START: Final = inspect.signature(subprocess.Popen._execute_child)  # type: ignore[attr-defined]
-_PATIENCE: Final = 300.0  # seconds, on a machine that is busy
+_PATIENCE: Final = 300.0  # seconds, on a busy machine
 
 
 class ForkServer:
@@ -59,7 +58,7 @@ class ForkServer:
         self.is_ready = self._door.recv(LARGEST) == b"ready"
 
     def takes(self, environment: Mapping[str, str]) -> bool:
-        """Return whether a program with this environment would have started as this process did."""
+        """Return whether a program with this environment would have started like this process."""
         names = filter(_READ_AT_START.fullmatch, {*environment, *self._environment})
         return all(self._has(name, environment.get(name)) for name in names)
 
@@ -68,7 +67,7 @@ class ForkServer:
         return value in (ours, _MEANS_THE_SAME.get(name, ours))
 
     def fork(self, request: Mapping[str, Any], descriptors: Sequence[int]) -> int | None:
-        """Return the number of a new child of this process, None where there is none."""
+        """Return the process id of a new child of this process, or None."""
         message = json.dumps(request).encode()
         if len(message) > LARGEST or len(descriptors) > MOST_DESCRIPTORS:
             return None
@@ -84,19 +83,19 @@ class ForkServer:
                 _adopt(False)
 
     def end(self) -> None:
-        """End it; programs that it forked stay."""
+        """End the server. The programs it forked continue."""
         self._door.close()
         self._process.kill()
         self._process.wait()
 
 
 def _adopt(on: bool) -> bool:
-    """Let this process become the parent of those below it that lose theirs, or no longer."""
+    """Let this process adopt orphans below it, or stop doing so."""
     return bool(ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, int(on), 0, 0, 0) == 0)
 
 
 class WarmPopen(subprocess.Popen[Any]):
-    """Starts a program as subprocess does, but forked where that is the same."""
+    """Starts a program like subprocess, but forked if that makes no difference."""
 
     was_forked = False
 
@@ -113,7 +112,7 @@ class WarmPopen(subprocess.Popen[Any]):
 
 
 def _forked(asked: Mapping[str, Any]) -> int | None:
-    """Return the process that does what Popen is ``asked`` for, None where it has to be started anew."""
+    """Return the process that Popen is ``asked`` to start, or None if it cannot be forked."""
     usual = {"preexec_fn": None, "shell": False, "gid": None, "gids": None, "uid": None, "umask": -1}
     usual |= {"close_fds": True, "restore_signals": True, "process_group": -1, "executable": None}
     command = asked["args"]
@@ -171,5 +170,5 @@ def programs_are_forked() -> Iterator[None]:
 
 @pytest.fixture
 def real_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have the programs of a test started anew: how they start is what it is about."""
+    """Start the programs of a test without forking, for tests about the start."""
     monkeypatch.setattr(subprocess, "Popen", RealPopen)

@@ -1,4 +1,4 @@
-"""Bandits of a few arms, learners of them under any policy, and what these pull."""
+"""Bandits with a few arms, and learners that pull them under any policy."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def learner(mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int = 0) ->
 
 
 def pulls(ours: Learner, steps: int) -> list[tuple[int, float]]:
-    """Take so many steps one by one and tell which arm each pulled and what it paid."""
+    """Take this many steps one by one and return each step's arm and reward."""
     taken = []
     for _ in range(steps):
         ours.advance(1)

@@ -1,4 +1,4 @@
-"""Slow and plain: small worlds and their answers in rational numbers or by long sweeps."""
+"""Small worlds and their exact values, computed slowly and plainly: in fractions or by long sweeps."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def world(
     start: dict[str, float] | None = None,
     time_limit: int = 0,
 ) -> TabularMDP:
-    """Make a world of (state, action, [(probability, next state, reward)]); others are terminal."""
+    """Make a world of (state, action, [(probability, next state, reward)]). All other states are terminal."""
     states = list(dict.fromkeys([pair[0] for pair in pairs] + [o[1] for pair in pairs for o in pair[2]]))
     actions = list(dict.fromkeys(pair[1] for pair in pairs))
     transitions = [
@@ -100,14 +100,14 @@ def probabilities(mdp: TabularMDP, pair: int) -> list[Fraction]:
 
 
 def deterministic_policies(mdp: TabularMDP) -> Iterator[dict[int, int]]:
-    """Yield every way to choose a pair in each live state."""
+    """Yield every choice of one pair in each live state."""
     states = live(mdp)
     for choice in itertools.product(*(mdp.pairs_of(state) for state in states)):
         yield dict(zip(states, choice, strict=True))
 
 
 def solve_rational(matrix: list[list[Fraction]], right: list[Fraction]) -> list[Fraction]:
-    """Gauss and Jordan; the matrix must have an inverse."""
+    """Solve a linear system by Gauss–Jordan elimination. The matrix must have an inverse."""
     rows = [[*row, b] for row, b in zip(matrix, right, strict=True)]
     for column in range(len(rows)):
         pivot = next(i for i in range(column, len(rows)) if rows[i][column] != 0)
@@ -122,7 +122,7 @@ def solve_rational(matrix: list[list[Fraction]], right: list[Fraction]) -> list[
 def rational_values(
     mdp: TabularMDP, policy: dict[int, int], gamma: Fraction, also_ends: int | None = None
 ) -> dict[int, Fraction]:
-    """Return the values of a deterministic policy; coming to ``also_ends`` counts as an end."""
+    """Return the values of a deterministic policy. The states ``also_ends`` count as terminal."""
     states = list(policy)
     matrix, right = [], []
     for state in states:
@@ -140,7 +140,7 @@ def rational_values(
 
 
 def leads_to(mdp: TabularMDP, pairs: Sequence[int], state: int) -> set[int | None]:
-    """Return where luck may lead from ``state`` by these pairs; None is the end."""
+    """Return the states that chance may reach from ``state`` by these pairs. None is the end."""
     found: set[int | None] = {state}
     queue = [state]
     for here in queue:
@@ -155,13 +155,16 @@ def leads_to(mdp: TabularMDP, pairs: Sequence[int], state: int) -> set[int | Non
 
 
 def recurrent(mdp: TabularMDP, pairs: Sequence[int], state: int) -> bool:
-    """Tell whether whoever leaves ``state`` by these pairs surely comes back, for ever."""
+    """Return whether a walk from ``state`` by these pairs surely returns, again and again."""
     reach = leads_to(mdp, pairs, state)
     return None not in reach and all(state in leads_to(mdp, pairs, other) for other in reach)
 
 
 def best_rational(mdp: TabularMDP, gamma: Fraction) -> dict[int, Fraction] | None:
-    """Return the best values over all deterministic policies (that end, at γ = 1); None: there are none."""
+    """Return the largest values over all deterministic policies, or None if there are none.
+
+    At γ = 1 only policies that end count.
+    """
     best: dict[int, Fraction] = {}
     for policy in deterministic_policies(mdp):
         pairs = list(policy.values())
@@ -183,7 +186,7 @@ def gain_of_loop(mdp: TabularMDP, policy: dict[int, int], state: int) -> Fractio
 
 
 def policy_iteration_of_the_box(mdp: TabularMDP, gamma: float, theta: float = 1e-14) -> list[float]:
-    """Sutton & Barto, 2nd ed., page 80, as it is printed."""
+    """Run the box in Sutton & Barto, 2nd ed., page 80, line by line."""
 
     def backup(pair: int) -> float:
         return sum(
@@ -195,7 +198,6 @@ def policy_iteration_of_the_box(mdp: TabularMDP, gamma: float, theta: float = 1e
     value = [0.0] * mdp.states
     policy = {state: mdp.pairs_of(state)[0] for state in live(mdp)}
     while True:
-        # 2. Policy evaluation
         delta = theta
         while delta >= theta:
             delta = 0.0
@@ -203,7 +205,7 @@ def policy_iteration_of_the_box(mdp: TabularMDP, gamma: float, theta: float = 1e
                 before = value[state]
                 value[state] = backup(policy[state])
                 delta = max(delta, abs(before - value[state]))
-        # 3. Policy improvement; the box's note on policies equally good: change for a real gain only
+        # 3. Policy improvement. The box notes that policies may be equally good: change only for a real gain
         stable = True
         for state in policy:
             best = max(mdp.pairs_of(state), key=backup)
@@ -215,7 +217,10 @@ def policy_iteration_of_the_box(mdp: TabularMDP, gamma: float, theta: float = 1e
 
 
 def return_within(mdp: TabularMDP, policy: Sequence[float] | None, steps: int) -> float:
-    """Return the exact expected return within ``steps`` steps; of the best with a clock without a policy."""
+    """Return the exact expected return within ``steps`` steps.
+
+    Without a policy it is the largest return that a policy with a clock can reach.
+    """
     value = [Fraction(0)] * mdp.states
     for _ in range(steps):
         later = value

@@ -1,4 +1,4 @@
-"""The box of page 136 as it is printed; each table counts its own updates."""
+"""The box on page 136, line by line. Each table counts its own updates."""
 
 from plain_world import PlainWorld, Table
 
@@ -15,7 +15,7 @@ def plain_double_q_learning(world: PlainWorld) -> Table:
         while world.steps_left and not ended:
             pair = world.choose(state, shown())
             reward, next_state, terminated, truncated = world.take(pair)
-            # Heads or tails, and what is left of the draw, stretched to [0, 1) again, decides between equals
+            # Heads or tails. The remainder of the draw, stretched to [0, 1) again, decides between equals
             draw = world.dice.random()
             if draw < 0.5:
                 learning, judging, count, rest = q1, q2, count1, 2 * draw

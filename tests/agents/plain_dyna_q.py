@@ -1,4 +1,4 @@
-"""The box of page 164 as it is printed; one draw picks the state, and what is left of it the action."""
+"""The box on page 164, line by line. One draw picks the state, and its remainder picks the action."""
 
 from plain_world import PlainWorld, Table
 

@@ -1,4 +1,4 @@
-"""Slow and plain: the optimal actions of a small world at one γ, by policy iteration in fractions."""
+"""The optimal actions of a small world at one γ, by plain policy iteration in fractions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Optimal = dict[int, tuple[int, ...]]
 
 
 class PlainWorld(NamedTuple):
-    """Of each live state its pairs; of each pair its reward and where it leads, with which chance."""
+    """The pairs of each live state. Each pair has its reward and the probability of each next state."""
 
     pairs: dict[int, tuple[int, ...]]
     reward: list[Fraction]
@@ -25,7 +25,7 @@ class PlainWorld(NamedTuple):
 
 
 def small_world(seed: int) -> TabularMDP:
-    """Return a world of 2–5 states and 2–3 actions; probabilities and rewards are small fractions."""
+    """Return a world of 2–5 states and 2–3 actions. Probabilities and rewards are small fractions."""
     drawn = random.Random(seed)
     states, actions = drawn.randint(2, 5), drawn.randint(2, 3)
     transitions = []
@@ -73,7 +73,7 @@ def near(number: float) -> Fraction:
 
 
 def optimal_pairs(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) -> Optimal:
-    """Return all optimal pairs of each state; ``policy`` is where to begin, and is left optimal."""
+    """Return all optimal pairs of each state. The search starts from ``policy`` and leaves it optimal."""
     while True:
         v = values(world, gamma, policy)
         gains = {
@@ -97,7 +97,6 @@ def optimal_pairs(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) ->
 
 
 def values(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) -> dict[int, Fraction]:
-    """Return the values of ``policy``."""
     states = list(policy)
     matrix = [
         [int(state == to) - gamma * world.moves[policy[state]].get(to, Fraction(0)) for to in states]
@@ -108,7 +107,10 @@ def values(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) -> dict[i
 
 
 def disagreements(mdp: TabularMDP, flips: tuple[Flip, ...], parts: int) -> Iterator[str]:
-    """Yield where the optimal sets on a grid of γ, and thrice between two flips, contradict ``flips``."""
+    """Yield contradictions between the optimal sets and ``flips``.
+
+    It checks a grid of γ, and three points between two flips.
+    """
     world = plain_world(mdp)
     policy = {state: pairs[0] for state, pairs in world.pairs.items()}
     ends = [Fraction(0), *(Fraction(flip.gamma) for flip in flips), Fraction(1)]

@@ -1,6 +1,6 @@
-"""The box of page 101 with every visit (section 5.4) and an incremental mean (equation 6.1).
+"""The box on page 101 with every visit (section 5.4) and an incremental mean (equation 6.1).
 
-An episode cut short is worth what was gathered and, discounted, what the policy may expect where it was cut.
+A truncated episode adds the policy's expected return from its last state, discounted.
 """
 
 from plain_world import PlainWorld, Table

@@ -1,4 +1,4 @@
-"""The box of page 147 as it is printed; an episode cut short bootstraps from the pair that would follow."""
+"""The box on page 147, line by line. A truncated episode bootstraps from the pair that would follow."""
 
 import math
 

@@ -1,7 +1,7 @@
-"""The box of page 80 as it is printed, from the policy that takes all actions equally.
+"""The box on page 80, line by line, from the policy that takes all actions equally.
 
-As in exercise 4.4, the policy of a state is left alone where no other gains anything. Which sweep is next may
-be ordered, as in section 4.6; then what the box has in two loops is gone through a sweep at a time.
+As in exercise 4.4, a state keeps its policy unless another action gains something. The order of the
+sweeps may be given, as in section 4.6. The two loops of the box then run one sweep at a time.
 """
 
 import math
@@ -16,9 +16,9 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 def plain_policy_iteration(
     mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int, orders: Mapping[int, str] | None = None
 ) -> tuple[dict[int, float], int, bool]:
-    """Return Q, the steps taken and whether the policy came to rest.
+    """Return Q, the steps taken and whether the policy is stable.
 
-    ``orders`` says of sweeps, counted from 0, whether they are an evaluation or an improvement.
+    ``orders`` maps the number of a sweep, from 0, to evaluation or improvement.
     """
     q = dict.fromkeys(range(mdp.pairs), hyperparameters.initial_q)
     states = [state for state in range(mdp.states) if mdp.pairs_of(state)]
@@ -46,7 +46,7 @@ def plain_policy_iteration(
         return True
 
     taken, sweep, due = 0, 0, "evaluation"
-    delta = math.inf  # the largest change in the last evaluation of the policy as it is
+    delta = math.inf  # the largest change in the last evaluation of the current policy
     while True:
         phase = orders.get(sweep, due)
         sweep += 1

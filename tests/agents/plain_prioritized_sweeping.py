@@ -1,4 +1,4 @@
-"""The box of page 170 as it is printed; the queue is a dictionary, sorted anew every time."""
+"""The box on page 170, line by line. The queue is a dictionary, sorted again every time."""
 
 from plain_world import PlainWorld, Table
 

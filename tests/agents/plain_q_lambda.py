@@ -1,4 +1,4 @@
-"""Watkins's Q(λ) as section 12.10 describes it; faded traces are dropped."""
+"""Watkins's Q(λ) as section 12.10 describes it. Faded traces are dropped."""
 
 from plain_world import PlainWorld, Table
 

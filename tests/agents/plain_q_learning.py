@@ -1,4 +1,4 @@
-"""The box of page 131 as it is printed."""
+"""The box on page 131, line by line."""
 
 from plain_world import PlainWorld, Table
 

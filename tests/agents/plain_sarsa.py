@@ -1,4 +1,4 @@
-"""The box of page 130 as it is printed."""
+"""The box on page 130, line by line."""
 
 from plain_world import PlainWorld, Table
 

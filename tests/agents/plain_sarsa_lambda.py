@@ -1,4 +1,4 @@
-"""The box of page 305 with one feature for each pair, as it is printed; faded traces are dropped."""
+"""The box on page 305, line by line, with one feature for each pair. Faded traces are dropped."""
 
 from plain_world import PlainWorld, Table
 

@@ -1,4 +1,4 @@
-"""The agent's side and the world's, slow and plain and without the program's kernels, for boxes to run on."""
+"""A plain agent and world, without the program's kernels, on which the boxes run."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class Answer(NamedTuple):
 
 
 class PlainWorld:
-    """A world that lasts ``steps`` steps, drawing from its stream just as the program does.
+    """A world that lasts ``steps`` steps and draws from its stream exactly as the program does.
 
-    A box runs ``while world.steps_left``, in every episode from ``start`` on, and returns its table. What
-    holds for a whole episode (ε, α) is that of the last ``start``. ``visits`` and ``finished``, the (return,
-    length) of each finished episode, are kept here.
+    A box runs ``while world.steps_left``, begins every episode with ``start`` and returns its table.
+    ε and α hold for a whole episode: they are set by the last ``start``. ``visits`` counts visits.
+    ``finished`` lists the (return, length) of each finished episode.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class PlainWorld:
         return dict.fromkeys(range(self.mdp.pairs), 0)
 
     def start(self) -> int:
-        """Begin an episode; return its first state."""
+        """Begin an episode and return its first state."""
         self.episode += 1
         self.rewards: list[float] = []
         if len(self.mdp.start_state) == 1:
@@ -57,7 +57,6 @@ class PlainWorld:
         return int(next(state for state, cumulative in starts if draw < cumulative))
 
     def take(self, pair: int) -> Answer:
-        """Take a step."""
         self.steps_left -= 1
         self.visits[pair] += 1
         outcomes = list(self.mdp.outcomes_of(pair))
@@ -79,7 +78,7 @@ class PlainWorld:
         return list(self.mdp.pairs_of(state))
 
     def choose(self, state: int, q: Table) -> int:
-        """Choose by ε-greedy: one draw tells whether to explore and, stretched again, what to take."""
+        """Choose by ε-greedy: one draw decides whether to explore and, stretched again, what to take."""
         pairs, epsilon = self.pairs(state), self.epsilon
         draw = self.dice.random()
         if draw < epsilon:
@@ -87,7 +86,7 @@ class PlainWorld:
         return self.argmax(state, q, (draw - epsilon) / (1 - epsilon))
 
     def argmax(self, state: int, q: Table, draw: float) -> int:
-        """Return the best pair; ``draw`` in [0, 1) decides between equals, where ties are random."""
+        """Return the best pair. If ties are random, ``draw`` in [0, 1) decides between equals."""
         best = [pair for pair in self.pairs(state) if q[pair] == self.best(state, q)]
         return (
             best[0]
@@ -99,7 +98,7 @@ class PlainWorld:
         return max((q[pair] for pair in self.pairs(state)), default=0.0)
 
     def probability(self, state: int, pair: int, q: Table) -> float:
-        """Return π(a|s) of the ε-greedy policy: ε is shared by all pairs, the rest by the greedy ones."""
+        """Return π(a|s) of the ε-greedy policy: all pairs share ε, and the greedy ones share the rest."""
         pairs = self.pairs(state)
         best = [each for each in pairs if q[each] == self.best(state, q)]
         greedy = best[:1] if self.hyperparameters.ties == "first" else best
@@ -107,7 +106,7 @@ class PlainWorld:
         return (1 - self.epsilon) * share + self.epsilon / len(pairs)
 
     def expectation(self, state: int, q: Table) -> float:
-        """Return what the ε-greedy policy may expect: its best with 1 − ε, the mean of all with ε."""
+        """Return the expectation of the ε-greedy policy: the best with 1 − ε, the mean of all with ε."""
         pairs = self.pairs(state)
         if not pairs:
             return 0.0
@@ -152,7 +151,7 @@ def as_array(table: Table | dict[int, int]) -> np.ndarray:
 
 
 def _sum(numbers: Iterable[float]) -> float:
-    """Add up from left to right, rounding after each: the built-in sum has rounded less since Python 3.12."""
+    """Add from left to right and round after each step. The built-in sum rounds less since Python 3.12."""
     total = 0.0
     for number in numbers:
         total += number

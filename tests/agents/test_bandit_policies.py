@@ -1,4 +1,4 @@
-"""The gradient bandit and Thompson sampling, each held against its book."""
+"""The gradient bandit and Thompson sampling, each compared with its book."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.xdist_group("policies")  # each policy's loop is compil
 def plain_gradient(
     means: list[float], alpha: float, baseline: bool, seed: int, steps: int
 ) -> tuple[list[tuple[int, float]], list[float]]:
-    """Equation 2.12 as it stands: what each of ``steps`` pulls took and was paid, and H in the end."""
+    """Run equation 2.12 and return the arm and reward of each of ``steps`` pulls, and H at the end."""
     world, mine = streams(seed)
     preferences, rewards, taken = [0.0] * len(means), [], []
     for _ in range(steps):

@@ -1,4 +1,4 @@
-"""Many runs by one call of machine code: each has the bits of the run alone, however the work is cut."""
+"""Many runs in one call of machine code have the bits of single runs, however the work is divided."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_a_row_of_a_stack_is_what_was_stacked() -> None:
 
 @st.composite
 def maps(draw: st.DrawFn) -> TabularMDP:
-    """Draw a world with four actions in every state that is no end, slips, noise and perhaps a time limit."""
+    """Draw a world with four actions in every non-terminal state, slips, noise and perhaps a time limit."""
     states = draw(st.integers(2, 6))
     generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     ends = {int(generator.integers(1, states))}
@@ -127,7 +127,7 @@ def trained(batch: RunBatch, budget: int) -> RunBatch:
 def alone(
     mdp: TabularMDP, seed: int, algorithm: str, values: Hyperparameters, steps: int, episodes: int
 ) -> tuple[Learner, list[Any], Stop]:
-    """Return a learner that did what a run of a batch is to do, its episodes, and why it came back."""
+    """Return the learner of a single run, to compare with a batch, with its episodes and stop reason."""
     learner = Learner(mdp, algorithm, values, streams(seed))
     stop = learner.advance(steps, episodes)
     return learner, list(learner.drain_episodes()), stop
@@ -213,7 +213,7 @@ def test_estimates_are_kept_at_the_marks() -> None:
 
 
 def test_a_run_that_breaks_down_does_not_hold_up_the_others() -> None:
-    # One start pays what grows beyond all bounds, the other nothing
+    # One start leads to rewards that grow without bounds, the other to nothing
     pays = [Outcome(1.0, 0, 1e11, False)]
     ends = [Outcome(1.0, 2, 0.0, True)]
     transitions = [

@@ -1,4 +1,4 @@
-"""A person acts: the same learner learns from it, and nothing that it had chosen is taken by mistake."""
+"""A person acts: the same learner learns from it, and its own pending action is not taken by mistake."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ON, JUMP = 1, 2  # the pairs of the middle state of two_ways
 
 
 def two_ways() -> TabularMDP:
-    """From s0 to s1, and on to s2 for nothing or by a jump to the end for 1; the way out of s2 pays 1 too."""
+    """From s0 to s1, then to s2 for 0 or by a jump to the end for 1. The way out of s2 also gives 1."""
     return tabular_mdp(
         ["s0", "s1", "s2", "end"],
         ["on", "jump"],
@@ -123,7 +123,7 @@ def test_no_trace_of_watkins_leads_beyond_an_action_that_is_not_greedy(algorithm
 def test_a_trace_leads_beyond_a_greedy_action_of_a_person(algorithm: str) -> None:
     ours = learner(two_ways(), algorithm, FULL_STEP)
     ours.advance(1)
-    ours.take(JUMP)  # as good as to go on, as far as is known
+    ours.take(JUMP)  # as good as continuing, by current estimates
     assert ours.q.tolist() == [1.0, 0.0, 1.0, 0.0]
 
 

@@ -1,4 +1,4 @@
-"""Machine code is pickled: it is neither read from nor kept where others can write."""
+"""Machine code is pickled: it is neither read from nor saved to a place where others can write."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ FOLDER = 0o040000
 
 @pytest.fixture
 def shared_group(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No group is that of one person."""
+    """Make every group one with several members."""
     monkeypatch.setattr(grp, "getgrgid", lambda _: SimpleNamespace(gr_name="many", gr_mem=["ada", "bob"]))
 
 
 @pytest.fixture
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of this user; no other is chosen."""
+    """The cache folder of this user, the only choice."""
     monkeypatch.delenv(VARIABLE, raising=False)
     monkeypatch.setattr("platformdirs.user_cache_path", lambda *_, **__: tmp_path / "own")
     return tmp_path / "own"
@@ -62,10 +62,10 @@ def status(mode: int, owner: int) -> os.stat_result:
         (0o700, SOMEBODY, True, "another user"),
         (0o775, US, False, "its group"),
         (0o775, 0, True, "its group"),
-        (0o777, US, False, "anybody"),
-        (0o777, US, True, "anybody"),
+        (0o777, US, False, "all users"),
+        (0o777, US, True, "all users"),
         (0o1777, 0, True, ""),
-        (0o1777, 0, False, "anybody"),
+        (0o1777, 0, False, "all users"),
     ],
 )
 def test_who_else_can_write(mode: int, owner: int, is_above: bool, told: str, shared_group: None) -> None:

@@ -1,4 +1,4 @@
-"""A run that changes between its interpreted form and machine code is bit for bit the run that does not."""
+"""A run that changes between its interpreted form and machine code has the bits of one that does not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a process comes by machine code: the cache, one worker process, or compiling it itself."""
+"""The three sources of machine code: the cache, one worker process, or compiling in this process."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LONGEST = 60.0
 
 
 class Machine:
-    """A process without numba: what it has, what its cache has, and what it did to come by it."""
+    """A process without numba: its code, its cache, and a log of its actions."""
 
     def __init__(self) -> None:
         self.compiled = set[Loop]()
@@ -52,7 +52,7 @@ class Machine:
 
 
 class Worker:
-    """A worker process that answers what ``script`` says, and is asked until it is ended."""
+    """A worker process that answers as ``script`` says, until it is ended."""
 
     script: Callable[[Machine, Loop], str | None]
 
@@ -94,7 +94,7 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
 
 
 class Asked(NamedTuple):
-    """A compiler that has asked its worker for a loop, and what lets the worker answer."""
+    """A compiler with a pending request to its worker, and the event that lets the worker answer."""
 
     compiler: BackgroundCompiler
     may_end: threading.Event
@@ -116,7 +116,7 @@ def asked(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Asked:
 
 
 def finish(compiler: BackgroundCompiler) -> None:
-    """Wait until it has nothing to do any more."""
+    """Wait until it has nothing left to do."""
     for thread in threading.enumerate():
         if thread.name == "background compiler":
             thread.join(LONGEST)
@@ -331,7 +331,7 @@ def test_the_worker_answers_each_line() -> None:
 
 @pytest.fixture
 def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty cache for all that goes by its folder; numba has another one."""
+    """An empty cache for everything that uses its folder. Numba has another cache."""
     folder = tmp_path / "cache"
     folder.mkdir()
     for module in (cache_folder, compiler_lock, loops):
@@ -341,7 +341,7 @@ def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def made(monkeypatch: pytest.MonkeyPatch) -> list[Loop]:
-    """What is compiled, or read, in place of doing it."""
+    """A list of everything that would be compiled or read; nothing really is."""
     made: list[Loop] = []
     monkeypatch.setattr(loops, "COMPILED_LOOPS", set[Loop]())
     monkeypatch.setattr(loops, "_make", made.append)

@@ -1,4 +1,4 @@
-"""Machine code among real processes: one compiles for all, and the worker outlives nobody."""
+"""Machine code in real processes: one compiles for all, and the worker ends with its last user."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ HOME = str(Path(rl_tui.__file__).parents[1])
 LOOP = Loop("q-learning", "epsilon-greedy", stepped=False)
 LONGEST = 120.0
 
-# In place of a loop a function that compiles quickly
+# A function that compiles quickly, in place of a loop
 QUICK = """
 import sys
 from rl_tui.agents.compiling import loops
@@ -131,7 +131,7 @@ def test_the_worker_ends_with_its_parent_in_the_middle_of_compiling(tmp_path: Pa
     assert os.getpriority(os.PRIO_PROCESS, worker) >= min(19, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)
     parent.send_signal(signal.SIGKILL)
     parent.communicate(timeout=LONGEST)
-    # The system takes back what a dead process held
+    # The system releases the locks of a dead process
     (folder,) = (tmp_path / "kernels").iterdir()
     lock = FileLock(folder / "compiling")
     until(lock.acquire)

@@ -1,4 +1,4 @@
-"""Every learning algorithm finds the exact answer of small random worlds, learning in ever smaller steps."""
+"""Every learning algorithm finds the exact values of small random worlds with ever smaller steps."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ GAMMA = 0.7
 
 
 def small_world(seed: int, certain: bool) -> TabularMDP:
-    """Five states, three actions, any state to start in; episodes end or are cut short after 20 steps."""
+    """Five states, three actions and random starts. Episodes end or are truncated after 20 steps."""
     generator = np.random.default_rng(seed)
     transitions = []
     for state in range(5):
@@ -35,7 +35,7 @@ def small_world(seed: int, certain: bool) -> TabularMDP:
 
 
 def error_after(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episodes: int) -> float:
-    """Return max |Q − Q*| after so many episodes."""
+    """Return max |Q − Q*| after this many episodes."""
     learner = Learner(mdp, algorithm, hyperparameters, streams(0))
     while learner.episodes < episodes:
         assert learner.advance(10**9, episodes - learner.episodes) in (Stop.DONE, Stop.EPISODES_FULL)
@@ -44,7 +44,7 @@ def error_after(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameter
 
 
 def exploration_matters(mdp: TabularMDP) -> float:
-    """Return how far what a random policy is worth lies from Q*, so that coming near it means something."""
+    """Return the distance of a random policy's values from the optimal ones, as a scale for errors."""
     v = evaluate(mdp, np.full(mdp.pairs, 1 / 3), GAMMA).v
     return float(np.abs(v - solve(mdp, GAMMA).v).max())
 
@@ -52,8 +52,9 @@ def exploration_matters(mdp: TabularMDP) -> float:
 @pytest.mark.exhaustive("trains for 300,000 episodes", but=["q-learning"])
 @pytest.mark.parametrize("algorithm", written("q-learning", "double-q-learning", "q-lambda"))
 def test_off_policy_whatever_is_explored(algorithm: str) -> None:
-    # With α nearly 0 in the end, an estimate averages what its pair saw within some 1/decay episodes: several
-    # thousand targets that scatter by about 1.5: ±0.02, and handed on from state to state 1/(1 − γ) of that
+    # With α nearly 0 at the end, an estimate averages the targets of its pair over about 1/decay episodes.
+    # These are several thousand targets that scatter by about 1.5: ±0.02, and 1/(1 − γ) times that after the
+    # error has passed from state to state
     mdp = small_world(1, certain=False)
     hyperparameters = Hyperparameters(alpha=0.5, alpha_decay=3e-5, gamma=GAMMA, epsilon=0.5, lambda_=0.5)
     assert error_after(mdp, algorithm, hyperparameters, 300_000) < 0.1 < exploration_matters(mdp) / 5
@@ -62,7 +63,7 @@ def test_off_policy_whatever_is_explored(algorithm: str) -> None:
 @pytest.mark.exhaustive("trains for 300,000 episodes")
 @pytest.mark.parametrize("algorithm", written("q-learning", "double-q-learning"))
 def test_sample_averages(algorithm: str) -> None:
-    # What was believed at first fades as N^(γ − 1) only: from about 5 to 5 · 30,000^−0.3 ≈ 0.2
+    # The initial estimates fade only as N^(γ − 1): from about 5 to 5 · 30,000^−0.3 ≈ 0.2
     mdp = small_world(1, certain=False)
     hyperparameters = Hyperparameters(alpha="sample-average", gamma=GAMMA, epsilon=1.0)
     assert error_after(mdp, algorithm, hyperparameters, 100_000) < 0.25 < exploration_matters(mdp) / 5
@@ -73,9 +74,9 @@ def test_sample_averages(algorithm: str) -> None:
     "algorithm", written("sarsa", "expected-sarsa", "n-step-sarsa", "sarsa-lambda", "monte-carlo")
 )
 def test_on_policy_as_exploration_fades(algorithm: str) -> None:
-    # With α = 0.2 ε, fading at the same pace, what is not greedy learns no more once the α still to come,
-    # 0.2 ε / 3 an episode, add up to less than 1: 0.2 ε² / (6 · 2e-5) = 1 at ε = 0.025. Its estimate is then
-    # that of a policy which explores so much, at a loss of up to 4 in the states that follow: 0.025 · 4 / 0.3
+    # α = 0.2 ε, and both fade at the same pace. Non-greedy actions learn no more once the α still to come,
+    # 0.2 ε / 3 per episode, sums to less than 1: 0.2 ε² / (6 · 2e-5) = 1 at ε = 0.025. Their estimates then
+    # belong to a policy with this ε, which loses up to 4 in the states that follow: 0.025 · 4 / 0.3
     mdp = small_world(1, certain=False)
     hyperparameters = Hyperparameters(
         alpha=0.2, alpha_decay=2e-5, gamma=GAMMA, epsilon=1.0, epsilon_decay=2e-5, lambda_=0.5

@@ -16,7 +16,7 @@ from rl_tui.agents.exact.small_worlds.double_double import (
     two_sum,
 )
 
-# Far from where numbers overflow, and from where they lose digits at the other end
+# Far from overflow, and from lost digits at the other end
 moderate = st.one_of(
     st.just(0.0), st.floats(1e-100, 1e100), st.floats(-1e100, -1e-100), st.floats(-4.0, 4.0, width=16)
 )

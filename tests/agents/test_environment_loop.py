@@ -1,4 +1,4 @@
-"""A stepped environment teaches exactly what its table would, and its failures keep what was learned."""
+"""A stepped environment teaches exactly what its table would. After a failure, the learning is kept."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ LEARNERS = [each.id for each in BY_ID.values() if not each.planner and importlib
 
 
 def lake() -> TabularMDP:
-    """A slippery lake with several starts, which takes all kinds of draws; 20 steps at most."""
+    """A slippery lake with several starts and at most 20 steps. It needs all kinds of draws."""
     mdp = world_of("FrozenLake-v1", {"desc": ["SFFS", "FHFH", "FFFF", "HFFG"]}).mdp
     assert mdp is not None
     return replace(mdp, time_limit=20)
 
 
 class Table:
-    """A table stepped for real, drawing from ``seed``'s world stream just as the compiled loop does."""
+    """A table used as an environment, with draws from ``seed``'s world stream like the compiled loop."""
 
     def __init__(self, mdp: TabularMDP, seed: int) -> None:
         self._mdp, self._generator = mdp, streams(seed).world
@@ -63,12 +63,12 @@ class Table:
 
 
 def untabled(mdp: TabularMDP) -> FiniteSpace:
-    """What is known of ``mdp`` where its table is not."""
+    """The facts of ``mdp`` without its transition table."""
     return FiniteSpace(mdp.state_names, mdp.action_names, mdp.first_pair, mdp.pair_action, mdp.time_limit)
 
 
 def facts(learner: Learner) -> list[Any]:
-    """All that learning came to, but the outcome's number, which nobody knows without a table."""
+    """Everything learned, except the outcome's number, which is unknown without a table."""
     assert learner.last_step is not None
     return [
         learner.q.tolist(),
@@ -85,7 +85,7 @@ def facts(learner: Learner) -> list[Any]:
 
 
 def go(learner: Learner, steps: int) -> list[list[float]]:
-    """Take so many steps; return the returns and lengths of the episodes that ended."""
+    """Take this many steps and return the returns and lengths of the episodes that ended."""
     done, ended = learner.step + steps, [[0.0, 0.0]]
     while learner.step < done:
         learner.advance(done - learner.step)
@@ -161,7 +161,7 @@ def test_the_seed_is_drawn_once_from_the_stream_of_the_world() -> None:
 
 
 class Line:
-    """One state, one action: ``answers`` one after the other, then the last for ever; None fails."""
+    """One state, one action. It gives ``answers`` in order, then repeats the last; None fails."""
 
     def __init__(self, *answers: StepResult | None, starts: int = 10**9) -> None:
         self._answers = list(answers)

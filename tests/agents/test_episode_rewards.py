@@ -1,4 +1,4 @@
-"""The rewards of the episode under way, and what they come to discounted."""
+"""The rewards of the current episode and their discounted sum."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def endless(time_limit: int = 0) -> TabularMDP:
 
 
 def followed(ours: Learner) -> Iterator[tuple[list[float], float, int]]:
-    """Take single steps: after each the rewards of its episode, Σ γᵏ r and how many there are."""
+    """Take single steps and return after each the rewards of its episode, Σ γᵏ r and their number."""
     rewards: list[float] = []
     total, discount = 0.0, 1.0
     while True:

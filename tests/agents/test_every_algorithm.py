@@ -1,4 +1,4 @@
-"""What holds for every algorithm, a row of the catalogue after the other."""
+"""Rules that hold for every algorithm, one catalogue row after the other."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabul
 
 
 def written(*algorithms: str) -> list[Any]:
-    """Return these algorithms as parameters of a test; those that are still to come are skipped."""
+    """Return these algorithms as test parameters; those not yet written are skipped."""
     return [
         pytest.param(
             algorithm,
@@ -67,7 +67,7 @@ def learner(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, s
 
 
 def everything(ours: Learner) -> list[Any]:
-    """Return all that a learner is, to be compared bit for bit, and forget the episodes."""
+    """Return the whole state of a learner for a comparison bit for bit, and forget the episodes."""
     state = ours.checkpoint()
     parts = (state.memory, state.rule, state.drift, state.position, state.record, ours.drain_episodes())
     return [
@@ -149,7 +149,7 @@ def test_a_checkpoint_brings_everything_back_in_any_learner(
 
 
 def eight_states(time_limit: int) -> TabularMDP:
-    """A ring that slips, with an end beside every state: more states than the time limit."""
+    """A ring that slips, with a terminal state next to every state: more states than the time limit."""
     return tabular_mdp(
         [f"s{state}" for state in range(9)],
         ["on", "back", "out"],
@@ -241,7 +241,7 @@ def test_the_bootstrap_was_read_from_the_state_that_is_named(
             continue
         assert last.learned
         assert (row.update.one_step and is_elsewhere) or (state == last.next_state and not last.terminated)
-        # Where several updates were made and the last is told, the estimates have moved on the way
+        # With several updates, the estimates have already moved by the time of the last
         if row.update.one_step or not last.others:
             estimates = [table[pair] for table in tables[-2:] for pair in mdp.pairs_of(state)]
             slack = 1e-12 * max(map(abs, estimates))
@@ -261,7 +261,7 @@ def test_the_last_td_errors_are_kept_with_the_pairs_that_moved(
         ours.advance(1)
         ours.drain_episodes()
         last = ours.last_step
-        if last.step == step and last.learned:  # a planner that is done takes no more
+        if last.step == step and last.learned:  # a finished planner takes no more steps
             updates.append((last.td_error, last.updated_pair))
     at_once.advance(ours.step)
     for counters in (ours.counters, at_once.counters):

@@ -1,4 +1,4 @@
-"""The exact answer, against known values."""
+"""Exact values, compared with known ones."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_the_student_evening_by_hand() -> None:
     study = 5.2 / 0.82
     assert mdp.state_names == ("Class", "Phone", "Pass", "Sleep")
     assert solution.v == pytest.approx([study, 0.9 * study, 10.0, 0.0], abs=1e-12)
-    # study, check phone; scroll, quit; sleep
+    # study, check phone, then scroll, quit, then sleep
     assert solution.q == pytest.approx([study, 0.81 * study, -1 + 0.81 * study, 0.9 * study, 10], abs=1e-12)
     assert greedy_return(mdp, solution) == pytest.approx(7.5, abs=1e-12)
 
@@ -133,7 +133,7 @@ def test_gamma_out_of_range_is_refused(gamma: float) -> None:
 
 
 def test_best_return_with_a_clock_takes_the_risk_late() -> None:
-    # Waiting pays 1 a step; the jump pays 10 and ends: with 4 steps, wait three times and jump
+    # Waiting pays 1 a step. The jump pays 10 and ends: with 4 steps, wait three times and jump
     mdp = world(
         ("A", "wait", [(1.0, "A", 1.0)]), ("A", "jump", [(0.5, "end", 20.0), (0.5, "end", 0.0)]), time_limit=4
     )

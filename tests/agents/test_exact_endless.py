@@ -1,4 +1,4 @@
-"""What never ends: refusals at γ = 1 and figures that do not exist."""
+"""Worlds that never end: refusals at γ = 1, and numbers that do not exist."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def test_at_gamma_1_no_greedy_pair_goes_round_for_ever() -> None:
 
 
 def test_a_tie_that_leads_to_an_end_sooner_or_later_stays() -> None:
-    # to wait once is as good as to go, and so is the long way round: nothing comes back
+    # one wait is as good as going, and so is the detour: it loses nothing
     mdp = world(
         ("A", "go", [(1.0, "end", 1.0)]),
         ("A", "wait", [(1.0, "B", 0.0)]),

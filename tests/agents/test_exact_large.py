@@ -1,4 +1,4 @@
-"""Exact answers of worlds of some hundred states, which are solved another way than small ones."""
+"""Exact values of worlds with hundreds of states, which use another solver than small ones."""
 
 from __future__ import annotations
 

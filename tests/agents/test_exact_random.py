@@ -1,4 +1,4 @@
-"""The exact answer on random worlds, against rational arithmetic, long sweeps and all policies there are."""
+"""Exact values of random worlds, compared with fractions, long sweeps and all existing policies."""
 
 from __future__ import annotations
 

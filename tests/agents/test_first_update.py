@@ -1,4 +1,4 @@
-"""How long nothing is learned: known waits, each in a second way, and against the learner itself."""
+"""The wait until the first update: known waits, each computed a second way and measured on the learner."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def answer(mdp: TabularMDP, **values: Any) -> FirstUpdate:
 
 
 def corridor(length: int, time_limit: int, back_first: bool = True) -> TabularMDP:
-    """A row of states with a reward beyond its end; the wall at its start is bumped into."""
+    """A row of states with a reward beyond its end. A step back from the start hits a wall."""
     names = ["back", "on"] if back_first else ["on", "back"]
     back, on = names.index("back"), names.index("on")
     transitions = []
@@ -57,9 +57,9 @@ def corridor(length: int, time_limit: int, back_first: bool = True) -> TabularMD
 
 
 def by_the_chain(mdp: TabularMDP, params: Hyperparameters, steps: int) -> tuple[float, float]:
-    """Return the chances that an episode was told something, and that it goes on, after so many steps.
+    """Return the chances that an episode has had an update, and that it continues, after these many steps.
 
-    It follows where an episode may be, step by step, with rules of its own for what is done and what tells.
+    It follows the distribution of states step by step, with its own rules for actions and updates.
     """
     told = np.zeros(mdp.states)
     silent = np.zeros((mdp.states, mdp.states))
@@ -119,7 +119,7 @@ def test_an_optimistic_start_tells_at_ends_only_where_they_are_not() -> None:
     params = Hyperparameters(initial_q=1.0, gamma=1.0)
     found = first_wait(mdp, "q-learning", params)
     assert found.chance == pytest.approx(by_the_chain(mdp, params, 100)[0], rel=1e-12)
-    # the goal pays 1, which is what was expected of it: holes tell, and the goal does not
+    # the goal pays 1, as expected: holes cause an update, and the goal does not
     alone = world(("a", "on", [(1.0, "goal", 1.0)]), time_limit=5)
     assert wait(alone, initial_q=1.0, gamma=1.0) == Wait(0.0, None, None)
     assert wait(alone, initial_q=2.0, gamma=1.0) == Wait(1.0, 1.0, 1)
@@ -212,13 +212,14 @@ def test_learners_of_2000_seeds_wait_as_long_as_is_said() -> None:
 
 
 def test_an_episode_that_may_never_end_leaves_no_mean() -> None:
-    # told is 1/4, then 1/4 of another 1/4, and so on: a third in all, as half stay in a corner for ever
+    # an update has chance 1/4, then 1/4 of another 1/4, and so on: a third in total. Half stay in a corner
+    # for ever
     mdp = world(
         ("a", "go", [(0.25, "won", 1.0), (0.25, "lost", 0.0), (0.5, "corner", 0.0)]),
         ("corner", "go", [(1.0, "corner", 0.0)]),
     )
     assert wait(mdp) == Wait(0.25, None, None)
-    # told is 0.4, and within two episodes 0.4 + 0.3 · 0.4 = 0.52
+    # an update has chance 0.4, and within two episodes 0.4 + 0.3 · 0.4 = 0.52
     other = replace(
         mdp, probability=np.array([0.4, 0.3, 0.3, 1.0]), cumulative=np.array([0.4, 0.7, 1.0, 1.0])
     )

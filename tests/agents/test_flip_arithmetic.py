@@ -1,4 +1,4 @@
-"""Polynomials, roots, recurrences, values of policies in whole numbers, each against a plain second way."""
+"""Polynomials, roots, recurrences and integer policy values, each compared with a plain second method."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def times(one: Polynomial, other: Polynomial) -> Polynomial:
 
 
 def square_root(of: int, scale: int) -> RealRoot:
-    """Return the root of scale² · x² − of that is positive, as one between 0 and 1."""
+    """Return √``of`` / ``scale``, the root of scale² · x² − of between 0 and 1."""
     root = first_change((-of, 0, scale**2), ZERO, ONE)
     assert root
     return root

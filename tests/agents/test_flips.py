@@ -113,7 +113,7 @@ def test_on_both_sides_of_a_flip_stands_what_the_planner_finds_there(scenario: s
     mdp, found = known(scenario)
     gammas = [0.0, *(flip.gamma for flip in found), 1.0]
     middles = [(lower + upper) / 2 for lower, upper in itertools.pairwise(gammas)]
-    # it takes for equal what differs by less than 1e-9, as much does near 0 and between near flips
+    # differences below 1e-9 count as equal, which many have near 0 and between close flips
     best = [set(np.flatnonzero(solve(mdp, gamma).best).tolist()) for gamma in middles]
     for place, flip in enumerate(found):
         for turn in flip.turns:
@@ -148,7 +148,7 @@ def test_the_plain_way_finds_a_flip_missed_and_one_invented() -> None:
 
 
 def test_what_only_touches_is_no_flip() -> None:
-    # 1/4 − γ + γ² = (γ − 1/2)²: waiting is as good as stopping at γ = 1/2 alone
+    # 1/4 − γ + γ² = (γ − 1/2)²: waiting is as good as stopping only at γ = 1/2
     mdp = world(
         ("here", "stop", [(1.0, "end", 0.25)]),
         ("here", "go", [(1.0, "there", 0.0)]),
@@ -188,7 +188,7 @@ def test_flips_close_to_each_other_and_to_the_ends_are_told_apart() -> None:
 
 
 def test_numbers_are_read_as_the_fractions_they_are_meant_to_be() -> None:
-    # as binary fractions a third is less than a third, and half of 0.2 + 0.4 is not 0.3
+    # in binary a third is less than a third, and half of 0.2 + 0.4 is not 0.3
     mdp = world(
         ("here", "stop", [(1.0, "end", 0.15)]),
         ("here", "once", [(1.0, "a", 0.0)]),

@@ -35,7 +35,7 @@ print(machine_code(21.0), CACHED, sum(machine_code.stats.cache_hits.values()))
 
 
 def run_with_cache(folder: Path, script: Path, **also: str) -> str:
-    if not script.exists():  # a younger script would not be the one that was compiled
+    if not script.exists():  # a newer script would not be the compiled one
         script.write_text(SCRIPT)
     environment = os.environ | {"RL_TUI_CACHE_DIR": str(folder), **also}
     finished = subprocess.run(
@@ -196,8 +196,8 @@ def grown(asked: Any) -> float:
 
 
 def never_cached(kernel: Callable[..., Any]) -> Any:
-    """Return a dispatcher of ``kernel`` whose machine code is not read from a cache."""
-    dispatcher_of(ask)  # numba's typing then knows all that is marked
+    """Return a dispatcher of ``kernel`` that reads no machine code from a cache."""
+    dispatcher_of(ask)  # numba then knows the types of everything marked
     return numba.njit(kernel)
 
 
@@ -218,7 +218,7 @@ def test_what_is_inlined_is_not_compiled_on_its_own() -> None:
 
 
 def test_numba_asks_for_what_it_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
-    # jit.py sets both; where a numba calls them otherwise, all that is inlined is compiled in full again
+    # jit.py sets both. If a Numba version renames them, everything inlined is compiled in full again
     assert callable(_OverloadFunctionTemplate._get_jit_decorator)
     dispatcher = numba.njit(lambda number: number)
     monkeypatch.setattr(dispatcher, "_can_compile", False)
@@ -264,7 +264,7 @@ def test_a_call_of_machine_code_keeps_hold_of_nothing() -> None:
         return generator.random() + numbers[0]
 
     dispatcher_of(ask)
-    fresh = numba.njit(_nrt=False)(kernel)  # as the kernels are compiled, which count no references
+    fresh = numba.njit(_nrt=False)(kernel)  # like the kernels, which count no references
     generator, numbers = np.random.default_rng(0), np.zeros(1)
     fresh(generator, numbers)
     before = sys.getrefcount(generator), sys.getrefcount(numbers)

@@ -1,4 +1,4 @@
-"""What throws compiled code away, and who shares it."""
+"""When compiled code is discarded, and which processes share it."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ print(machine_code(3.0), machine_code(3), sum(machine_code.stats.cache_hits.valu
 
 
 def parsed_imports(tree: ast.AST) -> Iterator[str]:
-    """Yield what ``tree`` imports when it runs, as names of modules and of what they may hold."""
+    """Yield the imports of ``tree`` at run time: the names of modules and of their possible members."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
             for otherwise in node.orelse:
@@ -79,7 +79,7 @@ def parsed_imports(tree: ast.AST) -> Iterator[str]:
 
 
 def imported(file: Path) -> set[str]:
-    """Return the modules of this package that ``file`` imports, as Python reads it."""
+    """Return the modules of this package that ``file`` imports, parsed as Python does."""
     return MODULES.keys() & set(parsed_imports(ast.parse(file.read_bytes())))
 
 
@@ -182,7 +182,7 @@ def test_schedules_in_another_order_are_other_kernels(clones: list[Path]) -> Non
 
 @contextmanager
 def edited(package: Path, module: str, old: str, new: str) -> Iterator[Path]:
-    """Let ``new`` stand in place of the first ``old`` in a module of ``package``."""
+    """Replace the first ``old`` by ``new`` in a module of ``package``."""
     file = package / MODULES[module].relative_to(PACKAGE)
     text = file.read_text()
     assert old in text
@@ -222,7 +222,7 @@ def test_another_clone_reads_what_the_first_compiled(clones: list[Path], tmp_pat
     assert run(other, script, cache) == f"{other / 'rl_tui'} {answer} 1"
     assert run(other, script, cache, RL_TUI_KIOSK="1") == f"{other / 'rl_tui'} {answer} 1"
     assert files(cache) == compiled
-    # Another processor's code stands beside it
+    # Code for another processor is in the same folder
     assert run(other, script, cache, NUMBA_CPU_NAME="generic").endswith(" 0")
     assert len(files(cache)) == 3
     assert run(one, script, cache).endswith(" 1")

@@ -1,4 +1,4 @@
-"""One learner and its steps, with Q-learning; what holds for every algorithm is tested for each elsewhere."""
+"""One learner and its steps, with Q-learning. Rules for every algorithm have their own tests."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def learner(mdp: TabularMDP, hyperparameters: Hyperparameters | None = None, see
 
 
 def take(ours: Learner, steps: int) -> Stop:
-    """Take so many steps, forgetting the episodes."""
+    """Take this many steps and forget the episodes."""
     done = ours.step + steps
     stop = Stop.EPISODES_FULL
     while stop is Stop.EPISODES_FULL:

@@ -16,7 +16,7 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabul
 
 
 def corridor(length: int, reward: float = 1.0, time_limit: int = 0) -> TabularMDP:
-    """One action, ``length`` steps to the end; the last one pays ``reward``."""
+    """One action, ``length`` steps to the end. The last one pays ``reward``."""
     transitions = [
         Transition(state, 0, [Outcome(1.0, state + 1, reward * (state == length - 1), False)])
         for state in range(length)
@@ -25,7 +25,7 @@ def corridor(length: int, reward: float = 1.0, time_limit: int = 0) -> TabularMD
 
 
 def coin(actions: int) -> TabularMDP:
-    """Each action stays or ends, by the toss of a coin."""
+    """Each action stays or ends, with equal chance."""
     outcomes = [Outcome(0.5, 0, 1.0, False), Outcome(0.5, 1, 2.0, True)]
     transitions = [Transition(0, action, outcomes) for action in range(actions)]
     return tabular_mdp(["here", "end"], [str(each) for each in range(actions)], transitions, {0: 1.0})

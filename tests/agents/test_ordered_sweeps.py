@@ -1,4 +1,4 @@
-"""Policy iteration whose sweeps are ordered: evaluation and improvement apart (Sutton & Barto, 4.6)."""
+"""Policy iteration in a given order of sweeps: evaluation and improvement apart (Sutton & Barto, 4.6)."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def sweep(ours: Learner, phase: SweepPhase) -> Stop:
 def ordered(
     mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int, orders: dict[int, SweepPhase]
 ) -> Learner:
-    """A planner after so many steps, with the ``orders`` by the number of the sweep."""
+    """Return a planner after this many steps, with ``orders`` by the number of the sweep."""
     ours = planner(mdp, hyperparameters)
     number = 0
     while ours.step < steps and not (ours.converged and number not in orders):
@@ -73,7 +73,7 @@ def test_it_does_what_the_box_says_in_any_order(
     ours = ordered(mdp, hyperparameters, steps, orders)
     q, taken, done = plain_policy_iteration(mdp, hyperparameters, ours.step, orders)
     if done and taken < ours.step:
-        return  # what was done was ordered to go on: the box ends there
+        return  # the finished sweep was ordered to continue: the box ends there
     assert (ours.q.tolist(), ours.step) == (list(q.values()), taken)
     assert done == (ours.converged and ours.step % states == 0)
 
@@ -129,7 +129,7 @@ def test_wherever_it_believes_to_be_done_it_is(
 
 
 def stay_or_go() -> TabularMDP:
-    """Both actions pay 1 at once, but only one goes to where nothing more is to be had."""
+    """Both actions pay 1 at once, but only one leads to a state without further reward."""
     transitions = [
         Transition(0, 0, [Outcome(1.0, 0, 1.0, False)]),
         Transition(0, 1, [Outcome(1.0, 1, 1.0, False)]),
@@ -140,7 +140,7 @@ def stay_or_go() -> TabularMDP:
 @pytest.mark.parametrize("gamma", [0.0, 0.5])
 def test_an_improvement_that_changes_nothing_proves_nothing_before_values_are_at_rest(gamma: float) -> None:
     ours = planner(stay_or_go(), Hyperparameters(gamma=gamma, accuracy=1e-12))
-    assert sweep(ours, "improvement") is Stop.DONE  # as far as it sees, both are worth 1
+    assert sweep(ours, "improvement") is Stop.DONE  # in its view, both are worth 1
     assert ours.planning == "policy 1, improvement: 0 states changed"
     assert sweep(ours, "evaluation") is Stop.DONE
     assert ours.advance(FAR) is Stop.CONVERGED
@@ -149,7 +149,7 @@ def test_an_improvement_that_changes_nothing_proves_nothing_before_values_are_at
 
 def test_a_second_improvement_proves_nothing_of_values_of_the_policy_before() -> None:
     ours = planner(lake("frozenlake"), Hyperparameters(gamma=0.9, accuracy=1e-12))
-    while ours.phase != "improvement":  # evaluations that come to rest, and the first improvement
+    while ours.phase != "improvement":  # evaluations until convergence, and the first improvement
         ours.advance(FAR, 1)
     assert not ours.converged
     assert sweep(ours, "improvement") is Stop.DONE
@@ -169,7 +169,7 @@ def test_an_order_in_the_middle_of_a_sweep_is_for_the_next() -> None:
     assert (ours.phase, ours.ordered) == ("improvement", None)
     ours.advance(FAR, 1)
     ours.advance(1)
-    assert ours.phase == "evaluation"  # nothing more was ordered
+    assert ours.phase == "evaluation"  # no further orders
 
 
 def test_the_last_order_counts() -> None:

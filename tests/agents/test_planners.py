@@ -50,9 +50,9 @@ def shipped(name: str) -> TabularMDP:
 
 
 def row(rewards: list[float], time_limit: int = 0) -> TabularMDP:
-    """States in a row, terminal at its right end: each step right pays the reward of where it starts.
+    """States in a row with the end on the right.
 
-    From each one may also stay, for nothing.
+    A step right pays its state's reward; staying pays nothing.
     """
     transitions = []
     for state, reward in enumerate(rewards):
@@ -180,7 +180,7 @@ def test_value_iteration_says_how_far_it_is() -> None:
 @both
 @pytest.mark.parametrize("ties", ["random", "first"])
 def test_without_discount_it_prefers_a_policy_that_ends(algorithm: str, ties: str) -> None:
-    """Staying pays as much as going: nothing; the policy must not come to stay for ever."""
+    """Staying and going both pay nothing. The policy must not stay for ever."""
     ours = learner(row([0.0, 0.0, 1.0]), algorithm, replace(Hyperparameters(gamma=1.0), ties=ties))
     assert ours.advance(10**6) is Stop.CONVERGED
     assert ours.q == pytest.approx([1.0] * 5 + [1.0], abs=1e-6)

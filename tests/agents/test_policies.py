@@ -1,4 +1,4 @@
-"""Policies: the same bits interpreted, softmax and upper confidence bounds held against the book."""
+"""Policies: the same bits interpreted and compiled; softmax and UCB compared with the book."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ def test_softmax_of_equals_is_a_fair_draw() -> None:
 def plain_ucb(
     means: list[float], confidence: float, ties: str, seed: int, steps: int
 ) -> list[tuple[int, float]]:
-    """Equation 2.10 with sample averages: what each of ``steps`` pulls took and was paid."""
+    """Run equation 2.10 with sample averages and return the arm and reward of each of ``steps`` pulls."""
     world, mine = streams(seed)
     sums, counts, taken = [0.0] * len(means), [0] * len(means), []
     estimates = [0.0] * len(means)
@@ -251,4 +251,4 @@ def test_upper_bounds_know_what_was_tried_by_hand() -> None:
     ours.take(0)
     ours.take(1)
     ours.advance(1)
-    assert ours.last_step.pair == 2  # the only one that was never tried
+    assert ours.last_step.pair == 2  # the only untried one

@@ -1,4 +1,4 @@
-"""Policies as arrays of probabilities: how they are made."""
+"""How policies become arrays of probabilities."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rl_tui.agents.exact.policy_figures import (
 )
 
 STUDENT = student()
-"""Class: study, check phone; Phone: scroll, quit; Pass: sleep; Sleep is the end."""
+"""Class: study, check phone. Phone: scroll, quit. Pass: sleep. Sleep is the end."""
 
 
 def test_learned_ties_are_exact_equality() -> None:

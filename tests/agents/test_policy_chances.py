@@ -89,7 +89,7 @@ def test_every_policy_expects_what_its_probabilities_say(
         told = action_chances(hyperparameters, 0.3, estimates, visits)
     weights = [probability_of(rule, estimates, visits, 0, len(q), pair) for pair in range(len(q))]
     if policy == "thompson":
-        assert np.isnan(weights).all()  # no closed form, and no estimate in its place
+        assert np.isnan(weights).all()  # no closed form, and no estimate instead
         return
     assert sum(weights) == pytest.approx(1.0)
     assert min(weights) >= 0.0

@@ -1,4 +1,4 @@
-"""Exact figures of any policy: known values, and each a second way: fractions, simulation, plain sweeps."""
+"""Exact numbers of any policy: known values, checked by fractions, simulation or plain sweeps."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ class Simulated(NamedTuple):
 
 
 def simulated(mdp: TabularMDP, policy: FloatArray, steps: int) -> Simulated:
-    """Play episodes of at most so many steps, all at once; the world starts in one state."""
+    """Play episodes of at most ``steps`` steps, all at once. The world has a single start."""
     generator = np.random.default_rng(0)
-    # all that may happen in a state, one after another on [state, state + 1)
+    # all outcomes of a state, in a row on [state, state + 1)
     weight = policy[mdp.outcome_pair] * mdp.probability
     owner = mdp.pair_state[mdp.outcome_pair]
     edges = np.cumsum(weight)
@@ -66,7 +66,7 @@ def simulated(mdp: TabularMDP, policy: FloatArray, steps: int) -> Simulated:
 
 
 def is_the_mean_of(value: float | None, sample: FloatArray) -> bool:
-    """Whether it is within four standard errors."""
+    """Return whether it is within four standard errors."""
     assert value is not None
     return abs(value - sample.mean()) <= 4 * sample.std() / np.sqrt(len(sample))
 
@@ -177,7 +177,7 @@ def test_values_and_lengths_are_those_of_fractions(drawn: tuple[TabularMDP, list
     if found.steps is not None and not np.isnan(found.v).any():
         try:
             lengths = rational_values(mdp, policy, Fraction(1), np.ones(len(mdp.reward)))
-        except StopIteration:  # a part without end, away from the start
+        except StopIteration:  # an endless part, away from the start
             return
         assert found.steps == pytest.approx(at_start(mdp, lengths), rel=1e-9)
 

@@ -1,4 +1,4 @@
-"""Numbers beyond all bounds stop a run at the same step, and as quietly, interpreted and as machine code."""
+"""Numbers out of bounds stop a run at the same step, without warnings, interpreted or compiled."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-# At the ends of their ranges and beyond them: a learner does not ask
+# At the ends of their ranges and beyond: a learner does not check them
 extreme_hyperparameters = st.builds(
     Hyperparameters,
     alpha=st.sampled_from([5e-324, 0.5, 1.0, 2.0, -1.0, 1e300, "sample-average"]),
@@ -41,7 +41,7 @@ extreme_hyperparameters = st.builds(
 
 
 def stretched(mdp: TabularMDP, scale: float, std: float) -> TabularMDP:
-    """Return ``mdp`` with rewards so many times as great, and noise of this deviation where it has any."""
+    """Return ``mdp`` with its rewards multiplied by a factor and its noise, if any, set to a deviation."""
     return replace(mdp, reward=mdp.reward * scale, reward_std=mdp.reward_std * std)
 
 

@@ -1,4 +1,4 @@
-"""Step size and exploration from episode to episode: compiled, and as the hyper-parameters tell them."""
+"""Step size and exploration from episode to episode: compiled, and computed from the hyper-parameters."""
 
 from __future__ import annotations
 

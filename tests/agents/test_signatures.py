@@ -38,7 +38,7 @@ pytestmark = pytest.mark.compiled
 STEPS: Final = 12
 Types = tuple[Any, ...]
 
-# Whole numbers where others are meant, as a file or a program may give them, and all that changes on the way
+# Integers in place of floats, as a file or a program may give them, and every value that changes in a run
 ODD: Final = [
     Hyperparameters(),
     Hyperparameters(
@@ -61,7 +61,7 @@ def types_of(arguments: tuple[Any, ...]) -> Types:
 
 
 class Recorder:
-    """Stands in place of machine code: it runs functions interpreted and notes with which types."""
+    """A substitute for machine code: it runs functions interpreted and notes the types of their arguments."""
 
     def __init__(self) -> None:
         self.seen = set[tuple[str, Types]]()

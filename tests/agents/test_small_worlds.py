@@ -1,4 +1,4 @@
-"""The kernels that evaluate many policies of a small world, against the chain of each and in both forms."""
+"""The kernels that evaluate many policies of a small world, compared with the Markov chain of each."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Drawn(NamedTuple):
 
 @st.composite
 def worlds_and_policies(draw: st.DrawFn) -> Drawn:
-    """Draw policies that take one action, some of equal chance, all by any chance, or hardly ever another."""
+    """Draw policies: deterministic, uniform over some actions, arbitrary, or almost deterministic."""
     limits = st.sampled_from([0, 0, 1, 7, 60])
     mdp = draw(st.one_of(exact_reference.worlds(states=6, time_limit=draw(limits)), random_worlds.worlds(12)))
     generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))

@@ -13,7 +13,7 @@ both = pytest.mark.parametrize("algorithm", TRACED)
 
 
 def corridor(length: int, reward: float = 1.0, time_limit: int = 0) -> TabularMDP:
-    """One action, ``length`` steps to the end; the last one pays ``reward``."""
+    """One action, ``length`` steps to the end. The last one pays ``reward``."""
     transitions = [
         Transition(state, 0, [Outcome(1.0, state + 1, reward * (state == length - 1), False)])
         for state in range(length)

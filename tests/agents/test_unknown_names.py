@@ -1,4 +1,4 @@
-"""Names that do not exist are refused with those that do; a checkpoint copies no room that is empty."""
+"""Unknown names are refused with a list of known ones. A checkpoint copies no empty space."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Watching: a loop stops after exactly the step that a look at every step finds, and changes nothing."""
+"""Watching stops a loop after exactly the step that a look at every step finds, and changes nothing."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ watchings = st.builds(
 
 
 def known(watching: Watching, ours: Learner) -> Watching:
-    """Leave out what this world does not have."""
+    """Remove the states and pairs that this world does not have."""
     space = ours.space
     return Watching(
         watching.reward,
@@ -48,7 +48,7 @@ def known(watching: Watching, ours: Learner) -> Watching:
 
 
 class Look:
-    """A look at a learner after every single step, with nothing but what it shows to everybody."""
+    """Look at a learner after every single step, through its public attributes only."""
 
     def __init__(self, ours: Learner, watching: Watching) -> None:
         self._ours, self._watching = ours, watching
@@ -80,7 +80,7 @@ class Look:
 
 
 def assert_watched_alike(watched: Learner, single: Learner, watching: Watching, steps: int) -> None:
-    """Let ``watched`` stop by itself wherever a look at every step of ``single`` finds something."""
+    """Let ``watched`` stop automatically at each event that a look at every step of ``single`` finds."""
     watched.watch(watching)
     look = Look(single, watching)
     while single.step < steps:
@@ -92,7 +92,7 @@ def assert_watched_alike(watched: Learner, single: Learner, watching: Watching, 
         came = watched.advance(steps - watched.step)
         watched.drain_episodes()
         assert (watched.step, watched.noticed) == (single.step, seen)
-        if stop is not Stop.DONE:  # for good, or a planner that is done
+        if stop is not Stop.DONE:  # for good: a finished planner
             assert came is stop
             return
         assert came is (Stop.DONE if seen == NOTHING_NOTICED else Stop.NOTICED)

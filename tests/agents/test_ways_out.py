@@ -1,4 +1,4 @@
-"""States that are never reached, ways to an end, and policies that may never come to one."""
+"""Unreachable states, ways to an end, and policies that may never end."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.unit
 
 
 def trap(time_limit: int = 0) -> TabularMDP:
-    """From the start on to the end in two steps, or into a trap for ever; nothing leads to the room."""
+    """From the start to the end in two steps, or into a trap for ever. Nothing leads to the room."""
     return tabular_mdp(
         ["start", "half", "end", "trap", "room"],
         ["on", "aside"],

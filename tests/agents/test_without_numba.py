@@ -1,4 +1,4 @@
-"""Agents need no numba until machine code is asked for, and what is compiled is known where it is."""
+"""Agents run without numba, and the list of compiled functions called from Python is complete."""
 
 from __future__ import annotations
 

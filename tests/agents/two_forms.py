@@ -1,4 +1,4 @@
-"""Learners interpreted and as machine code, whatever this process has, and all that they are in bits."""
+"""Learners interpreted and as machine code, independent of this process, and all their bits."""
 
 from __future__ import annotations
 
@@ -39,7 +39,10 @@ EVERY_LOOP: Final = pytest.mark.parametrize(
     ("algorithm", "policy", "stepped"),
     [pytest.param(*loop[:3], marks=() if loop in EVERYDAY else _EXHAUSTIVE) for loop in all_loops()],
 )
-"""Every loop of the catalogue; every day only some, since all take a quarter of an hour to compile."""
+"""Every loop of the catalogue.
+
+A normal run takes only some, since all take a quarter of an hour to compile.
+"""
 
 
 def examples(count: int) -> Callable[[Any], Any]:
@@ -48,7 +51,7 @@ def examples(count: int) -> Callable[[Any], Any]:
 
 @contextmanager
 def interpreted() -> Iterator[None]:
-    """Let all that agents do run interpreted."""
+    """Run all code of agents interpreted."""
     with in_place_of_machine_code(machine_code.interpreted) as patch:
         patch.setattr(Learner, "is_compiled", False)
         yield
@@ -56,7 +59,7 @@ def interpreted() -> Iterator[None]:
 
 @contextmanager
 def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Iterator[pytest.MonkeyPatch]:
-    """Let all that agents do run in what ``stand_in`` makes of a function and an example of its arguments."""
+    """Run all code of agents through ``stand_in``, which gets a function and example arguments."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Learner, "is_compiled", True)
         patch.setattr(learner, "COMPILED_LOOPS", set())
@@ -69,7 +72,7 @@ def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Ite
 
 
 def advance(ours: Learner, steps: int, *, is_interpreted: bool) -> int:
-    """Let a learner advance in the form asked for; return why it came back."""
+    """Let a learner advance in the given form and return the reason for its stop."""
     if not is_interpreted:
         return ours.advance(steps)
     with interpreted():
@@ -78,7 +81,7 @@ def advance(ours: Learner, steps: int, *, is_interpreted: bool) -> int:
 
 @st.composite
 def bandits(draw: st.DrawFn) -> TabularMDP:
-    """Draw a bandit: of coins, or of arms that pay numbers, with noise or without."""
+    """Draw a bandit of coins, or of arms with numeric rewards, with or without noise."""
     coins, noise = draw(st.booleans()), draw(st.sampled_from([0.0, 1.0]))
     payments = st.sampled_from([0.2, 0.9] if coins else [-1.0, 0.0, 2.5])
     return bandit_of(
@@ -99,16 +102,16 @@ def worlds_for(loop: Loop) -> st.SearchStrategy[TabularMDP]:
 
 
 def learner_in(mdp: TabularMDP, loop: Loop, hyperparameters: Hyperparameters, seed: int) -> Learner:
-    """Return a learner that runs ``loop`` in ``mdp``, which is stepped for real where the loop says so."""
+    """Return a learner that runs ``loop`` in ``mdp``, without its table if the loop is for stepped worlds."""
     if not loop.stepped:
         return Learner(mdp, loop.algorithm, hyperparameters, streams(seed))
     ours = Learner(untabled(mdp), loop.algorithm, hyperparameters, streams(seed), Table(mdp, seed))
-    ours.rewindable = True  # so that it tells all that it is
+    ours.rewindable = True  # so that it exposes its whole state
     return ours
 
 
 def all_bits(ours: Learner) -> list[Any]:
-    """Return all that a learner is, bit for bit, and forget the episodes; one NaN is like another."""
+    """Return every bit of a learner, and forget the episodes. All NaNs count as equal."""
     state = ours.checkpoint()
     parts = (state.memory, state.rule, state.drift, state.position, state.record, ours.drain_episodes())
     return [
@@ -118,6 +121,6 @@ def all_bits(ours: Learner) -> list[Any]:
 
 
 def _bits(array: Any) -> bytes:
-    """Return the bytes of ``array``. Which of the NaNs one is, processors and compilers choose freely."""
+    """Return the bytes of ``array`` with one NaN for all: processors and compilers choose the kind of NaN."""
     whole = np.where(np.isnan(array), np.nan, array) if array.dtype.kind == "f" else array
     return bytes(whole.tobytes())

@@ -1,4 +1,4 @@
-"""A real headless Chromium, driven over the DevTools protocol; needs aiohttp only."""
+"""A real headless Chromium, driven over the DevTools protocol. It needs only aiohttp."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ import aiohttp
 from emulator import Emulator
 
 BINARY: Final = 2  # the kind of a WebSocket's frame
-DEADLINE: Final = 120.0  # seconds for something to happen; a broken program is told by it, not a slow machine
+DEADLINE: Final = 120.0  # seconds until an event: only a broken program takes longer
 _FLAGS: Final = (
     "--headless=new --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
     " --disable-component-update --disable-sync --disable-dev-shm-usage --hide-scrollbars"
@@ -32,16 +32,16 @@ _FLAGS: Final = (
 
 
 def chromium() -> str | None:
-    """Return where the browser is, None where there is none."""
+    """Return the path of the browser, or None."""
     return next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
 class Chromium:
-    """Starts the browser with a new profile in ``folder``; used as an async context."""
+    """Starts the browser with a new profile in ``folder``. Use it as an async context."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        # It has a socket there, whose path may be 107 bytes long; a folder for tests may have a longer name
+        # The profile holds a socket. Its path has at most 107 bytes, and a folder for tests may be longer
         self._short = TemporaryDirectory(prefix="rl-tui-", dir="/tmp", ignore_cleanup_errors=True)
         self._errors = (folder.parent / "chromium.log").open("wb")
         program = chromium()
@@ -83,7 +83,7 @@ class Chromium:
     async def _end(self) -> None:
         if self._process.poll() is None:
             with suppress(ProcessLookupError):
-                os.killpg(self._process.pid, signal.SIGKILL)  # with all that it has started
+                os.killpg(self._process.pid, signal.SIGKILL)  # with all its child processes
         self._process.wait()
         self._errors.close()
         self._short.cleanup()
@@ -113,7 +113,7 @@ class Chromium:
             content = json.loads(message.data)
             if "id" in content:
                 answer = self._answers.pop(content["id"])
-                if answer.done():  # nobody waits for it any more
+                if answer.done():  # nothing waits for it any more
                     continue
                 if "error" in content:
                     answer.set_exception(RuntimeError(content["error"]["message"]))
@@ -124,7 +124,7 @@ class Chromium:
 
 
 class Tab:
-    """A page: what its terminal shows (``emulator``), where it asked for things, what went wrong in it."""
+    """A page: its terminal (``emulator``), its requests and its errors."""
 
     def __init__(self, browser: Chromium, target: str, session: str) -> None:
         self._browser = browser
@@ -135,7 +135,6 @@ class Tab:
         self.faults: list[str] = []
 
     def happened(self, method: str, parameters: dict[str, Any]) -> None:
-        """Note an event."""
         match method:
             case "Network.webSocketFrameReceived" if parameters["response"]["opcode"] == BINARY:
                 self.emulator.feed(base64.b64decode(parameters["response"]["payloadData"]))
@@ -147,7 +146,7 @@ class Tab:
                 self.asked_for.append(parameters["request"]["url"])
             case "Network.webSocketCreated":
                 self.asked_for.append(parameters["url"])
-                self.emulator = Emulator(80, 24)  # the page tells its size as soon as it is connected
+                self.emulator = Emulator(80, 24)  # the page sends its size as soon as it is connected
             case "Runtime.exceptionThrown":
                 self.faults.append(json.dumps(parameters["exceptionDetails"]))
             case "Log.entryAdded" if parameters["entry"]["level"] == "error":
@@ -175,7 +174,7 @@ class Tab:
                 await self.send("Input.dispatchKeyEvent", type=kind, key=key, **text)
 
     async def click(self, x: float, y: float) -> None:
-        """Click at a place given in pixels."""
+        """Click at this place in pixels."""
         for kind in ("mousePressed", "mouseReleased"):
             await self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
@@ -188,7 +187,7 @@ class Tab:
         await until(found, repr(pattern), lambda: self.emulator.text)
 
     async def evaluate(self, expression: str) -> Any:
-        """Return the value of an expression of the page's own."""
+        """Return the value of a JavaScript expression in the page."""
         answer = await self.send(
             "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
         )
@@ -196,7 +195,7 @@ class Tab:
         return answer["result"].get("value")
 
     async def shows(self, expression: str) -> None:
-        """Wait until an expression of the page's own is true, or fail."""
+        """Wait until a JavaScript expression is true, or fail."""
         deadline = time.perf_counter() + DEADLINE
         while not await self._is_true(expression):
             assert time.perf_counter() < deadline, f"never true: {expression}"
@@ -209,7 +208,7 @@ class Tab:
             return False
 
     async def screenshot(self) -> bytes:
-        """Return what the window shows, as PNG."""
+        """Return a PNG image of the window."""
         return base64.b64decode((await self.send("Page.captureScreenshot", format="png"))["data"])
 
     async def cell(self) -> tuple[float, float]:
@@ -234,12 +233,11 @@ class Tab:
         return found
 
     async def close(self) -> None:
-        """Close the tab."""
         await self._browser.send("Target.closeTarget", targetId=self._target)
 
 
 async def until(condition: Callable[[], object], what: str, seen: Callable[[], str] = str) -> None:
-    """Wait until ``condition`` holds, or fail saying ``what`` did not happen and what was ``seen``."""
+    """Wait until ``condition`` is true; otherwise fail with ``what`` is missing and what was ``seen``."""
     deadline = time.perf_counter() + DEADLINE
     while not condition():
         assert time.perf_counter() < deadline, f"waited in vain for {what}; {seen()}"

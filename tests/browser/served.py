@@ -1,4 +1,4 @@
-"""The real server, started as a person would, and the app processes behind it."""
+"""The real server, started as from the command line, and the app processes behind it."""
 
 from __future__ import annotations
 
@@ -31,22 +31,21 @@ class Served:
 
     @property
     def apps(self) -> list[int]:
-        """The processes it has started, by number."""
+        """The process ids of the apps it has started."""
         return [process for process, parent in _parents() if parent == self.process.pid]
 
     def wait(self) -> int:
-        """Return its exit status when it has ended."""
+        """Wait for its end and return its exit status."""
         return self.process.wait(DEADLINE)
 
 
 def is_running(process: int) -> bool:
-    """Tell whether there is such a process."""
     return _parent(process) is not None
 
 
 @contextmanager
 def serving(*arguments: str, **environment: str) -> Iterator[Served]:
-    """Start the server on a free port; it is gone afterwards."""
+    """Start the server on a free port and stop it at the end."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rl_tui", "serve", "--port", "0", *arguments],
         stdin=subprocess.DEVNULL,
@@ -68,7 +67,7 @@ def serving(*arguments: str, **environment: str) -> Iterator[Served]:
 
 
 def _parents() -> Iterator[tuple[int, int]]:
-    """Yield the number and the parent's number of every process that has not ended."""
+    """Yield the process id and the parent's id of every live process."""
     for folder in Path("/proc").glob("[0-9]*"):
         process = int(folder.name)
         if (parent := _parent(process)) is not None:
@@ -76,7 +75,7 @@ def _parents() -> Iterator[tuple[int, int]]:
 
 
 def _parent(process: int) -> int | None:
-    """Return the parent's number, None for a process that has ended."""
+    """Return the parent's process id, or None for an ended process."""
     try:
         state, parent = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[:2]
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""The app in a real browser: keys, mouse, colours, sizes, and that nothing stays behind."""
+"""The app in a real browser: keys, mouse, colours, sizes, and cleanup."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ async def browser(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Chr
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Served]:
-    """One for the tests of this file, of which the last one stops it."""
+    """A server shared by the tests of this file. The last test stops it."""
     with serving("frozenlake-slippery", "--most", "2", RL_TUI_KIOSK="1") as started:
         yield started
 
 
 def heat(tab: Tab) -> dict[tuple[int, int], str]:
-    """Return the cells (column, row) of the Q-table's values, and the colours the app wants behind them."""
+    """Return the cells (column, row) of the Q-table's values, with the app's background colours."""
     return {
         (found.start(), row): str(tab.emulator.cell(found.start(), row).bg)
         for row, line in enumerate(tab.emulator.text.splitlines())
@@ -71,12 +71,12 @@ async def test_it_is_the_same_app(browser: Chromium, server: Served, tmp_path: P
 
     await until(lambda: len(set(heat(tab).values()) - cold) > 5, "the table to be tinted")
 
-    # what the app means is what the window shows
+    # the window shows the values of the app
     values = heat(tab)
     deadline = time.perf_counter() + DEADLINE
     while await shown(tab, list(values)) != list(values.values()):
         assert time.perf_counter() < deadline, "the window has other colours"
-        values = heat(tab)  # the last frame may still have been on its way
+        values = heat(tab)  # the last frame may still be on its way
     picture = await tab.screenshot()
     (tmp_path / "window.png").write_bytes(picture)
     assert picture.startswith(b"\x89PNG")
@@ -105,7 +105,7 @@ async def test_it_is_the_same_app(browser: Chromium, server: Served, tmp_path: P
 
 
 async def move_the_first_slider(tab: Tab) -> None:
-    """Click on the right end of the slider of α, which stands at 0.1."""
+    """Click on the right end of the slider of α, which starts at 0.1."""
     await tab.wait_for(r"α step size\W+0\.100")
     lines = tab.emulator.text.splitlines()
     row = next(row for row, line in enumerate(lines) if re.search(r"α step size\W+0\.100", line))
@@ -131,7 +131,7 @@ async def test_nobody_else_gets_in_and_nothing_stays(browser: Chromium, server: 
     await until(lambda: len(server.apps) == 2, "two apps")
     third = await browser.open(server.url, (800, 600))
     await third.shows("document.body?.textContent.includes('Every place is taken: 2 at once')")
-    await third.close()  # it would ask again, and get the next place that is free
+    await third.close()  # otherwise it would ask again, and get the next free place
     await first.close()
     await until(lambda: len(server.apps) == 1, "its app to end")
     await second.wait_for("FrozenLake")

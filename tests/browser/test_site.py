@@ -1,4 +1,4 @@
-"""What the server answers, and to whom; a small program stands in for the app."""
+"""The server's answers and its access rules. A small program replaces the app."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from rl_tui.common.limits import LARGEST_SCREEN
 
 Client = TestClient[web.Request, web.Application]
 
-# Says its number and size, then every packet it gets as JSON. It leaves at q, fails at x, writes much at f,
-# and does not hear that it shall end after h
+# Sends its process id and size, then every packet it gets, as JSON. It exits at q, fails at x, writes much at
+# f, and after h ignores requests to end
 APP = """
 import json, os, signal, sys
 def write(kind, data):
@@ -171,7 +171,7 @@ async def test_a_flood_of_keys_is_slowed_down() -> None:
     allowance = Allowance(per_second=1_000, at_once=500)
     started = time.perf_counter()
     for _ in range(10):
-        await allowance.spend(50 - OF_A_MESSAGE)  # nobody waits
+        await allowance.spend(50 - OF_A_MESSAGE)  # nothing waits
     for _ in range(10):
         await allowance.spend(10 - OF_A_MESSAGE)
     assert time.perf_counter() - started >= 0.09

@@ -1,4 +1,4 @@
-"""``rl-tui agent new``: skeletons that run as they are, and are right with the line that is missing."""
+"""``rl-tui agent new``: skeletons that run unchanged, and learn once the missing line is filled in."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def rl_tui(*args: str) -> Result:
 
 
 def filled_in(text: str, style: str) -> str:
-    """Return a skeleton with the line that is missing, where it says so."""
+    """Return a skeleton with the missing line filled in at its place."""
     lines = text.split("\n")
     place = next(place for place, line in enumerate(lines) if "TODO" in line)
     return "\n".join([*lines[:place], UPDATES[style], *lines[place + 1 :]])

@@ -1,4 +1,4 @@
-"""``rl-tui check`` of lessons: each fault is found, with its place, and nothing else is."""
+"""``rl-tui check`` of lessons: it finds every error, with its place, and nothing else."""
 
 from __future__ import annotations
 

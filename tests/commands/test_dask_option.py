@@ -1,4 +1,4 @@
-"""``rl-tui sweep --dask`` as far as it comes without a cluster."""
+"""``rl-tui sweep --dask``, the parts that need no cluster."""
 
 from __future__ import annotations
 

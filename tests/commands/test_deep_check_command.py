@@ -1,4 +1,4 @@
-"""``rl-tui check --deep``: figures known from elsewhere, faults, and what cannot be known."""
+"""``rl-tui check --deep``: known numbers, errors, and unknown facts."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def test_what_has_no_table_is_null_with_the_reason() -> None:
     assert len(found["warnings"]) == 1
     result = CliRunner().invoke(program, ["check", "--deep", "blackjack"])
     assert result.exit_code == 0
-    assert "there is no table" in result.stdout
+    assert "without a transition table" in result.stdout
 
 
 @pytest.mark.parametrize("arguments", [["--json", "a.toml"], ["--deep", "student", "maze"]])

@@ -1,4 +1,4 @@
-"""What README and docs say of the program is what it is, and their links lead somewhere."""
+"""README and docs describe the program correctly, and their links have targets."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def named(path: Path) -> str:
 
 
 def anchors_of(path: Path) -> set[str]:
-    """Return what GitHub lets a link to a heading of ``path`` end in."""
+    """Return the anchors that GitHub gives to the headings of ``path``."""
     headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -136,7 +136,7 @@ def test_lines_and_paragraphs_of_a_guide_are_short(path: Path) -> None:
 
 
 def commands_in(path: Path) -> Iterator[str]:
-    """Yield the calls of rl-tui that a page shows, without what the shell puts in or does with the output."""
+    """Yield the calls of rl-tui on a page, without shell substitutions and pipes."""
     text = path.read_text(encoding="utf-8").replace("\\\n", "")
     shown = re.findall(r"^ {4,}(?:\$ |[A-Z_]+=\S+ )?rl-tui\b(.*)$", text, re.MULTILINE)
     yield from (re.split(r" (?:[>|]|&&) ", line)[0] for line in shown if "$" not in line)
@@ -146,7 +146,7 @@ def commands_in(path: Path) -> Iterator[str]:
     "line", sorted({line.strip() for path in (ROOT / "README.md", *GUIDES) for line in commands_in(path)})
 )
 def test_a_command_is_one_that_the_program_takes(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(click.Command, "invoke", lambda self, context: None)  # it is read, and not run
+    monkeypatch.setattr(click.Command, "invoke", lambda self, context: None)  # shown only to read, not to run
     monkeypatch.setenv(KIOSK, "")
     result = CliRunner().invoke(program, shlex.split(line, comments=True))
     assert (result.exit_code, result.output) == (0, "")

@@ -1,4 +1,4 @@
-"""``rl-tui evaluate``: its document, its known values, its report and its faults."""
+"""``rl-tui evaluate``: its document, its known values, its report and its errors."""
 
 from __future__ import annotations
 

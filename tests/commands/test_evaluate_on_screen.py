@@ -1,4 +1,4 @@
-"""What the screen says of a policy is what ``rl-tui evaluate`` prints of it."""
+"""The screen and ``rl-tui evaluate`` report the same numbers of a policy."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def document(*args: str) -> dict[str, Any]:
 
 
 def on_screen(scenario: str) -> Playback:
-    """The player of ``scenario`` after so many steps, with an action drawn in its first state."""
+    """The player of ``scenario`` after some steps, with an action drawn in its first state."""
     playback = Playback(
         recipe_for(find(scenario), {}, 0),
         speed=None,

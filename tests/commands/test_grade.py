@@ -1,4 +1,4 @@
-"""``rl-tui grade``: files and folders, agents and scripts, what passes and what does not."""
+"""``rl-tui grade``: files and folders, agents and scripts, passes and failures."""
 
 from __future__ import annotations
 

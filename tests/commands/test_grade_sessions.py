@@ -1,4 +1,4 @@
-"""``rl-tui grade`` with a lesson: one session, a folder of them, and what is refused."""
+"""``rl-tui grade`` with a lesson: one session, a folder of them, and refusals."""
 
 from __future__ import annotations
 

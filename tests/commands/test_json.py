@@ -1,4 +1,4 @@
-"""The documents that other programs rely on: their names, their forms, their values."""
+"""The JSON documents for other programs: their keys, forms and values."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def test_a_bandit_tells_how_its_pulls_were_spent() -> None:
     assert figures["regret"] == pytest.approx(
         sum(count * (best - mean) for count, mean in zip(pulls, means, strict=True))
     )
-    # with the sample average, what each arm brought is its estimate times its pulls
+    # with the sample average, the return of each arm is its estimate times its pulls
     brought = math.fsum(count * q for count, q in zip(pulls, figures["q"][0], strict=True))
     assert figures["winnings"] == pytest.approx(brought)
 

@@ -1,4 +1,4 @@
-"""What a kiosk refuses: one line each, and nothing is written."""
+"""The refusals of a kiosk: one line each, and no file is written."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rl_tui.worlds.files.shipped import shipped_folder
 
 @pytest.fixture
 def kiosk(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """This process is a kiosk; what it gives up is given back."""
+    """Make this process a kiosk, and restore what it gives up."""
     before = dict(os.environ)
     monkeypatch.setattr(sys, "dont_write_bytecode", sys.dont_write_bytecode)
     os.environ[VARIABLE] = "1"

@@ -1,4 +1,4 @@
-"""``rl-tui learn``: what it lists, what it refuses, and where it goes on."""
+"""``rl-tui learn``: its list, its refusals, and where it continues."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def refusal(*args: str) -> list[str]:
 
 @pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch) -> list[Start]:
-    """What the app was started with; there is a terminal, and nothing is drawn."""
+    """The arguments of the app's start. There is a terminal, and nothing is drawn."""
     starts: list[Start] = []
     monkeypatch.setattr("rl_tui.commands.line.screen.require_terminal", lambda *_: None)
     monkeypatch.setattr("rl_tui.commands.line.screen.run_app", lambda _, start=None: starts.append(start))
@@ -71,7 +71,7 @@ def own(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def kiosk() -> Iterator[None]:
-    """This process is a kiosk; what it gives up is given back."""
+    """Make this process a kiosk, and restore what it gives up."""
     before, bytecode = dict(os.environ), sys.dont_write_bytecode
     os.environ[VARIABLE] = "1"
     yield
@@ -199,7 +199,7 @@ def test_it_needs_a_terminal_and_says_so_in_a_line() -> None:
 
 
 def keep(record: LessonRecord, order: int) -> Path:
-    """Write a session of ``record``; of two that of the higher ``order`` is newer."""
+    """Write a session of ``record``. The higher ``order`` is newer."""
     folder = session_folder()
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{record.lesson.id}-{order}.json"

@@ -1,4 +1,4 @@
-"""The lesson that the guide writes from nothing is one."""
+"""The guide to writing lessons builds a valid lesson from nothing."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 @pytest.fixture
 def written() -> str:
-    """Return the lesson that the guide writes, part by part."""
+    """Return the lesson that the guide builds, part by part."""
     guide = (DOCS / "how-to/write-a-lesson.md").read_text(encoding="utf-8")
     return "\n".join(re.findall(r"```toml\n(.*?)```", guide, re.DOTALL))
 

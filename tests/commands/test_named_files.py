@@ -1,4 +1,4 @@
-"""Every file that a command is given: a pipe is not waited for, and nothing without an end is read."""
+"""Every file option: commands do not wait for a pipe, and do not read an endless file."""
 
 from __future__ import annotations
 
@@ -73,10 +73,10 @@ KINDS: Final[dict[str, tuple[Kind, ...]]] = {
     "IN.sqlite...": ((".sqlite", Store.to_read),),
     "FILE.sqlite": ((".sqlite", written_store),),
 }
-"""By what help calls a file: how its name ends, and what reads it."""
+"""By the file's name in the help: its suffixes, and its reader."""
 NAMES_FILE: Final = re.compile(r"FILE|FOLDER|SCRIPT|RESULTS|SESSION|\.(toml|json|sqlite|py)\b")
 WRITTEN: Final = {"csv", "curve", "out"}
-"""Parameters that name a file to be written alone."""
+"""Parameters for files that are only written."""
 
 
 def commands() -> Iterator[tuple[str, click.Command]]:
@@ -91,7 +91,7 @@ def commands() -> Iterator[tuple[str, click.Command]]:
 
 
 def named_files() -> Iterator[tuple[str, str]]:
-    """Yield each command and parameter that names a file to read, and what help calls that file."""
+    """Yield each command and parameter that names a file to read, with the file's name in the help."""
     for name, command in commands():
         for each in command.params:
             said = each.metavar or (each.name == "store" and "FILE.sqlite") or ""
@@ -108,7 +108,7 @@ def test_every_parameter_that_names_a_file_has_its_reader() -> None:
         f"{unknown}: read such a file by rl_tui/common/text_file.py, and add what help calls it, with what "
         "reads it, to KINDS here; a file that is only written belongs in WRITTEN"
     )
-    assert set(KINDS) == set(found.values())  # else a row is for nothing
+    assert set(KINDS) == set(found.values())  # otherwise a row would be useless
 
 
 def pipe(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""``rl-tui new`` and ``edit``: files that are there stay as they are, and what cannot be drawn says why."""
+"""``rl-tui new`` and ``edit``: existing files stay unchanged, and a refusal has a reason."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``plot``: pictures of what ``train`` and ``sweep`` print."""
+"""``plot``: pictures of the output of ``train`` and ``sweep``."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_what_train_prints_is_drawn_whether_json_or_csv(curve: str, tmp_path: Pa
     by_normal, by_t = (curve_in(each) for each in pictures)
     assert [x for x, _ in by_normal] == [x for x, _ in by_t]
     assert len(by_t) == 40
-    # the bands are different ones, and so may the axes be: the line is the same but for that
+    # the bands differ, and so may the axes: otherwise the line is the same
     heights = [[y for _, y in each] for each in (by_normal, by_t)]
     assert np.corrcoef(heights)[0, 1] == pytest.approx(1.0, abs=1e-3)
 
@@ -61,7 +61,7 @@ def test_without_a_file_it_is_drawn_in_the_terminal(curve: str) -> None:
     assert any("⠀" < character <= "⣿" for character in result.stdout)
 
 
-@pytest.mark.process  # Matplotlib asks another for the fonts, the first time
+@pytest.mark.process  # Matplotlib starts another process for the fonts, the first time
 def test_a_sweep_is_an_atlas_or_lines(tmp_path: Path) -> None:
     path = tmp_path / "sweep.json"
     path.write_text(json.dumps(SWEEP))

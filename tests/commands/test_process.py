@@ -1,4 +1,4 @@
-"""What the program sets for its own process before anything heavy is imported."""
+"""Settings of the program's own process before any heavy import."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Somebody's own code on the playground: a script that is watched, an agent without a loop."""
+"""Your code in the playground: a watched script, and an agent without a loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What README and docs show is what the program does."""
+"""The examples of README and docs match the program."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def output_of(*args: str) -> str:
 
 
 def shown_after(command: str) -> str:
-    """Return the indented lines that the docs show below ``command``, where they show any."""
+    """Return the indented lines that the docs show below ``command``, if there are any."""
     blocks = re.findall(rf"    \$ {re.escape(command)}\n((?:    .*\n|\n)*?)(?=\n*[^ \n])", DOCS)
     (shown,) = filter(None, (dedent(block).strip() for block in blocks))
     return shown

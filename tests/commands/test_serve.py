@@ -1,4 +1,4 @@
-"""What ``rl-tui serve`` refuses and what it warns of, without a browser."""
+"""The refusals and warnings of ``rl-tui serve``, without a browser."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def refused(result: Result, status: int) -> str:
 
 @pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
-    """Collect the commands of servers that would have run."""
+    """Collect the server commands instead of running them."""
     commands: list[tuple[str, ...]] = []
     monkeypatch.setattr(serve, "prepare", lambda scenario: None)
     monkeypatch.setattr(
@@ -149,6 +149,6 @@ def test_files_behind_a_proxy_are_confirmed(started: list[tuple[str, ...]]) -> N
 
 def test_a_kiosk_cannot_be_left_by_an_option(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RL_TUI_KIOSK", "1")
-    result = CliRunner().invoke(serve.command, ["--no-kiosk"])  # the program as a whole would become one
+    result = CliRunner().invoke(serve.command, ["--no-kiosk"])  # the whole program would become one
     assert (result.exit_code, result.stdout) == (2, "")
     assert "RL_TUI_KIOSK is set: a kiosk cannot be left with --no-kiosk" in result.stderr

@@ -1,4 +1,4 @@
-"""``solve --flips``: what it prints, for programs and for people."""
+"""``solve --flips``: its output for programs and for people."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What counts before a command: display options, variables, ctrl+C."""
+"""Settings before a command: display options, variables, ctrl+C."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def test_a_picture_for_a_stdout_that_is_closed_is_refused_in_a_sentence() -> Non
     assert "unexpected" not in ended.stderr
 
 
-# Each stands for all that is imported at that time
+# Each represents everything imported at that time
 @pytest.mark.exhaustive("starts it once for each module", but=["rl_tui.commands.main"])
 @pytest.mark.process
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")

@@ -1,4 +1,4 @@
-"""``rl-tui train --agent``: somebody's own agent, with the document and the figures of ours."""
+"""``rl-tui train --agent``: your agent, with the same document and metrics as a built-in agent."""
 
 from __future__ import annotations
 

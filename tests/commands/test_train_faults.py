@@ -1,4 +1,4 @@
-"""What ``train`` does with an environment that fails, prints or never answers."""
+"""``train`` with an environment that fails, prints or never answers."""
 
 from __future__ import annotations
 
@@ -83,13 +83,13 @@ def test_ctrl_c_ends_what_never_answers(tmp_path: Path, runs: tuple[str, ...]) -
     for line in child.stderr:
         if "it hangs now" in line:
             break
-    while not rows.exists():  # runs in threads may hang before it is opened
+    while not rows.exists():  # threads may hang before it is opened
         time.sleep(0.01)
     child.send_signal(signal.SIGINT)
     out, err = child.communicate(timeout=120)
     assert (child.returncode, out) == (130, "")
     assert "Traceback" not in err
-    finished = "" if runs else "1,1,5.0,5\n"  # what hangs in a thread cannot be asked for its rows
+    finished = "" if runs else "1,1,5.0,5\n"  # a thread that hangs cannot report its rows
     assert rows.read_text() == f"run,episode,return,length\n{finished}"
 
 

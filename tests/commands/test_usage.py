@@ -1,4 +1,4 @@
-"""What is refused, with which words and which exit status."""
+"""Usage errors, with their words and exit status."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def run(*args: str) -> Result:
 
 
 def one_line(result: Result) -> str:
-    """Return the only line of stderr; nothing else may have been printed."""
+    """Return the only line of stderr. Stdout must be empty."""
     assert result.stdout == ""
     assert "Traceback" not in result.stderr
     assert result.stderr.count("\n") == 1
@@ -156,7 +156,7 @@ def test_near_commands_are_suggested() -> None:
     assert "did you mean train?" in run("tran").stderr
     assert "did you mean plot?" in run("plots").stderr
     assert "rl-tui play frozenlake" in run("frozenlake").stderr
-    assert "to play a scenario: rl-tui play maze" in run("maze").stderr  # a word for a key, too
+    assert "to play a scenario: rl-tui play maze" in run("maze").stderr  # also a word for a key
 
 
 @pytest.mark.parametrize(
@@ -415,7 +415,7 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         with pipe.open("rb", buffering=0) as stream:
             assert stream.read(4) == b"run,"
-            while len(stream.read(65536)) < 4096:  # until it is really under way
+            while len(stream.read(65536)) < 4096:  # until training has begun
                 pass
             process.send_signal(signal.SIGINT)
             while stream.read(65536):

@@ -1,4 +1,4 @@
-"""``rl-tui warm``: what it compiles, what it says, and where it refuses."""
+"""``rl-tui warm``: the loops it compiles, its messages and its refusals."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LOOPS = [Loop(name, "epsilon-greedy", stepped=False) for name in ("one", "one", 
 
 
 class Lock:
-    """A compiler lock that others hold for so many tries."""
+    """A compiler lock that other processes hold for some tries."""
 
     def __init__(self, held: int = 0) -> None:
         self.held = held
@@ -39,7 +39,7 @@ class Lock:
 
 
 class Worker:
-    """A worker that gives the same answer to all; there is a list of those that were started."""
+    """A worker that gives the same answer to all. The class lists the started workers."""
 
     started: list[Worker]
     says: Callable[[Loop], str]
@@ -62,7 +62,7 @@ class Worker:
 
 @pytest.fixture
 def noted(monkeypatch: pytest.MonkeyPatch) -> set[Loop]:
-    """Three loops, of two algorithms, a cache with notes of those that are returned, and workers."""
+    """Three loops of two algorithms, a cache that notes the returned ones, and workers."""
     noted: set[Loop] = set()
     monkeypatch.setattr(Worker, "started", [], raising=False)
     monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: CodeOrigin.COMPILED), raising=False)

@@ -1,4 +1,4 @@
-"""``rl-tui watch``: its document, what goes to the script, and what it refuses."""
+"""``rl-tui watch``: its document, the script's arguments, and its refusals."""
 
 from __future__ import annotations
 
@@ -216,7 +216,7 @@ def test_strangers_cannot_run_scripts(
 
 
 def document(*args: str) -> Any:
-    """Return what ``watch --json`` prints; it must succeed."""
+    """Return the output of ``watch --json``, which must succeed."""
     code, text, complaint = run(*args, "--json")
     assert (code, complaint) == (0, "")
     return json.loads(text)

@@ -1,4 +1,4 @@
-"""Every shipped lesson is checked wholly: figures over many seeds, and programs that are watched."""
+"""Every shipped lesson passes the full check: figures over many seeds, and watched programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rl-tui why``: its document, its text, and what it refuses."""
+"""``rl-tui why``: its document, its text, and its refusals."""
 
 from __future__ import annotations
 

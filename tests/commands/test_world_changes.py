@@ -1,4 +1,4 @@
-"""``train --change STEP:world.…``: the world is another one from that step on."""
+"""``train --change STEP:world.…``: the world changes at that step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A small lesson that has no fault, for tests to spoil."""
+"""A small valid lesson, into which tests put errors."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ proof = { condition = 0, best = "best" }
 
 
 def changed(*changes: tuple[str, str]) -> str:
-    """The text of that lesson with each ``before`` replaced by ``after``, both of ``changes``."""
+    """The text of this lesson with each ``before`` replaced by ``after``, pairwise from ``changes``."""
     text = SOUND
     for before, after in changes:
         assert text.count(before) == 1, f"{before!r} stands there {text.count(before)} times"
@@ -92,13 +92,13 @@ def changed(*changes: tuple[str, str]) -> str:
 
 
 def with_figures(*figures: str) -> Lesson:
-    """That lesson with further lines in its table of figures."""
+    """This lesson with more lines in its table of figures."""
     lines = "\n".join(("[figures]", *figures))
     return lesson_of(changed(("[figures]", lines)), Path("sample.toml"))
 
 
 def written(folder: Path, text: str) -> str:
-    """The path of a file with this ``text`` in ``folder``."""
+    """Write ``text`` to a file in ``folder`` and return its path."""
     path = folder / "sample.toml"
     path.write_text(text, encoding="utf-8")
     return str(path)

@@ -102,7 +102,7 @@ def entries(*changes: tuple[int, Change]) -> tuple[JournalEntry, ...]:
 
 
 def run_of(recipe: Recipe, end: int = 0, journal: Iterable[JournalEntry] = ()) -> RunRecord:
-    """A run of one branch, which stands at its end."""
+    """A run with one branch, at its end."""
     return RunRecord(recipe, (Branch("branch 1", tuple(journal), None, 0, end, end),))
 
 
@@ -111,12 +111,12 @@ def digest_at(recipe: Recipe, step: int = 0, journal: tuple[JournalEntry, ...] =
 
 
 def guess(of: Lesson, answer: float = -1.5, step: int = 0, **how: Any) -> Given:
-    """An answer to the prediction, given where a run has taken no step unless ``how`` says otherwise."""
+    """An answer to the prediction at step 0 of a run, unless ``how`` differs."""
     return Given("guess", answer, abs(answer + 1.5) < 0.01, step, digest_at(setup(of), step, **how))
 
 
 def all_done(of: Lesson) -> LessonRecord:
-    """Everything done honestly."""
+    """Every page and task done properly."""
     return replace(
         begun(of).open("lake"),
         given=(guess(of), Given("quiz", 0, False), Given("quiz", 1, True)),
@@ -132,7 +132,7 @@ def all_done(of: Lesson) -> LessonRecord:
 
 
 def record(taking: LessonRecord | None, *runs: RunRecord) -> Record:
-    """The record of a playground; of a run that has not begun unless ``runs`` are given."""
+    """The record of a playground. Without ``runs`` its run has not begun."""
     of = lesson() if taking is None else taking.lesson
     return Record(runs or (run_of(setup(of)),), speed=10.0, lesson=taking)
 

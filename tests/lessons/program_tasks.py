@@ -1,4 +1,4 @@
-"""A lesson whose task asks for a program, and programs that people write for it."""
+"""A lesson whose task asks for a program, and typical programs for it."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ AFTER: Final = '[[pages]]\nid = "after"\ntitle = "After"\ntext = "That is all."\
 
 
 def updating(target: str = TARGET, cell: str = "Q[state][action]", more: str = "") -> str:
-    """The program with its update, ``target`` the target, ``cell`` what moves, ``more`` lines behind it."""
+    """The program with its update: ``target``, the moved ``cell``, and ``more`` lines after it."""
     update = f"        target = {target}\n        {cell} += alpha * (target - {cell})\n{more}"
     return SKELETON.replace(MARK, update)
 

@@ -1,4 +1,4 @@
-"""What a lesson's tasks get wrong: refused with the place, and a near name."""
+"""Errors in the tasks of a lesson: refused with their place and a similar name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CONDITION = "pages[0].task.conditions[0]"
 
 
 def places(text: str) -> list[str]:
-    """Where a lesson has faults."""
+    """The places of errors in a lesson."""
     try:
         lesson_of(text, Path("sample.toml"))
     except ScenarioError as error:

@@ -1,4 +1,4 @@
-"""What the notes of scenarios say that no figure of tests/said/ can: it is worked out from the table."""
+"""Claims in the notes of scenarios that tests/said/ cannot express, computed from the table."""
 
 from __future__ import annotations
 
@@ -90,10 +90,10 @@ def test_what_is_best_depends_on_three_numbers(row: str, first: str | None, far:
     policy = uniform_over(mdp, solution.greedy)
     found = figures(mdp, policy, float(gamma))
     if first is None:
-        assert found.ends < 0.01  # it slips off now and then
+        assert found.ends < 0.01  # it sometimes slips off
         return
     start = mdp.pairs_of(mdp.state_names.index("28"))
     best = [mdp.action_names[mdp.pair_action[pair]] for pair in start if solution.greedy[pair]]
     assert best == [first]
     assert found.expected_return is not None
-    assert (found.expected_return > 5.0) is far  # of 1 near and 10 far, less what slips cost
+    assert (found.expected_return > 5.0) is far  # of 1 near and 10 far, minus the cost of slips

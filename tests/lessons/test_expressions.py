@@ -1,4 +1,4 @@
-"""Expressions of figures: what they may hold, and what they refuse."""
+"""Expressions of figures: their allowed parts and their refusals."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ pytestmark = pytest.mark.unit
 
 
 def worked_out(text: str) -> Any:
-    """What an expression comes to where ``two`` is 2 and every function returns what it was given."""
+    """The value of an expression if ``two`` is 2 and every function returns its argument."""
     names = {"two": 2.0, "word": "study"}
 
     def look(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""Figures of lessons: values of the literature, those of commands, and what is told where they are not so."""
+"""Figures of lessons: values of the literature and of commands, and reports of wrong ones."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ RUNS: Final = (
 
 
 def finding(value: str, by: str) -> str:
-    """What is wrong with a figure that is written ``value``, in one line; empty where it is so."""
+    """The error in a figure written as ``value``, in one line; empty if it is right."""
     lesson = with_figures(f"tried = {{ value = {json.dumps(value)}, by = {json.dumps(by)} }}")
     found = LessonFigures(lesson).finding("tried")
     return "" if found is None else f"{found.location[-1]}: {found.found}; {found.expected}"
@@ -235,7 +235,7 @@ def test_exact_figures_are_those_of_the_commands() -> None:
 
 
 def counted(by: str, budget: StepBudget) -> str:
-    """What is wrong with a figure that may take no more than ``budget``; empty where it is worked out."""
+    """The error in a figure with this ``budget``; empty if it can be computed."""
     lesson = with_figures(f"tried = {{ value = '1', by = {json.dumps(by)} }}")
     try:
         LessonFigures(lesson, budget).value("tried")
@@ -275,7 +275,7 @@ def test_runs_of_any_length_are_counted_by_what_they_took(by: str) -> None:
     assert counted(by, StepBudget(figure=free.taken)) == ""
     little = StepBudget(figure=free.taken - 1)
     assert counted(by, little).startswith(f"more than {free.taken - 1:,} steps of figure tried; ")
-    assert little.taken == free.taken - 1  # all that it was allowed, wherever its threads were
+    assert little.taken == free.taken - 1  # all of its budget, whatever its threads did
 
 
 def test_a_run_that_breaks_down_counts_as_what_it_took() -> None:

@@ -1,7 +1,7 @@
-"""What the notes of scenarios say of learning, counted again with fewer runs.
+"""Claims about learning in the notes of scenarios, computed again with fewer runs.
 
-A claim is read from the notes themselves: ``70.9 ± 0.7`` is a mean and its standard error. A mean of fewer
-runs has to lie within four standard errors of it, those of both taken together.
+The notes contain each claim: ``70.9 ± 0.7`` is a mean and its standard error. The mean of fewer runs must
+agree within four standard errors, where both errors are combined.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ PERCENT: Final = 100.0
 
 @dataclass(frozen=True)
 class Claim:
-    """A figure of ``runs`` runs of ``episodes`` episodes, and where the notes of a scenario have it."""
+    """A figure of ``runs`` runs of ``episodes`` episodes, and its place in the notes of a scenario."""
 
     scenario: str
     text: str
@@ -47,7 +47,7 @@ class Claim:
 
 
 def notes_of(scenario: str) -> str:
-    """The notes of a scenario, without the breaks of their lines."""
+    """The notes of a scenario, without line breaks."""
     return " ".join(find(scenario).notes.split())
 
 
@@ -56,7 +56,7 @@ def is_said(scenario: str, text: str) -> None:
 
 
 def agrees(text: str, counted: Sequence[float | None], scale: float = 1.0) -> None:
-    """Hold a mean of our own against the first mean and standard error of ``text``."""
+    """Compare our mean with the first mean and standard error in ``text``."""
     found = _FIGURE.search(text)
     assert found, text
     stated, error = (float(found[group].replace("−", "-").replace(",", "")) for group in (1, 3))

@@ -1,4 +1,4 @@
-"""The task of a lesson beside a playground: judged where the runs stand, be it for one command only."""
+"""The task of a lesson during play: judged after every command."""
 
 from __future__ import annotations
 

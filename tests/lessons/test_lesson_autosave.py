@@ -1,4 +1,4 @@
-"""A lesson keeps itself: begun by the first deed, one file whatever is opened, never thrown away."""
+"""A lesson saves itself from the first action on, always in one file, and is never discarded."""
 
 from __future__ import annotations
 

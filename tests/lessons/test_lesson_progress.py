@@ -1,4 +1,4 @@
-"""How far lessons have come, from the sessions in a folder."""
+"""The progress in lessons, computed from the sessions in a folder."""
 
 from __future__ import annotations
 

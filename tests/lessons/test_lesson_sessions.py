@@ -1,4 +1,4 @@
-"""A lesson in a session file: everything comes back, old files open, damaged ones are refused in a line."""
+"""A lesson in a session file: everything loads, old files open, damaged ones are refused in one line."""
 
 # ruff: noqa: E501
 
@@ -21,7 +21,7 @@ from rl_tui.live.sessions.document import VERSION
 from rl_tui.live.sessions.replay import replay_target, replayed
 from rl_tui.live.sessions.session import SessionError, encoded, read_session
 
-# As the program wrote it before there were lessons
+# In the format before there were lessons
 OLD = r"""{"format": "rl-tui session", "version": 1, "program": "0.1.0", "title": "old", "kept": true, "saved": "2026-11-23T18:52:51Z", "scenario": {"id": "two", "kind": "file", "title": "Two", "text": "title = \"Two\"\n[mdp]\nstart = \"a\"\ntransition = [\n  { state = \"a\", action = \"stay\", reward = -1, to = \"a\" },\n  { state = \"a\", action = \"go\", reward = 2, to = \"end\" },\n]\n"}, "lanes": [{"seed": 7, "algorithm": "q-learning", "hyperparameters": {"alpha": 0.1, "step_size_schedule": "exponential", "alpha_min": 0.0, "alpha_decay": 0.0, "gamma": 0.99, "policy": "epsilon-greedy", "epsilon": 0.1, "epsilon_schedule": "exponential", "epsilon_min": 0.0, "epsilon_decay": 0.0, "temperature": 0.1, "confidence": 2.0, "baseline": "mean", "lambda": 0.9, "traces": "replacing", "n": 4, "planning_steps": 10, "threshold": 0.0001, "accuracy": 1e-09, "initial_q": 0.0, "ties": "random"}, "branches": [{"name": "branch 1", "parent": null, "fork": 0, "end": 40, "here": 40, "shared": 0, "journal": [{"step": 0, "set": "alpha", "to": 0.5}, {"step": 3, "take": 1}]}, {"name": "branch 2", "parent": 0, "fork": 2, "end": 20, "here": 10, "shared": 1, "journal": [{"step": 2, "algorithm": "sarsa"}]}], "branch": 1}, {"seed": 7, "algorithm": "sarsa", "hyperparameters": {"alpha": 0.1, "step_size_schedule": "exponential", "alpha_min": 0.0, "alpha_decay": 0.0, "gamma": 0.99, "policy": "epsilon-greedy", "epsilon": 0.1, "epsilon_schedule": "exponential", "epsilon_min": 0.0, "epsilon_decay": 0.0, "temperature": 0.1, "confidence": 2.0, "baseline": "mean", "lambda": 0.9, "traces": "replacing", "n": 4, "planning_steps": 10, "threshold": 0.0001, "accuracy": 1e-09, "initial_q": 0.0, "ties": "random"}, "branches": [{"name": "branch 1", "parent": null, "fork": 0, "end": 0, "here": 0, "shared": 0, "journal": []}], "branch": 0}], "shown": 0, "breakpoints": {"states": [0], "pairs": []}, "speed": 5.0, "digest": "", "drawn": [[0, 1]], "answer_hidden": true, "table": {"q": [0.0, 1.0], "visits": [1, 2], "episodes": 3, "state": 0}, "checksum": "321178fda5cf09423b4215db9a361ef591ca7b701109d38b829cbd53a890dc88"}"""
 
 
@@ -109,7 +109,7 @@ EVIDENCE = "passed.0"
 
 
 def changed(place: str, value: Any) -> str:
-    """A sound session, signed again after ``value`` was put to ``place`` of its lesson."""
+    """A valid session, signed again after ``value`` was set at ``place`` in its lesson."""
     fields = json.loads(json.dumps(SOUND))
     holder: Any = fields["lesson"]
     *way, last = [int(step) if step.isdigit() else step for step in place.split(".")]

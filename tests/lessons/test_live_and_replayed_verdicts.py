@@ -1,4 +1,4 @@
-"""What is measured beside a living run is what its replay would show, whatever was done with it."""
+"""Measures of a live run equal those of its replay, after any actions."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ OPERATIONS = st.one_of(
 
 
 def all_measured(run: Run, scenario: str, kept: Kept) -> dict[str, Any]:
-    """Every measure of ``run``; of those that have none, why."""
+    """Every measure of ``run``, or the reason why it has none."""
     moment = JudgedMoment(run, recipe_in(scenario), kept)
     values = dict[str, Any]()
     for name, measure in MEASURES.items():

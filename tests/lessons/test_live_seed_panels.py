@@ -1,4 +1,4 @@
-"""Tasks judged beside a living run, with what many seeds say worked out in a process of its own."""
+"""Tasks judged during a live run, by a study of many seeds in its own process."""
 
 from __future__ import annotations
 

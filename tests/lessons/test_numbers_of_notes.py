@@ -1,4 +1,4 @@
-"""Every number in the notes of a scenario: it is worked out again, or it needs nothing behind it."""
+"""Every number in the notes of a scenario is computed again, or needs no check."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ def text_of(scenario: str) -> str:
 
 @functools.cache
 def rewards_of(scenario: str) -> frozenset[float]:
-    """The rewards of its table and of its file without their signs; none where it has no table.
+    """The absolute rewards of its table and of its file; empty if it has no table.
 
-    In a table a goal pays what its step costs as well.
+    In a table the reward of a goal includes the cost of its step.
     """
     mdp = begin(recipe(scenario)).world.mdp
     if mdp is None:
@@ -67,7 +67,7 @@ def rewards_of(scenario: str) -> frozenset[float]:
 
 @functools.cache
 def own_numbers(scenario: str) -> frozenset[float]:
-    """0, 1, what the file says, and of its world the limits, the size of the map, rewards and chances."""
+    """0, 1, and the scenario's numbers: those of its file, limits, map size, rewards and chances."""
     file = find(scenario)
     raw = {name: value for name, value in tomllib.loads(file.text).items() if name != "notes"}
     world = begin(recipe(scenario)).world
@@ -136,7 +136,7 @@ def test_what_is_said_of_so_many_runs_is_counted_in_as_many(scenario: str) -> No
 
 
 def settings_of(said: Said) -> frozenset[float]:
-    """The numbers of settings, episodes and steps by which figures and claims of a text are worked out."""
+    """The numbers of settings, episodes and steps in the computations of a text."""
     claims = [claim for claim in CLAIMS if claim.scenario == said.id]
     numbers = {float(each) for each in re.findall(r"(?<![\w.])\d+(?:\.\d+)?", said.expressions)}
     numbers |= {float(claim.episodes) for claim in claims}
@@ -153,7 +153,7 @@ def test_every_number_is_held(scenario: str) -> None:
         value = number(mention.number)
         if rewards and _PAYS.search(mention.before):
             return value in rewards
-        if _RUNS.match(mention.behind):  # how well a figure is known; for the notes more are run than here
+        if _RUNS.match(mention.behind):  # the precision of a figure: the notes use more runs than this test
             return mention.has_piece
         is_condition = mention.has_piece and (
             mention.is_setting or _EPISODES.match(mention.behind) is not None

@@ -1,4 +1,4 @@
-"""While a prediction is open nothing takes a step, whatever was under way."""
+"""While a prediction is open, nothing takes a step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run came to where the truth of a prediction is due: measured at that very step, and no other."""
+"""The results of a run when a prediction is due: measured at exactly that step."""
 
 from __future__ import annotations
 

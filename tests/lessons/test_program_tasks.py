@@ -1,4 +1,4 @@
-"""Tasks that ask for a program: it is watched to its end, and judged by what its table did."""
+"""Tasks that ask for a program: it is watched to its end, and judged by the changes of its table."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_what_stands_in_a_file_is_bounded(tmp_path: Path) -> None:
         read_code(tmp_path / "none.py")
 
 
-# Beside a living run
+# In a live run
 
 
 class News:
@@ -100,7 +100,7 @@ class News:
 
 
 class Watcher:
-    """A judge beside a run that stands still."""
+    """A judge of a paused run."""
 
     def __init__(self) -> None:
         self.news = News()

@@ -1,4 +1,4 @@
-"""What is measured of a run for a task: against numbers worked out by hand, or elsewhere in the program."""
+"""Measures of a run for a task, compared with hand calculations or other parts of the program."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def test_a_planner_sweeps_and_comes_to_rest(algorithm: str) -> None:
     run.advance()
     assert measured(run, "converged") is True
     assert measured(run, "value", state="Class") == pytest.approx(5.2 / 0.82)
-    run.apply(SetParameter("gamma", 0.2))  # it would go on now, but has not yet
+    run.apply(SetParameter("gamma", 0.2))  # it would converge now, but has not yet
     assert (measured(run, "converged"), measured(run, "gamma")) == (True, 0.9)
     run.advance(1)
     assert (measured(run, "converged"), measured(run, "gamma")) == (False, 0.2)

@@ -1,4 +1,4 @@
-"""Grading sessions by a lesson: what the runs in them do counts, nothing that they claim."""
+"""Grading sessions by a lesson: only the replayed runs count, not the claims in the file."""
 
 from __future__ import annotations
 

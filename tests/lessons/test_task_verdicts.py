@@ -1,4 +1,4 @@
-"""Tasks judged: what conditions ask for, what passes, whose run it is, and what can never be passed."""
+"""Verdicts on tasks: conditions, passes, the run's owner, and impossible tasks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers as texts write them, and whether they are so to their last digit."""
+"""Numbers as written in texts, and whether they are right to the last digit."""
 
 from __future__ import annotations
 

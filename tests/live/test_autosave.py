@@ -1,4 +1,4 @@
-"""Sessions keep themselves: begun by the first action, gone on with, never two programs in one file."""
+"""Sessions save themselves: begun by the first action, continued later, one program per file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rl_tui.worlds.editing.edit import read_edits
 
 
 def resumed(path: Path, folder: Path) -> tuple[Autosave, Record]:
-    """Go on with a session; return also what it stood at."""
+    """Continue a session and return also its saved state."""
     session = read_session(path)
     record = session.record()
     return Autosave(record, folder, session), record
@@ -173,7 +173,7 @@ def test_a_file_that_somebody_else_wrote_is_left_alone(tmp_path: Path) -> None:
     autosave.offer(at(5))
     autosave.close()
     assert path.read_text(encoding="utf-8") == "mine now"
-    assert any("changed by somebody else" in notice for notice in notices_of(autosave))
+    assert any("changed by another program" in notice for notice in notices_of(autosave))
     assert [each.step for each in sessions_in(tmp_path)[0]] == [5]
 
 
@@ -191,7 +191,7 @@ def test_a_session_in_a_folder_that_is_read_only_goes_on_in_a_copy(
     elsewhere = tmp_path / "class" / "lesson.json"
     elsewhere.parent.mkdir()
     elsewhere.write_bytes(encoded(at(3)))
-    monkeypatch.setattr(held_file.os, "access", lambda *_: False)  # to root nothing is read-only
+    monkeypatch.setattr(held_file.os, "access", lambda *_: False)  # root can write everywhere
     autosave, opened = resumed(elsewhere, tmp_path / "sessions")
     autosave.offer(after(opened, 4))
     autosave.close()
@@ -368,7 +368,7 @@ def test_a_folder_that_is_a_file_is_named(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The system says what is wrong, but not with which file."""
+    """The system reports the cause, but not the file."""
 
     def full(descriptor: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

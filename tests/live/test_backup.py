@@ -1,4 +1,4 @@
-"""Expected targets held against values worked out by hand."""
+"""Expected targets, compared with values computed by hand."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def sources(snapshot: Snapshot) -> dict[int, float]:
 
 
 def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **changes: Any) -> Snapshot:
-    """A step of the student who studies: Q(Class, study) goes from 6.3 to 6.37, γ is .9."""
+    """A student's study step: Q(Class, study) rises from 6.3 to 6.37, γ is .9."""
     started = recipe("student", algorithm=algorithm, epsilon=epsilon)
     shown = SnapshotBuilder().before(started, begin(started).world, PlaybackView(), is_hidden=False)
     usual: dict[str, Any] = {
@@ -66,7 +66,7 @@ def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **change
 
 
 def test_the_greatest_of_the_next_state_is_what_q_learning_expects() -> None:
-    # .8 (−2 + .9·10) + .2 (−2 + .9·6.3): the estimate before the update counts where the student stays
+    # .8 (−2 + .9·10) + .2 (−2 + .9·6.3): if the student stays, the estimate before the update counts
     backup = backup_of(study("q-learning"))
     assert backup.expected == pytest.approx(0.8 * 7.0 + 0.2 * 3.67)
     assert backup.sampled == pytest.approx(7.0)
@@ -93,7 +93,7 @@ def test_each_of_two_tables_judges_the_best_of_the_other() -> None:
     own, other = Q.copy(), Q + np.array([0.3, 0.5, 0.0, 0.0, 1.0])
     shown = changed(study("double-q-learning", table=1, bootstrap=11.0), tables=(own, other))
     backup = backup_of(shown)
-    # the best of table 1 in Class is study, before the update 6.3; table 2 takes it for 6.67
+    # study is best in Class by table 1, before the update 6.3. Table 2 values it at 6.67
     assert backup.expected == pytest.approx(0.8 * (-2.0 + 0.9 * 11.0) + 0.2 * (-2.0 + 0.9 * 6.67))
     assert sources(shown) == {SLEEP: 1.0}
     without = backup_of(changed(shown, tables=()))

@@ -1,4 +1,4 @@
-"""The drifting bandit against a plain transcription: every figure is of the means of its own moment."""
+"""The drifting bandit against a plain transcription: every number uses the means of its own moment."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def drifting(tmp_path: Path) -> Recipe:
 
 @dataclass
 class Plain:
-    """The pulls of a run, one after the other, and what they came to."""
+    """The pulls of a run in order, and their results."""
 
     means: list[float]
     rewards: list[float]
@@ -42,7 +42,7 @@ class Plain:
 
 
 def plain(made_from: Recipe, pulls: int) -> Plain:
-    """Follow the arms that a run pulls with a walk of the means of our own, from the same stream."""
+    """Follow a run's pulls with our own random walk of the means, from the same stream."""
     run, world = Run(made_from, evaluate=False), streams(made_from.seed).world
     done = Plain([0.5, 0.5, -1.0], [], [])
     for _ in range(pulls):

@@ -1,4 +1,4 @@
-"""A person draws, steps, goes back, branches: every lane and branch is what its journal says, to the bit."""
+"""A person draws, steps, goes back, branches: every run and branch equals its journal, to the bit."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ SMALL = st.integers(0, 30)
 
 
 def deeds(strokes: st.SearchStrategy[EditWorld], algorithms: list[str]) -> st.SearchStrategy[list[Any]]:
-    """Commands, "save" for a session that is saved and opened again, "again" for the start of the run."""
+    """Commands, "save" to save and reopen the session, "again" to restart the run."""
     draw = st.builds(lambda stroke: DrawWorld(stroke.edits), strokes)
     settings = st.one_of(
         st.builds(SetParameter, st.just("alpha"), st.sampled_from([0.1, 0.9])),
@@ -92,7 +92,7 @@ def deeds(strokes: st.SearchStrategy[EditWorld], algorithms: list[str]) -> st.Se
 
 
 def through_a_file(playback: Playback) -> Playback:
-    """The playback of the session that this one would leave."""
+    """Save this playback's session and open it again."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "session.json"
         path.write_bytes(encoded(playback.record))
@@ -124,7 +124,7 @@ def play(playback: Playback, what: list[Any]) -> Playback:
 
 
 def names_of_breakpoints(playback: Playback) -> set[Any]:
-    """What they are on, whatever its numbers are."""
+    """The targets of breakpoints, without their numbers."""
     run, breakpoints = playback.group.current.run, playback.breakpoints
     draft, space = run.edited.draft_in(run.recipe), run.world.space
     states, actions = draft.state_keys(run.world), draft.action_keys(run.world)
@@ -133,7 +133,7 @@ def names_of_breakpoints(playback: Playback) -> set[Any]:
 
 
 def straight(playback: Playback) -> Run:
-    """The run shown, from its recipe and its journal alone."""
+    """The visible run, rebuilt from its recipe and journal."""
     record = playback.group.current.record
     run = Run(record.recipe, episode_limit=playback.group.current.run.world.budget)
     run.advance(steps=0)
@@ -142,7 +142,7 @@ def straight(playback: Playback) -> Run:
 
 
 def assert_all_as_written(playback: Playback) -> None:
-    """Every branch of every lane stands as the straight replay of its recipe and its journal does."""
+    """Assert that every branch of every run equals the straight replay of its recipe and journal."""
     for lane in range(len(playback.group.runs)):
         do(playback, ChooseLane(lane))
         for branch in range(len(playback.group.current.timeline.branches)):
@@ -152,7 +152,7 @@ def assert_all_as_written(playback: Playback) -> None:
 
 
 def kept(record: Record) -> Any:
-    """All of ``record`` but its scenario, which is another object."""
+    """All of ``record`` except its scenario, which is another object."""
     lanes = [(lane.branches, lane.branch) for lane in record.lanes]
     return lanes, record.shown, record.breakpoints, record.drawn
 

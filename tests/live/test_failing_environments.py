@@ -1,4 +1,4 @@
-"""Environments that break down, hang or are slow: all before it is kept, and can be gone back to."""
+"""Environments that fail, hang or are slow: everything before is kept, and you can go back to it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rl_tui.worlds.environment import EnvironmentFailedError
 
 
 class Willing(gymnasium.Env[int, int]):
-    """Walks up and down three states; in step ``fails_at`` of its life it fails, in ``hangs_at`` it waits."""
+    """Walks up and down three states. In step ``fails_at`` of its life it fails, in ``hangs_at`` it waits."""
 
     observation_space = gymnasium.spaces.Discrete(3)
     action_space = gymnasium.spaces.Discrete(2)
@@ -85,7 +85,7 @@ def playback_of(recipe: Recipe, speed: float | None = None) -> Playback:
 
 
 def work_off(playback: Playback) -> Snapshot:
-    """Let it do what is due until it stands still, which here is soon."""
+    """Let it work until it is idle, which is soon here."""
     for _ in range(1_000):
         if not busy(playback) and playback.phase is not Phase.RUNNING:
             return playback.snapshot()
@@ -216,7 +216,7 @@ async def test_it_goes_on_once_it_is_answered(willing: type[Willing]) -> None:
 
 
 def test_a_slow_environment_gives_way_after_each_step(willing: type[Willing]) -> None:
-    """Its steps are few at first, and later no chunk outlasts the patience that it is given."""
+    """It begins with few steps. Later no chunk takes longer than the given patience."""
     playback = playback_of(made())
     playback.handle(Play())
     playback.work()

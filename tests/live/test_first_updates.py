@@ -1,4 +1,4 @@
-"""What snapshots say of the wait for the first update."""
+"""The wait for the first update in snapshots."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_every_cause_is_said_in_words_of_its_own() -> None:
         for cause in (None, *Cause)
         for ties in TIES
     }
-    assert len(said) == len(Cause) + 2  # without a cause random ties are spoken of
+    assert len(said) == len(Cause) + 2  # random ties are mentioned without a cause
     assert not any("\n" in words or words.endswith(".") for words in said)
     assert cause_in_words(FirstUpdate(Wait(1.0, 1.0, 1), None, 1, ()), Hyperparameters(), 0) == ""
 

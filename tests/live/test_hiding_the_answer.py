@@ -1,4 +1,4 @@
-"""Whether the exact answer is hidden: as the scenario says, until a person says otherwise."""
+"""Exact values are hidden or shown as the scenario says, until a person decides."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is kept of the past, checkpoints and the history of a cell: true, and within bounds."""
+"""The memory of the past (checkpoints and cell history): true, and limited in size."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_checkpoints_keep_within_their_bounds() -> None:
     for taken in range(1, 3 * MOST + 1):
         run.advance(steps=3)
         kept.add(run.checkpoint())
-        assert len(kept) == min(taken, MOST)  # never half of them at once: memory stays where it is
+        assert len(kept) == min(taken, MOST)  # never half of them at once: memory use is steady
     found = kept.last_before(Target(0, 10**9, step=1000))
     assert 1000 - 3 * 16 < found.step <= 1000
     assert kept.last_before(Target(0, 10**9, step=0)) is None

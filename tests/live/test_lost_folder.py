@@ -1,4 +1,4 @@
-"""A folder of sessions that is removed while one is being kept there."""
+"""A folder of sessions that is removed during a save."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rl_tui.live.sessions.session import encoded, read_session, sessions_in
 
 
 def lost(folder: Path) -> tuple[Autosave, Path]:
-    """An autosave whose folder is gone, and the file that it had there."""
+    """An autosave whose folder is gone, and the path of its file there."""
     autosave = Autosave(OPENED, folder)
     autosave.offer(at(1))
     autosave.write_due()
@@ -46,7 +46,7 @@ def test_what_somebody_else_began_there_meanwhile_is_left_alone(tmp_path: Path) 
     autosave.close()
     theirs.release()
     assert sorted(each.step for each in sessions_in(folder)[0]) == [2, 70]
-    assert any("this goes on in a copy" in notice for notice in notices_of(autosave))
+    assert any("your work is saved in a copy" in notice for notice in notices_of(autosave))
 
 
 def test_where_it_cannot_be_made_again_that_is_said_and_it_goes_on_later(tmp_path: Path) -> None:

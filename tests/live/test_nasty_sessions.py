@@ -1,4 +1,4 @@
-"""Session files that nobody saved: each gives one short line, whatever was put into it."""
+"""Manipulated session files: each gives one short line, whatever its content."""
 
 # ruff: noqa: E501
 
@@ -18,7 +18,7 @@ from rl_tui.live.sessions.session import SessionError, read_session
 
 
 def changed(place: str = "", value: Any = None) -> str:
-    """A sound session, signed again after ``value`` was put to ``place``."""
+    """A valid session, signed again after ``value`` was set at ``place``."""
     fields = json.loads(session_seeds()[0])
     holder: Any = fields
     *way, last = [int(step) if step.isdigit() else step for step in place.split(".")]
@@ -34,7 +34,7 @@ BRANCH = f"{LANE}.branches.0"
 SOUND = json.loads(session_seeds()[0])
 TABLE = {"q": [0.0] * 5, "visits": [0] * 5, "episodes": 0, "state": 0}
 
-# Made when a test wants it: some take megabytes
+# Made on demand: some take megabytes
 REFUSED = {
     "lanes of four": (lambda: changed("lanes", SOUND["lanes"] * 10_000), "at most 4"),
     "branches": (lambda: changed(f"{LANE}.branches", SOUND["lanes"][0]["branches"] * 2_000), "at most 1000"),
@@ -51,7 +51,7 @@ REFUSED = {
         "out of order",
     ),
     "a change beyond the end": (lambda: changed(f"{BRANCH}.journal", [{"step": 10**6, "take": 0}]), "beyond its end"),
-    "two changes in one": (lambda: changed(f"{BRANCH}.journal", [{"step": 1, "take": 0, "algorithm": "sarsa"}]), "no change"),
+    "two changes in one": (lambda: changed(f"{BRANCH}.journal", [{"step": 1, "take": 0, "algorithm": "sarsa"}]), "not a change"),
     "an infinite setting": (
         lambda: changed(f"{BRANCH}.journal", [{"step": 1, "set": "alpha", "to": math.inf}]),
         "damaged",
@@ -61,7 +61,7 @@ REFUSED = {
     "its own parent": (lambda: changed(f"{BRANCH}.parent", 0), "parent"),
     "no such branch": (lambda: changed(f"{LANE}.branch", 7), "no branch 7"),
     "no such lane": (lambda: changed("shown", 10**18), "no lane"),
-    "a fork beyond the end": (lambda: changed(f"{BRANCH}.fork", 10**9), "beyond its end"),
+    "a fork beyond the end": (lambda: changed(f"{BRANCH}.fork", 10**9), "after its end"),
     "no speed": (lambda: changed("speed", math.inf), "damaged"),
     "a truth value": (lambda: changed("shown", False), "integer"),
     "half a letter": (lambda: changed("title", "\ud800"), "title"),
@@ -72,8 +72,8 @@ REFUSED = {
     "a key without end": (lambda: changed("scenario.text", ".".join("a" * 100_000) + "=1"), "20 parts"),
     "a world of 10^9 cells": (lambda: changed("scenario.text", "[grid]\nrandom = { rows = 100_000, columns = 10_000 }"), "10,000"),
     "10^9 arms": (lambda: changed("scenario.text", "[bandit]\narms = 1_000_000_000"), "10,000"),
-    "a time before all": (lambda: changed("saved", "0001-01-01T00:00:00+23:59"), "no time"),
-    "a time after all": (lambda: changed("saved", "9999-12-31T23:59:59-23:59"), "no time"),
+    "a time before all": (lambda: changed("saved", "0001-01-01T00:00:00+23:59"), "expected a time"),
+    "a time after all": (lambda: changed("saved", "9999-12-31T23:59:59-23:59"), "expected a time"),
     "a module": (lambda: changed("scenario", {"id": "gym:os:X-v0", "kind": "gymnasium", "title": "t", "text": ""}), "without a module"),
     "nested lists": (lambda: signed({**SOUND, "more": json.loads("[" * 900 + "]" * 900)}), "more"),
     "brackets": (lambda: '{"format": "rl-tui session", "x": ' + "[" * 1_000_000, "cut off or damaged"),
@@ -131,7 +131,7 @@ def test_what_shows_on_the_way_is_told_in_one_line_too(name, tmp_path):
 
 
 def test_the_last_of_keys_that_are_given_twice_counts(tmp_path):
-    """The checksum is of what the file means."""
+    """The checksum covers the parsed content."""
     stored, _ = read(changed().replace('"shown": 0', '"shown": 9, "shown": 0'), tmp_path)
     assert stored.document.shown == 0
 

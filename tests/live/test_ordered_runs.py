@@ -1,4 +1,4 @@
-"""Sweeps that were ordered are part of a run: of its journal, branches, lanes, files and lines."""
+"""Ordered sweeps are part of a run: of its journal, branches, files, command lines and copies."""
 
 from __future__ import annotations
 

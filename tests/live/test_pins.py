@@ -1,4 +1,4 @@
-"""What a person pinned to states and actions stays with them, whatever becomes of the world."""
+"""A person's pins on states and actions stay with them through every change of the world."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def pair_at(shown: Snapshot, row: int, column: int, action: int = DOWN) -> int:
 
 
 def pinned(playback: Playback, row: int, column: int) -> Snapshot:
-    """Have a breakpoint on a cell and on an action there, choose that action, and follow its estimate."""
+    """Pin a cell and an action: breakpoints on both, the choice of that action, and its history."""
     shown = playback.snapshot()
     state, pair = state_at(shown, row, column), pair_at(shown, row, column)
     return do(

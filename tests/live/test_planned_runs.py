@@ -1,4 +1,4 @@
-"""Runs in which a planner takes over, or is all there is: what it does is not done in the world."""
+"""Runs with a planner, for a part or all of them: its steps are not steps in the world."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ class Clock:
 
 
 def nobody() -> None:
-    """Nobody waits for exact answers."""
+    """A listener that waits for no exact values."""
 
 
 def ready(

@@ -86,7 +86,7 @@ async def test_what_happens_on_screen_is_what_a_replay_gives() -> None:
 
 
 class Kept:
-    """A sink that notes what it is offered."""
+    """A sink that records everything it receives."""
 
     def __init__(self) -> None:
         self.steps: list[int] = []
@@ -137,7 +137,7 @@ async def test_a_reader_that_sleeps_gets_the_newest_and_not_the_backlog() -> Non
 async def test_where_nothing_depends_on_the_time_a_resumed_run_is_shown_where_it_stood_only() -> None:
     branch = Branch("branch 1", (), end=2_000, here=2_000)
     lanes = tuple(RunRecord(recipe("cliff", epsilon=epsilon), (branch,)) for epsilon in (0.1, 0.5))
-    clock = count(0.0, 0.004)  # every look at it is later: nothing is sought at once
+    clock = count(0.0, 0.004)  # time passes with every look, so that no seek finishes at once
     player = Player(lanes[0].recipe, automatic=False, clock=lambda: next(clock), record=Record(lanes))
     steps = []
     async for snapshot in player.snapshots():

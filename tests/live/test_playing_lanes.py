@@ -1,4 +1,4 @@
-"""Runs side by side: each is what its own recipe and journal say, and they go on together."""
+"""Several runs at once: each equals its own recipe and journal, and they advance together."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_lanes_come_back_where_they_stood_though_the_one_shown_is_over() -> None
     assert shown.run_group.lanes[0].step < shown.run_group.lanes[1].step
     saved = playback.record
     assert begin(saved.lanes[0].recipe, saved).record == saved
-    # with another discount it goes on, and leads again
+    # with another discount it continues, and is controlled again
     shown = do(playback, Apply(SetParameter("gamma", 0.5)))
     assert shown.playback.phase is Phase.PAUSED
     assert shown.run_group.lanes[0].step == shown.run_group.lanes[1].step

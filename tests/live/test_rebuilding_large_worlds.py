@@ -1,4 +1,4 @@
-"""An edit of a large world is drawn at once; learning waits for the world, which is built beside it."""
+"""An edit of a large world is drawn at once. Learning waits until the world is rebuilt in the background."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ pytestmark = pytest.mark.unit
 
 
 class Site:
-    """Where worlds are built: each is held until it is let through."""
+    """A place where worlds are built. Each build waits for its release."""
 
     def __init__(self) -> None:
         self.begun: list[str] = []
@@ -56,11 +56,11 @@ class Site:
             self._ended.release()
 
     def close(self) -> None:
-        """Hold nothing any more."""
+        """Release everything."""
         self._may_end.release(20)
 
     def let_through(self, playback: Playback) -> None:
-        """Let the world that is being built be done, and ``playback`` take it in."""
+        """Release the current build, and let ``playback`` receive its world."""
         self._may_end.release()
         assert self._ended.acquire(timeout=60)
         for each in threading.enumerate():
@@ -236,7 +236,7 @@ def test_starting_again_forgets_what_waits(site: Site) -> None:
 
 
 def left_and_opened(playback: Playback) -> Playback:
-    """The playback of the session that this one leaves, if it ends now."""
+    """The playback of this one's session, saved now."""
     record = playback.record
     return begin(record.lanes[record.shown].recipe, record)
 

@@ -1,4 +1,4 @@
-"""Session files: what goes in comes out, and every file that is none says so in one line."""
+"""Session files: saved content loads unchanged, and any other file is refused in one line."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ def stored(path: Path, record: Record = SOUND, **how: Any) -> StoredSession:
 
 
 def same_scenario(record: Record, like: Record) -> Record:
-    """Scenarios are equal only to themselves: let a record that was read have the one it was written with."""
+    """Return the record with the scenario of the original: scenarios are equal only to themselves."""
     scenario = like.lanes[0].recipe.scenario
     lanes = (replace(lane, recipe=replace(lane.recipe, scenario=scenario)) for lane in record.lanes)
     return replace(record, lanes=tuple(lanes))
 
 
 def rewritten(path: Path, **changes: Any) -> None:
-    """Change fields of a sound file, and let its checksum fit again."""
+    """Change fields of a valid file, and update its checksum."""
     fields = json.loads(encoded(SOUND))
     del fields["checksum"]
     fields.update(changes)
@@ -73,7 +73,7 @@ def branch(**changes: Any) -> list[Any]:
 
 
 def fault(path: Path) -> str:
-    """The one line about a file that cannot be resumed."""
+    """The one-line error for a file that cannot be resumed."""
     before = path.read_bytes() if path.is_file() else b""
     with pytest.raises(SessionError) as refused:
         read_session(path).record()

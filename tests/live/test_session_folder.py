@@ -1,4 +1,4 @@
-"""The folder of sessions: their names, which are pruned, how one is removed."""
+"""The folder of sessions: their names, pruning, and removal."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from rl_tui.runs.recipe import SetParameter
 
 
 def back_at(step: int, record: Record) -> Record:
-    """``record`` gone back to ``step``."""
+    """Return ``record`` after going back to ``step``."""
     lane = record.lanes[0]
     branch = replace(lane.branches[0], here=step)
     return replace(record, lanes=(replace(lane, branches=(branch,)),))

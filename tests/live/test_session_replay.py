@@ -1,4 +1,4 @@
-"""A session without a screen comes to where its run was, to the last bit."""
+"""A replay without a screen reaches the run's exact state, to the last bit."""
 
 from __future__ import annotations
 

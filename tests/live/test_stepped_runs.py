@@ -1,4 +1,4 @@
-"""Runs in environments that are stepped for real: what they know, what they cannot know, and many at once."""
+"""Runs in stepped environments: known facts, unknown facts, and many runs at once."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_a_planner_is_refused_in_one_line():
 
 
 class Breaking(gymnasium.Env[int, int]):
-    """Breaks down in its seventh step."""
+    """Fails in its seventh step."""
 
     observation_space = action_space = gymnasium.spaces.Discrete(2)
 
@@ -179,7 +179,7 @@ def test_shipped_scenarios(name, states, pairs, time_limit):
 
 
 def test_the_table_of_blackjack_is_nearly_learned():
-    """Its own defaults with fewer games: the greedy policy loses little more than the best one can."""
+    """Its own defaults with fewer games: the greedy policy loses little compared with the optimum."""
     figures = figures_of(replace(recipe("blackjack-table")), Goal(episodes=300_000))
     assert figures["optimal_value_at_start"] == pytest.approx(-0.043113, abs=1e-6)
     assert figures["value_at_start"] > -0.06

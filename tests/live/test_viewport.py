@@ -66,7 +66,7 @@ def test_only_what_is_in_sight_is_copied(run: Run) -> None:
     window = snapshot.agent.part
     held = np.flatnonzero(window.held)
     assert set(held.tolist()) == set(window.pairs.tolist())
-    # cells and rows on either side of the agent, and what the last step met
+    # cells and rows around the agent, and the states of the last step
     most = 4 * (19 * 15 + 4) + 2 * 40 + 4
     assert 0 < len(held) <= most
     assert np.array_equal(snapshot.agent.q[held], run.learner.q[held])

@@ -1,4 +1,4 @@
-"""Waiting and breakpoints: a run pauses at the very step at which it happens, also in its past."""
+"""Waiting and breakpoints: a run pauses at exactly the step of the event, in its past too."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_at_gamma_1_a_policy_that_never_ends_is_not_optimal() -> None:
     q = optimum.q.copy()
     assert is_optimal(mdp, q, "random", optimum)
     assert is_optimal(mdp, q, "first", optimum)
-    q[1] += 1.0  # to check the phone is as good by Q*, but not if nothing else is ever done
+    q[1] += 1.0  # checking the phone is as good by Q*, but not if the agent does nothing else
     assert not is_optimal(mdp, q, "random", optimum)
     q[0] += 2.0
     assert is_optimal(mdp, q, "random", optimum)

@@ -1,4 +1,4 @@
-"""A far replay waits for machine code, and shows meanwhile what was learned there; nothing else waits."""
+"""A far replay waits for machine code, and meanwhile shows the learned values. Nothing else waits."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ SARSA = Loop("sarsa", "epsilon-greedy", stepped=False)
 
 @pytest.fixture(autouse=True)
 def wanted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[list[Loop]]]:
-    """What the background compiler is asked for; it never finishes."""
+    """The requests to the background compiler, which never finishes."""
     asked: list[list[Loop]] = []
     monkeypatch.setattr(BACKGROUND, "want", lambda loops: asked.append(list(loops)))
     before = set(COMPILED_LOOPS)
@@ -46,7 +46,7 @@ def wanted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[list[Loop]]]:
 
 
 def run_to(made_from: Recipe, step: int, *changes: tuple[int, Change]) -> Run:
-    """A run at ``step``, compiled if that pays; then nothing is compiled."""
+    """A run at ``step``, compiled if that is faster. After that nothing is compiled."""
     record = after(fresh(made_from), step, *changes)
     run = Run(made_from)
     if step > MOST_INTERPRETED:
@@ -58,7 +58,7 @@ def run_to(made_from: Recipe, step: int, *changes: tuple[int, Change]) -> Run:
 
 
 def left(folder: Path, run: Run, *, table: bool = True) -> StoredSession:
-    """The session of ``run`` as it stands."""
+    """The session of ``run`` at its current step."""
     learner = run.learner
     learned = LearnedTable(learner.q, learner.visits, learner.episodes, learner.state) if table else None
     changes = [(entry.step, entry.change) for entry in run.journal]
@@ -101,7 +101,7 @@ def arrived(playback: Playback) -> Snapshot:
 
 
 def shows(snapshot: Snapshot, run: Run) -> bool:
-    """Whether ``snapshot`` has the table of ``run``, and says where that stands."""
+    """Whether ``snapshot`` has the table and the step of ``run``."""
     learner, agent = run.learner, snapshot.agent
     assert agent.q.tobytes() == learner.q.tobytes()
     assert agent.visits.tolist() == learner.visits.tolist()
@@ -126,7 +126,7 @@ def test_a_far_replay_waits_and_shows_what_was_learned(tmp_path: Path, wanted: l
     assert meanwhile.playback.interpreted
     assert meanwhile.timeline.current.here == FAR
     assert (meanwhile.results.greedy_return, meanwhile.counters.last_step) == (None, None)
-    assert meanwhile.exact_answer.solution is None  # it is worked out for the γ of step 0
+    assert meanwhile.exact_answer.solution is None  # computed for the γ of step 0
     assert all(loops == [Q_LEARNING] for loops in wanted)
     assert playback.table is None
     compile_here(Q_LEARNING)

@@ -1,4 +1,4 @@
-"""Watching it learn: what is learned sets the speed, and changes nothing else."""
+"""Watching it learn: learning progress sets the speed, and changes nothing else."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import Recipe
 
 FIRST_REWARD = 1_866
-"""The step at which the lake of seed 0 pays for the first time."""
+"""The step of the first reward on the lake with seed 0."""
 
 
 class Clock:
@@ -30,7 +30,7 @@ class Clock:
 
 
 class Watched:
-    """A playback that was told to be watched, and a clock on which nothing takes time but waiting."""
+    """A playback in watching mode, with a clock on which only waiting takes time."""
 
     def __init__(self, made_from: Recipe, *, automatic: bool = True) -> None:
         self.clock = Clock()
@@ -42,7 +42,7 @@ class Watched:
         self.playback.handle(WatchLearning())
 
     def turn(self) -> Snapshot:
-        """Let it work once, and then as much time pass as it says."""
+        """Let it work once, then advance the clock by the time it asks for."""
         wait = self.playback.work()
         shown = self.playback.snapshot()
         assert wait is not None
@@ -50,7 +50,7 @@ class Watched:
         return shown
 
     def turns(self) -> Iterator[tuple[float, Snapshot]]:
-        """Yield how long it has been watched, and what is shown then, as long as what is learned counts."""
+        """Yield the time watched and the snapshot while learning sets the speed."""
         while True:
             spent = self.clock.now - Clock.now
             shown = self.turn()
@@ -60,7 +60,7 @@ class Watched:
 
 
 def with_value(shown: Snapshot) -> int:
-    """How many states have a value."""
+    """The number of states with a value."""
     space = shown.world.space
     best = [max(shown.agent.q[pairs]) for each in range(space.states) if (pairs := space.pairs_of(each))]
     return int(np.count_nonzero(best))
@@ -68,7 +68,7 @@ def with_value(shown: Snapshot) -> int:
 
 @pytest.mark.interpreted
 def test_the_lake_is_seen_to_learn_within_five_seconds() -> None:
-    """The first reward comes soon, each state that gets a value is shown, and then an optimal policy."""
+    """It shows the first reward soon, then each state with a new value, then an optimal policy."""
     moments = [
         (spent, shown.counters.step, with_value(shown))
         for spent, shown in Watched(recipe("frozenlake")).turns()

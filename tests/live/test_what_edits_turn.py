@@ -1,4 +1,4 @@
-"""What one is told of an edit: the draft and its base, what it turned, and where no end can be reached."""
+"""Information about an edit: the draft and its base, the changed actions, and states without an end."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def table(snapshot: Snapshot) -> TabularMDP:
 def test_a_stroke_turns_the_states_whose_best_actions_are_others() -> None:
     playback = drawing(small_graph())
     before = best_by_name(table(playback.snapshot()), 0.9)
-    # a new state, so that numbers and names part
+    # a new state, so that numbers and names differ
     shown = stroke(playback, 'transition[Class,study]={"to":{"Bar":1.0},"reward":-50}')
     assert not shown.editor.unfinished or shown.editor.draft is not shown.editor.base
     shown = stroke(playback, 'transition[Bar,go home]={"to":"Pass","reward":0}')

@@ -1,4 +1,4 @@
-"""Edits of a world are part of the run: whatever was done, what stands there is what the journal says."""
+"""Edits of a world are part of the run: after any actions its state equals its journal."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ pytestmark = pytest.mark.unit
 
 
 def differing(run: Run, other: Run) -> list[str]:
-    """What of all that a run knows, and of the world that it knows it of, is not the same in two runs."""
+    """Return the differences between two runs and between their worlds."""
     one, two = _known(run), _known(other)
     return [name for name in one if one[name] != two[name]]
 
@@ -46,7 +46,7 @@ def _known(run: Run) -> dict[str, Any]:
 
 
 def assert_valid(mdp: TabularMDP) -> None:
-    """Every pair has outcomes whose chances sum to 1, an episode starts where something can be done."""
+    """Assert that the chances of each pair sum to 1, and episodes start in states with actions."""
     sums = [
         mdp.probability[first:last].sum()
         for first, last in zip(mdp.first_outcome[:-1], mdp.first_outcome[1:], strict=True)
@@ -57,7 +57,7 @@ def assert_valid(mdp: TabularMDP) -> None:
 
 
 def through_a_file(run: Run) -> tuple[Recipe, Any]:
-    """The recipe and the journal of ``run`` as a session keeps them."""
+    """Write the recipe and the journal of ``run`` to a session and read them again."""
     branch = Branch("branch 1", run.journal, end=run.step, here=run.step)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "session.json"
@@ -75,15 +75,15 @@ CHANGES: st.SearchStrategy[Change] = st.one_of(
 
 
 def deeds(strokes: st.SearchStrategy[Any]) -> st.SearchStrategy[list[Any]]:
-    """Steps (a number), changes, and "keep" and "back" for a checkpoint that is made and come back to."""
+    """Steps (a number), changes, "keep" to make a checkpoint and "back" to restore it."""
     deed = st.one_of(st.integers(1, 60), strokes, strokes, CHANGES, st.sampled_from(["keep", "back"]))
     return st.lists(deed, min_size=3, max_size=14)
 
 
 def done(run: Run, what: list[Any]) -> None:
-    """Do all of it; what is refused must leave no trace."""
+    """Apply all commands. Refused ones must change nothing."""
     kept: list[RunState] = []
-    run.advance(steps=0)  # the mark of the beginning is taken before anything is tried
+    run.advance(steps=0)  # the mark of the beginning must exist first
     for deed in what:
         if isinstance(deed, int):
             run.advance(deed)

@@ -1,4 +1,4 @@
-"""Learners without a fault that look like ones with it: each changes the table after a step."""
+"""Correct learners that look faulty: each changes the table after a step."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def and_then(change: Callable[[FloatArray, Step], None]) -> Learner:
 
 
 def emptied(table: FloatArray, step: Step) -> None:
-    """Begin anew at the end of some episodes."""
+    """Start again with an empty table at the end of some episodes."""
     if (step.terminated or step.truncated) and step.episode % 30 == 29:
         table[:] = 0.0
 
@@ -187,7 +187,7 @@ def traces() -> Learner:
 
 
 def one_late() -> Learner:
-    """Return SARSA that updates a pair once the next action is known."""
+    """Return SARSA that updates a pair after the choice of the next action."""
     before: list[Step] = []
 
     def learn(table: FloatArray, step: Step) -> None:

@@ -1,4 +1,4 @@
-"""Agents as courses have them, one of each shape and some that are written otherwise, for tests."""
+"""Agents as in courses, one of each shape, and some in other styles."""
 
 from __future__ import annotations
 
@@ -209,7 +209,7 @@ UPDATES: Final = {
     "(reward + self.discount * best_next - self.q[state, action])",
     "function": "    q[s, a] += alpha * (r + gamma * best_next - q[s, a])",
 }
-"""The line that is missing in the skeleton of each style."""
+"""The missing line in the skeleton of each style."""
 
 
 def agent_in(folder: Path, text: str, name: str = "mine.py") -> Path:

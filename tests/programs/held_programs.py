@@ -1,4 +1,4 @@
-"""Scripts that tests let go step by step."""
+"""Scripts that tests run step by step."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from rl_tui.programs.watched.program_process import ProgramProcess, ProgramReque
 
 
 class Held:
-    """A program that goes only as far as it may; ``log`` is what it told so far."""
+    """A program that takes only permitted steps. ``log`` holds its messages so far."""
 
     def __init__(self, process: ProgramProcess) -> None:
         self.process, self.log = process, ProgramLog()
 
     def until(self, is_so: Callable[[ProgramLog], bool]) -> ProgramLog:
-        """Take in what comes until it is so. Fails if that does not happen."""
+        """Read messages until the condition is true, or fail."""
         end = time.monotonic() + PATIENCE
         while not is_so(self.log):
             assert time.monotonic() < end, self.log
@@ -32,16 +32,16 @@ class Held:
         return self.log
 
     def go_to(self, steps: int) -> ProgramLog:
-        """Let it go on, and return the log when it waits at ``steps``."""
+        """Let it continue, and return the log when it waits at ``steps``."""
         self.process.allow(steps)
         return self.until(lambda log: log.waiting_at == steps and log.heard == self.process.asked)
 
     def stop_at(self, **conditions: Any) -> ProgramLog:
-        """Let it go until it meets one of the conditions."""
+        """Let it run until one of the conditions is met."""
         self.log.stopped_by = None
         self.process.ask({"stop": conditions})
         self.process.allow(NO_LIMIT)
-        asked = self.process.asked - 1  # what it may have met before it heard of this is nothing
+        asked = self.process.asked - 1  # ignores conditions met before it received them
         log = self.until(lambda log: (log.stopped_by is not None and log.heard >= asked) or log.ended)
         self.process.allow(log.recording.count)
         return log

@@ -1,4 +1,4 @@
-"""Agents in NumPy that learn in random worlds and leave a recording, without a process."""
+"""NumPy agents that learn in random worlds and leave a recording, without a process."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 @dataclass
 class Made:
-    """A random world with an agent in it: ``rule`` is q, sarsa or expected; ``alpha(visits, episode)``."""
+    """A random world with an agent. ``rule`` is q, sarsa or expected; ``alpha(visits, episode)``."""
 
     rule: str = "q"
     alpha: Callable[[int, int], float] = lambda visits, episode: 0.1
@@ -29,7 +29,7 @@ class Made:
     bootstraps_after_end: bool = False
     reward_late: bool = False
     reward_before_at_first: float | None = None
-    """What it takes at the first step of an episode; None: the last reward of the episode before."""
+    """The reward before the first step of an episode. None: the last reward of the episode before."""
     own_reward: Callable[[int, int, int, float], float] | None = None
     minus_one: bool = False
     sparse: bool = False
@@ -38,7 +38,7 @@ class Made:
     evaluates_every: int = 0
 
     def recording(self, steps: int) -> Recording:
-        """Return what is recorded of the agent in so many steps."""
+        """Return the recording of the agent over some steps."""
         rng = np.random.default_rng(self.seed)
         successors = rng.integers(0, self.states, (self.states, self.actions, 3))
         rewards = -np.ones(self.states) if self.minus_one else rng.normal(size=self.states).round(2)
@@ -108,7 +108,7 @@ class Made:
 
 
 def sent(recording: Recording) -> tuple[FloatArray, FloatArray]:
-    """Return the steps, [n, 8], and changes, [m, 4], of ``recording`` as they come through the pipe."""
+    """Return the steps, [n, 8], and changes, [m, 4], of ``recording`` in their pipe format."""
     steps, changes = recording.steps, recording.changes
     flags = steps.terminated * StepFlag.TERMINATED + steps.truncated * StepFlag.TRUNCATED
     rows = np.column_stack((*steps[:5], flags, steps.episode, steps.episode_step))

@@ -1,4 +1,4 @@
-"""Recordings of programs that are not run: a learner in a small random world, step by step."""
+"""Recordings without a real program: a learner in a small random world, step by step."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ STATES, ACTIONS, LIMIT = 6, 3, 12
 
 @dataclass
 class Step:
-    """A step as a learner is told of it."""
+    """A step as reported to a learner."""
 
     state: int
     action: int
@@ -26,9 +26,9 @@ class Step:
     truncated: bool
     next_action: int
     reward_before: float
-    """That of the step before in the program."""
+    """The reward of the program's previous step."""
     first: bool
-    """Whether it is the first of its episode."""
+    """Whether the step begins an episode."""
     number: int
     episode: int
 
@@ -47,7 +47,7 @@ def recorded(
     greedy: float = 0.0,
     rewards: tuple[float, ...] = (-1.0, 0.0, 0.0, 1.0, 2.0),
 ) -> ProgramLog:
-    """Return what a program tells that learns by ``learner``, acts greedily so often, and else at random."""
+    """Return the messages of a program that learns by ``learner`` and acts greedily with a given chance."""
     rng = np.random.default_rng(seed)
     next_state = rng.integers(0, STATES, (STATES, ACTIONS, 2))
     reward = rng.choice(rewards, (STATES, ACTIONS, 2))

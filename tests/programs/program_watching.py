@@ -1,4 +1,4 @@
-"""A watched program played by commands alone, so that nothing depends on the time."""
+"""A watched program controlled by commands only, so that nothing depends on time."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ for episode in range(EPISODES):
 
 
 def written(folder: Path, text: str = LEARNS, episodes: int = 300) -> Path:
-    """Write the program ``text`` to a file, with so many episodes, and return its path."""
+    """Write the program ``text`` to a file, with a number of episodes, and return its path."""
     path = folder / "student.py"
     path.write_text(text.replace("EPISODES", str(episodes)))
     return path
@@ -47,7 +47,7 @@ class Watcher:
         self.playback = playback
 
     def do(self, *commands: Command) -> Snapshot:
-        """Carry out ``commands`` to their ends, and return what is shown then."""
+        """Carry out ``commands`` to their ends, and return the snapshot."""
         self._rest()
         for command in commands:
             self.playback.handle(command)

@@ -1,4 +1,4 @@
-"""What an agent's parameters are given, told by their names."""
+"""The arguments of an agent, matched by the names of its parameters."""
 
 from __future__ import annotations
 

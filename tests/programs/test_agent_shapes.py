@@ -1,4 +1,4 @@
-"""Agents in the shapes that people are taught: found, run in a scenario, and watched."""
+"""Agents in the shapes of courses: found, run in a scenario, and watched."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever stands in a table and comes as a reward, a verdict is found, and in silence."""
+"""Any numbers in a table or as rewards lead to a verdict, without warnings."""
 
 from __future__ import annotations
 

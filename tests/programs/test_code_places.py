@@ -1,4 +1,4 @@
-"""Where in a source something stands, found by reading it."""
+"""Places in a source, found by reading it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs that are right, as people write them: the update is found, and nothing is found fault with."""
+"""Correct, realistic programs: the update is found, and no fault is reported."""
 
 from __future__ import annotations
 

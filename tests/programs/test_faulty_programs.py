@@ -1,4 +1,4 @@
-"""Programs as people write them, with a fault each: it is found, alone, and its line is shown."""
+"""Realistic programs with one fault each: exactly this fault is found, and its line is shown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which faults are told of steps that were made, and which are not."""
+"""The findings about given steps, and their limits."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ def sarsa_bootstraps(table: FloatArray, step: Step) -> None:
 
 
 def done_is_done(table: FloatArray, step: Step) -> None:
-    """Takes the end of the time for the end."""
+    """Treats the time limit as a terminal state."""
     over = step.terminated or step.truncated
     moved(table, step, step.reward + (0.0 if over else GAMMA * table[step.next_state].max()))
 
 
 def previous_reward(table: FloatArray, step: Step) -> None:
-    """Takes the reward of the step before, also over the end of an episode."""
+    """Takes the reward of the step before, even across episodes."""
     moved(table, step, step.reward_before + GAMMA * best(table, step))
 
 
@@ -69,7 +69,7 @@ def after_moving(table: FloatArray, step: Step) -> None:
 
 
 def swapped(table: FloatArray, step: Step) -> None:
-    """Writes s for s′ and s′ for s."""
+    """Swaps s and s′."""
     cell = step.next_state, step.action
     table[cell] += ALPHA * (step.reward + GAMMA * table[step.state].max() - table[cell])
 
@@ -104,7 +104,7 @@ def takes_too_much(table: FloatArray, step: Step) -> None:
 
 @dataclass(frozen=True)
 class Faulty:
-    """A learner with a fault, with the update that is found of it."""
+    """A learner with a fault, and the update found in it."""
 
     learner: Learner
     fault: CodeFault
@@ -115,7 +115,7 @@ class Faulty:
 
 
 def shared(log: ProgramLog) -> None:
-    """Say that rows were seen to be one object."""
+    """Report that the rows were seen to be one object."""
     log.shared_at = 0
 
 
@@ -159,7 +159,6 @@ FAULTY = {
 
 
 def found(log: ProgramLog, update: UpdateFound, *, done_is_either: bool = False) -> tuple[CodeFinding, ...]:
-    """Return the findings of a log."""
     return findings_of(Evidence(log.recording), update, log, done_is_either=done_is_either)[0]
 
 
@@ -179,12 +178,12 @@ def test_a_fault_is_told_alone_and_nothing_speaks_against_it(name: str, seed: in
 
 
 def undiscounted(table: FloatArray, step: Step) -> None:
-    """Weighs all rewards alike."""
+    """Weighs all rewards equally."""
     moved(table, step, step.reward + best(table, step))
 
 
 def short_sighted(table: FloatArray, step: Step) -> None:
-    """Sees this reward alone."""
+    """Sees only the next reward."""
     moved(table, step, step.reward)
 
 
@@ -285,7 +284,7 @@ def test_a_shared_row_is_told_only_where_rows_move_alike() -> None:
 
 
 def often_the_first(number: int) -> int:
-    """Take every action now and then, and else action 0."""
+    """Take every action sometimes, and otherwise action 0."""
     return number % 4 if number % 10 == 0 else 0
 
 
@@ -318,7 +317,7 @@ def test_a_risk_is_told_where_random_ties_would_have_seen_a_reward(
     (finding,) = found(standing(700, action_of), UNKNOWN)
     assert finding.fault is fault
     assert finding.kind == "risk"
-    assert found(standing(50, action_of), UNKNOWN) == ()  # too few episodes: it may be bad luck
+    assert found(standing(50, action_of), UNKNOWN) == ()  # few episodes: it may be bad luck
 
 
 def test_a_dict_that_gets_rows_of_zeros_has_learned_nothing() -> None:

@@ -1,4 +1,4 @@
-"""Messages that are none of ours end what counts of a program, and nothing else."""
+"""Foreign messages stop the analysis of a program, and nothing else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A program that is let go and held again at once comes to rest, and then takes just the steps it may."""
+"""A program that is released and held again at once stops, and then takes only permitted steps."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def program(tmp_path: Path) -> Iterator[WatchedProgram]:
 
 
 def settle(program: WatchedProgram) -> int:
-    """Wait until ``program`` rests, and return how many steps it has taken."""
+    """Wait until ``program`` rests, and return its number of steps."""
     deadline = time.monotonic() + PATIENCE
     while not program.is_settled:
         assert time.monotonic() < deadline, program.log.waiting_at
@@ -39,7 +39,7 @@ def settle(program: WatchedProgram) -> int:
 
 def test_one_that_slept_through_it_still_comes_to_rest(program: WatchedProgram) -> None:
     here, process = settle(program), int(program.log.output[0].text)
-    os.kill(process, signal.SIGSTOP)  # as if the machine had given it no time
+    os.kill(process, signal.SIGSTOP)  # as if the machine had given it no CPU time
     program.let()
     program.hold()
     os.kill(process, signal.SIGCONT)

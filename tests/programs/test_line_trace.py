@@ -1,4 +1,4 @@
-"""Which line changed the table, found in code that this process runs."""
+"""The line that changed the table, found in code that this process runs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rl_tui.programs.watched.program_process import ProgramProcess, ProgramReque
 
 
 class Traced:
-    """Runs a script in which ``begin()`` begins to trace, and ``q`` is the table."""
+    """Runs a script: ``begin()`` starts the trace, and ``q`` is the table."""
 
     def __init__(self, folder: Path, text: str, changes: int = 1000) -> None:
         self.path = folder / "script.py"
@@ -39,7 +39,7 @@ class Traced:
 
     @property
     def lines(self) -> dict[int, int]:
-        """How often each line changed the table."""
+        """The number of table changes by line."""
         assert all(file == str(self.path) for told in self.told for file, _ in told)
         return {line: count for told in self.told for (_, line), count in told.items()}
 

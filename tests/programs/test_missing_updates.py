@@ -1,4 +1,4 @@
-"""What is said of updates that are not written, not reached, or leave the next state out."""
+"""Findings about updates that are missing, not reached, or without the next state."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def after_moving(table: FloatArray, step: Step) -> None:
 
 
 def agent(folder: Path, body: str) -> ProgramLog:
-    """Return what an agent tells that never learned, with ``body`` in its update."""
+    """Return the messages of an agent that never learned, with ``body`` as its update."""
     file = folder / "mine.py"
     file.write_text(
         "import numpy as np\nclass Agent:\n    def value(self, s):\n        return max(self.q[s])\n"
@@ -98,7 +98,7 @@ def test_the_line_that_leaves_the_loop_before_the_update_is_named(tmp_path: Path
     log.table, log.called["step"] = FoundTable("q", "array", (6, 3), "float64"), (str(file), 3)
     [finding] = verdict_of(log).findings
     assert finding.correction.startswith("line 4 leaves the loop before the update")
-    steps.reward[~steps.terminated] = 1.0  # rewards that the update was reached with, too
+    steps.reward[~steps.terminated] = 1.0  # now steps that reach the update have rewards too
     [finding] = verdict_of(log).findings
     assert "line 4" not in finding.correction
 

@@ -1,4 +1,4 @@
-"""Of what is right nothing is said to be wrong, whatever update was found."""
+"""Correct programs get no findings, for every update."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ each_line = pytest.mark.parametrize(("written", "lines"), LINES, ids=range(len(L
 
 
 def shown(pieces: list[bytes], now: float = 0.0) -> list[str]:
-    """Return what stands on a screen on which lines are replaced as they should be."""
+    """Return the text on a screen after carriage returns have replaced its lines."""
     lines, screen = WrittenLines(), list[str]()
     for line in [*(each for piece in pieces for each in lines.take(piece, now)), *lines.end()]:
         if line.replaces:

@@ -1,4 +1,4 @@
-"""A watched program with a play button: exact steps, its past, its end, its file, ours beside it."""
+"""Playing a watched program: exact steps, its past, its end, its file, a built-in agent next to it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.process
 
 
 def figures(snapshot: Snapshot) -> tuple[object, ...]:
-    """Return what a moment is known by, without what depends on how far the program has been."""
+    """Return the contents of a moment, without anything that depends on the program's progress."""
     counters, results, last = snapshot.counters, snapshot.results, snapshot.counters.last_step
     moved = None if last is None else (last.pair, last.next_state, last.reward)
     return (
@@ -168,7 +168,7 @@ def test_its_end_is_said_and_all_stays_on_screen(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("line", "words", "known"),
-    # what a killed program had not words yet is lost
+    # a killed program loses its unsent messages
     [("1 / 0", "ZeroDivisionError", (4,)), ("import os; os.kill(os.getpid(), 9)", "SIGKILL", range(5))],
     ids=["raises", "is killed"],
 )
@@ -208,7 +208,7 @@ for _ in range(20):
     assert snapshot.results.greedy_return is None
     assert np.isnan(snapshot.results.marks.expected_return).all()
     assert snapshot.counters.step == 60
-    assert snapshot.agent.visits.sum() == 60  # where it went is known also without estimates
+    assert snapshot.agent.visits.sum() == 60  # the next state is known even without estimates
     assert not snapshot.agent.q.any()
 
 
@@ -378,7 +378,7 @@ def test_on_from_the_past_of_one_that_has_ended_is_its_last_moment(tmp_path: Pat
         for command in (commands.Step(), commands.Play(), commands.RunEpisode(), commands.Train(5)):
             past = watcher.do(commands.GoTo(step=last))
             assert past.timeline.in_past
-            # no episode ended there, so that the screen has to count the one under way, as the last step does
+            # no episode ended there: the screen counts the current one, like the last step
             assert past.playback.phase is Phase.PAUSED
             on = watcher.do(command)
             assert figures(on) == figures(ended)
@@ -391,7 +391,7 @@ def test_a_breakpoint_set_on_the_way_does_not_change_what_is_counted(tmp_path: P
         watcher.do(commands.Train(3))
         begun = playback.history.newest.episodes
         playback.handle(commands.RunUntil(Until(Event.EPISODE_END, 900)))
-        for number in range(10):  # hole 5 and 7 end an episode: nobody leaves them
+        for number in range(10):  # holes 5 and 7 end an episode: no step leaves them
             playback.work()
             playback.handle(commands.ToggleBreakpoint(pair=playback.program.world.world.space.pair_of(5, 0)))
             assert playback.state is State.UNTIL, number
@@ -436,7 +436,7 @@ def test_a_cell_is_followed_anew_as_it_goes_on_and_into_the_past(tmp_path: Path)
 
 
 class _Editor:
-    """A program that is watched, whose file is saved again; time passes with each look."""
+    """A watched program whose file is saved again. Time passes with each look."""
 
     def __init__(self, folder: Path, episodes: int) -> None:
         self.path = written(folder, episodes=episodes)
@@ -447,7 +447,7 @@ class _Editor:
         self.watcher = Watcher(self.playback)
 
     def saved(self, text: str, words: str) -> None:
-        """Save ``text`` as editors do, under another name first, and wait until ``words`` are said of it."""
+        """Save ``text`` as editors do, under another name first, and wait until its finding has ``words``."""
         other = self.path.with_suffix(".new")
         other.write_text(text)
         self.path.unlink()
@@ -456,7 +456,7 @@ class _Editor:
         _until(self.watcher, lambda: words in self.playback.restarts.words)
 
     def trained(self, steps: int, words: str = "") -> None:
-        """Take so many steps, or those that are left, and wait until ``words`` are said of it."""
+        """Take some steps, or the remaining ones, and wait until its finding contains ``words``."""
         self.playback.handle(commands.Train(steps))
         _until(self.watcher, lambda: not self.playback.on_the_way)
         _until(self.watcher, lambda: words in self.playback.restarts.words)
@@ -468,7 +468,7 @@ def test_what_is_saved_may_be_worse_shorter_or_broken(tmp_path: Path) -> None:
     try:
         editor.trained(1_200)
         episodes = playback.history.newest.episodes
-        editor.playback.handle(commands.GoTo(step=100))  # while the past is shown
+        editor.playback.handle(commands.GoTo(step=100))  # while the past is on screen
         editor.saved(LEARNS.replace("EPISODES", "300").replace("= 0.1,", "= 0.0,"), "from its seed")
         assert (playback.history.in_past, playback.history.newest.step) == (False, 0)
         editor.trained(5_000, f"worse than before after {episodes} episodes")

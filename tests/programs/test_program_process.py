@@ -1,4 +1,4 @@
-"""A watched program as a process: what it leaves behind, which is nothing."""
+"""A watched program as a process, and its complete cleanup."""
 
 from __future__ import annotations
 
@@ -204,7 +204,7 @@ def test_output_stands_behind_the_step_before_it(tmp_path: Path) -> None:
     finally:
         process.end()
     assert [line.text for line in log.output] == [f"after {number}" for number in range(1, 5)]
-    # what is written just before a step may come just after it, on a machine that is busy
+    # on a busy machine, output written just before a step may arrive just after it
     assert all(number - line.step in (0, 1) for number, line in enumerate(log.output, 1))
 
 
@@ -214,7 +214,7 @@ def descriptors() -> list[str]:
 
 
 def children() -> list[str]:
-    """Return the processes that this one has started, ended ones too."""
+    """Return the child processes of this process, including ended ones."""
     ours = str(os.getpid())
     states = {folder.name: folder / "stat" for folder in Path("/proc").glob("[0-9]*")}
     return sorted(name for name, state in states.items() if parent_in(state) == ours)
@@ -223,5 +223,5 @@ def children() -> list[str]:
 def parent_in(state: Path) -> str:
     try:
         return state.read_text().rpartition(")")[2].split()[1]
-    except OSError:  # it has gone meanwhile
+    except OSError:  # it has ended meanwhile
         return ""

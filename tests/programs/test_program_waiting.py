@@ -1,4 +1,4 @@
-"""A program waits in step and reset, and stops exactly where it meets what was asked for."""
+"""A program waits in step and reset, and stops exactly at the requested event."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SCRIPT = LOOP.format(episodes=100)
 
 @pytest.fixture
 def whole(tmp_path: Path) -> ProgramLog:
-    """Return what the same script does when nobody holds it up."""
+    """Return the results of the same script without any waiting."""
     return watched(script_in(tmp_path, SCRIPT, "whole.py"))
 
 

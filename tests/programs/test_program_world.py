@@ -1,4 +1,4 @@
-"""The world of a program: by what it made, and never a failure."""
+"""The world of a program, derived from the environment it made, without failures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is recorded of a program, against a plain replay of all that came."""
+"""The recording of a program, compared with a plain replay of all messages."""
 
 from __future__ import annotations
 

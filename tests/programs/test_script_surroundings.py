@@ -1,4 +1,4 @@
-"""What scripts contain besides their loop: each thing in a real process."""
+"""Code in scripts outside their loop: each case in a real process."""
 
 from __future__ import annotations
 

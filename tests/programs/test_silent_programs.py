@@ -1,4 +1,4 @@
-"""A program that goes silent, or ends without a word: its last steps are there, and where it stands."""
+"""A program that goes silent or ends suddenly: its last steps and its position are known."""
 
 from __future__ import annotations
 

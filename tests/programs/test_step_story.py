@@ -1,4 +1,4 @@
-"""One step of a watched program: the parts of its update come to what the table did."""
+"""One step of a watched program: the parts of its update add up to the change in the table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of a program's variables is taken for its table, and which environments are watched."""
+"""The variable chosen as a program's table, and the environments that are watched."""
 
 from __future__ import annotations
 

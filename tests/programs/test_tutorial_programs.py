@@ -39,7 +39,7 @@ pytestmark = pytest.mark.process
 HERE = Path(__file__).parent / "scripts"
 TUTORIALS = HERE / "tutorials"
 LIBRARIES = HERE / "libraries"
-"""Stand-ins for what the scripts import and is not installed; what is comes first."""
+"""Stand-ins for the scripts' imports. Installed packages take precedence."""
 SEED_DOCUMENT = HERE / "correct" / "seed_document.py"
 SCRIPTS = [*sorted(TUTORIALS.glob("*.py")), TUTORIALS / "udacity" / "main.py"]
 UNDERSTOOD = ("rule", "alpha", "gamma", "alpha_schedule", "epsilon")
@@ -62,7 +62,7 @@ def expected_of(path: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder to run in, where all that the scripts import is at hand."""
+    """A folder with all imports of the scripts."""
     path = tmp_path_factory.mktemp("tutorials")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(path)
@@ -74,13 +74,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     scope="module", params=[*SCRIPTS, SEED_DOCUMENT], ids=lambda path: f"{path.parent.name}-{path.stem}"
 )
 def tutorial(request: pytest.FixtureRequest, folder: Path) -> tuple[Path, ProgramLog]:
-    """A script, and what it told when it was watched to its end."""
+    """A script, and its messages from a complete watched run."""
     path: Path = request.param
     return path, watched(path, seed=1)
 
 
 def printed(log: ProgramLog) -> tuple[int, int]:
-    """Return the episodes and steps that a script counted itself."""
+    """Return the episodes and steps that a script itself counted."""
     (found,) = [
         each for each in (re.match(r"episodes: (\d+), steps: (\d+)$", line) for line in lines_of(log)) if each
     ]
@@ -147,9 +147,9 @@ def test_the_table_is_that_which_the_script_saves(tutorial: tuple[Path, ProgramL
 
 
 def rolled_out(environment: ProgramEnvironment, table: FloatArray) -> float:
-    """Return the expected return within the time limit, worked out from Gymnasium's own transitions.
+    """Return the expected return within the time limit, computed from Gymnasium's own transitions.
 
-    ``table`` is [S, A]; ties are shared evenly. Without a limit 2,000 steps stand for an endless episode.
+    ``table`` is [S, A]; ties are shared evenly. Without a limit, 2,000 steps replace an endless episode.
     """
     env: Any = gymnasium.make(environment.id, **dict(environment.kwargs or {})).unwrapped
     best = np.isclose(table, table.max(axis=1, keepdims=True), rtol=0.0, atol=TIES)
@@ -186,7 +186,7 @@ def test_the_return_of_its_policy_is_exact(tutorial: tuple[Path, ProgramLog]) ->
 
 
 def graded(target: Path, scenario: str, *more: str) -> dict[str, Any]:
-    """Return the run and the submission that ``grade`` tells of one seed."""
+    """Return the run and the submission in the report of ``grade`` for one seed."""
     result = CliRunner().invoke(
         program,
         ["grade", str(target), "--scenario", scenario, "--seeds", "1", "--seed", "1", "--json", *more],
@@ -197,7 +197,7 @@ def graded(target: Path, scenario: str, *more: str) -> dict[str, Any]:
 
 
 def scenario_of(path: Path, log: ProgramLog, folder: Path) -> str:
-    """Return a scenario with the world of a script: one that is shipped, or a file written for it."""
+    """Return a scenario with the world of a script: a shipped one, or a file written for it."""
     shipped = expected_of(path).get("scenario")
     if shipped:
         return str(shipped)

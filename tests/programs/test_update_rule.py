@@ -142,7 +142,7 @@ def test_a_discount_of_0_tells_no_rule() -> None:
 
 def test_episodes_of_one_step_tell_the_step_size_and_no_discount() -> None:
     update = found(states=2, actions=4)
-    assert (update.alpha, update.gamma) == (0.1, 0.9)  # the one state that goes on may follow itself
+    assert (update.alpha, update.gamma) == (0.1, 0.9)  # the only non-terminal state may follow itself
     rows = Made(states=2, actions=4).recording(2000)
     ended = np.flatnonzero(rows.steps.terminated)
     only_ends = Recording()
@@ -160,7 +160,7 @@ def test_episodes_of_one_step_tell_the_step_size_and_no_discount() -> None:
 
 
 def test_steps_that_all_say_the_same_tell_no_update() -> None:
-    """At first visits of equal estimates with equal rewards any step size has its discount."""
+    """At first visits of equal estimates with equal rewards, every step size has a matching discount."""
     same = Recording()
     same.find_table(0, 2, np.ones(40))
     steps = [(0, place, 0, 0.0, place + 1, 0, 0, place) for place in range(18)]

@@ -1,4 +1,4 @@
-"""A program is diagnosed while it goes on."""
+"""A program is diagnosed while it runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What README and tutorial say of the script that is watched, counted again."""
+"""Claims of README and tutorial about the watched script, computed again."""
 
 from __future__ import annotations
 

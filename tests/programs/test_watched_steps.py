@@ -1,4 +1,4 @@
-"""Each step and each change of a script is told exactly: compared with what the script itself wrote down."""
+"""Each step and change of a script is reported exactly: compared with the script's own notes."""
 
 from __future__ import annotations
 
@@ -330,7 +330,7 @@ def test_what_changes_at_the_end_of_an_episode_belongs_to_its_last_step(
 
 
 def _written(folder: Path) -> list[list[object]]:
-    """Return what a script itself wrote into the file whose name it was given."""
+    """Return the content of the file that a script itself wrote."""
     written: list[list[object]] = pickle.loads((folder / "log").read_bytes())
     return written
 

@@ -1,4 +1,4 @@
-"""Scripts that tests write down and watch."""
+"""Scripts that tests write and watch."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ def script_in(folder: Path, text: str, name: str = "script.py") -> Path:
 
 
 def watched(path: Path, *arguments: str, **more: Any) -> ProgramLog:
-    """Return what the script told until it ended."""
+    """Return the messages of a script up to its end."""
     return watched_to_the_end(ProgramRequest(path, arguments, **more), seconds=PATIENCE)
 
 
 def lines_of(log: ProgramLog, stream: str = "out") -> list[str]:
-    """Return what the program wrote on a stream."""
+    """Return the lines of the program on a stream."""
     return [line.text for line in log.output if line.stream == stream]
 
 
 def lives(process: int) -> bool:
-    """Return whether a process is there, and no zombie."""
+    """Return whether a process exists and is not a zombie."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -62,7 +62,7 @@ def lives(process: int) -> bool:
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
-    """Wait for what another process does; fail when it does not come."""
+    """Wait for an event in another process; fail if it does not happen."""
     until = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < until, "it did not come"

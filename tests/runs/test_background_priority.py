@@ -1,4 +1,4 @@
-"""Work in the background leaves the processor to others, and gets on all the same where they never rest."""
+"""Background work leaves the processor to others, and still advances if they never rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Questions answered in the background: their answers, failures, and answers that are too long."""
+"""Questions answered in the background: answers, failures, and oversized answers."""
 
 from __future__ import annotations
 

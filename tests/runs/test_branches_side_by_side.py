@@ -1,4 +1,4 @@
-"""A branch as a lane beside another of the same run: it has the bits of the branch, and a life of its own."""
+"""A branch next to another of the same run: it has the bits of the branch and continues on its own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ EXPLORE = SetParameter("epsilon", 0.3)
 
 
 def forked(scenario: str = "frozenlake-slippery", **overrides: str) -> Playback:
-    """A run that came to step 1,000, and to 701 on a second branch from step 400; it stands there."""
+    """A run that reached step 1,000, then step 701 on a second branch from step 400. It is at 701."""
     playback = begin(recipe(scenario, **overrides))
     do(playback, Train(1000), GoTo(400), Apply(EXPLORE), Train(200), Take(0), Train(100))
     return playback
@@ -67,7 +67,7 @@ def test_what_is_changed_in_one_is_not_changed_in_the_other() -> None:
     own, other = playback.record.lanes
     assert own.branches[0] == before.branches[0]
     assert own.branches[1].journal == before.branches[1].journal
-    # step 701 was in the past of branch 1, so that the lane has forked there
+    # step 701 was in the past of branch 1, so that the run has branched there
     assert [branch.name for branch in other.branches] == ["branch 1", "branch 3"]
     names = [lane.name for lane in playback.snapshot().run_group.lanes]
     assert [name.partition(":")[0] for name in names] == ["branch 2", "branch 3"]
@@ -116,7 +116,7 @@ def test_only_another_branch_can_and_there_must_be_room() -> None:
     assert len(shown.run_group.lanes) == 4
 
 
-# What lanes are called
+# Names of runs
 
 MADE = recipe("frozenlake-slippery", epsilon=0.1, alpha=0.1)
 SARSA = recipe("frozenlake-slippery", algorithm="sarsa", epsilon=0.1, alpha=0.1)

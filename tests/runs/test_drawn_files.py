@@ -1,4 +1,4 @@
-"""Files of drawn worlds: what is written over, what is not, and what is asked after a save."""
+"""Files of edited worlds: those that may be overwritten, and the question after a save."""
 
 from __future__ import annotations
 

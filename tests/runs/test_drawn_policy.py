@@ -1,4 +1,4 @@
-"""A policy that a person draws: what it is, what keeps it, and the file it is written to."""
+"""A policy that a person draws: its actions, its storage, and its file."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def table_of(made_from: Recipe) -> TabularMDP:
     return mdp
 
 
-# What it is
+# Its actions
 
 
 def test_it_does_what_was_chosen_and_elsewhere_anything() -> None:
@@ -60,7 +60,7 @@ def test_the_shortest_way_reaches_the_goal_and_leaves_nothing_to_chance_but_on_s
     assert of_way.steps == 6.0
     assert of_way.value_at_start == pytest.approx(0.95**5, abs=1e-12)
     assert not left_to_chance(lake, SHORTEST).any()
-    assert left_to_chance(slippery, SHORTEST).sum() == 5  # all that are live and not on the way
+    assert left_to_chance(slippery, SHORTEST).sum() == 5  # all live states off the path
     assert left_to_chance(lake, DrawnPolicy()).sum() == 11
 
 
@@ -123,7 +123,7 @@ DRAWN = replace(PLAIN, drawn=SHORTEST)
 
 
 def rewritten(path: Path, drawn: Any) -> Path:
-    """A sound file but for what was drawn in it."""
+    """A valid file with another drawing in it."""
     fields = {**json.loads(encoded(DRAWN)), "drawn": drawn}
     del fields["checksum"]
     path.write_text(json.dumps({**fields, "checksum": checksum_of(fields)}), encoding="utf-8")

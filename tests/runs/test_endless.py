@@ -16,7 +16,7 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabul
 
 
 def world(start: int, time_limit: int = 0) -> TabularMDP:
-    """State 0 ends; state 1 goes to 2 or 0, and 2 and 3 go round in a circle."""
+    """State 0 is terminal. State 1 leads to 2 or 0, and 2 and 3 form a circle."""
     return tabular_mdp(
         ["ends", "parts", "circle", "round"],
         ["go"],
@@ -47,7 +47,10 @@ def test_the_shipped_worlds_end(scenario: str) -> None:
 
 
 def corridor(states: int, time_limit: int = 0) -> TabularMDP:
-    """Each state costs 1 to go on from and nothing to go back to the first; the last ends."""
+    """A step ahead costs 1, and a return to the first state is free.
+
+    A step ahead from the last state ends.
+    """
     transitions = []
     for state in range(states):
         ahead = Outcome(1.0, min(state + 1, states - 1), -1.0, state == states - 1)
@@ -85,7 +88,7 @@ T = {{ kind = "floor", reward = {trap} }}
 
 
 def trap(trap: float = -10.0, step_reward: float = -0.04, epsilon: float = 0.1, more: str = "") -> Scenario:
-    """A goal that traps surround."""
+    """A goal surrounded by traps."""
     text = TRAP.format(trap=trap, step_reward=step_reward, epsilon=epsilon, more=more)
     return scenario_of(text, Path("trap.toml"))
 

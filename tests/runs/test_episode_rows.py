@@ -1,4 +1,4 @@
-"""Rows of episodes on a disk that is full."""
+"""Rows of episodes on a full disk."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MANY = ["1,1,0.0,10\n"] * 2_000
 
 @pytest.fixture
 def small_disk() -> Iterator[None]:
-    """No file can become larger than a few bytes, which fails as a full disk does."""
+    """Limit files to a few bytes, which fails like a full disk."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (MOST, hard))
     yield

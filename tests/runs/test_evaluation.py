@@ -18,7 +18,7 @@ STUDENT = begin(recipe("student")).world.space
 
 
 class Counted(GreedyReturn):
-    """Returns 0, 1, 2, ... instead, to be recognised by."""
+    """Returns 0, 1, 2, ... to identify each draw."""
 
     calls = 0
 
@@ -76,7 +76,7 @@ def test_the_greedy_return_of_the_student_is_the_one_worked_out_by_hand() -> Non
     greedy_return = GreedyReturn(lambda: STUDENT)
     names = [STUDENT.action_names[action] for action in STUDENT.pair_action]
     study = np.array([1.0 if name in ("study", "quit", "sleep") else 0.0 for name in names])
-    # −2 for each of 1 / 0.8 attempts, then +10; the limit of 100 steps cuts off less than 1e-60
+    # −2 for each of 1 / 0.8 attempts, then +10. The limit of 100 steps removes less than 1e-60
     assert greedy_return(study, "random") == pytest.approx(7.5)
     assert greedy_return(study * 2, "first") == pytest.approx(7.5)
     drift = np.array([1.0 if name in ("check phone", "quit") else 0.0 for name in names])

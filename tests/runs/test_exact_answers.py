@@ -25,7 +25,7 @@ STUDENT = begin(recipe("student")).world.space
 
 
 def nobody() -> None:
-    """Nobody waits."""
+    """A listener that does nothing."""
 
 
 def test_small_worlds_are_answered_at_once_and_remembered() -> None:
@@ -66,7 +66,7 @@ def test_larger_worlds_are_answered_later_and_overtaken_questions_skipped() -> N
     for gamma in (0.2, 0.3, 0.4):
         assert answers.answer(gamma) == PENDING
     go_on.set()
-    for _ in range(4):  # the answer of each, and what it earns
+    for _ in range(4):  # the exact values of each, and the returns
         ready.acquire()
     assert asked == [0.1, 0.4]
     assert answers.answer(0.4).solution is not None
@@ -125,7 +125,7 @@ def test_an_answer_under_way_is_worked_out_once_however_often_it_is_asked_for() 
 
 
 def test_the_answers_of_two_worlds_in_turn_are_worked_out_once() -> None:
-    """As where two runs side by side are in two worlds."""
+    """As for two visible runs in two worlds."""
     answers, worlds = RunAnswers(nobody), [replace(STUDENT, time_limit=limit) for limit in (50, 60)]
     first = [answers.at(world, 0.9).solution for world in worlds]
     assert None not in first
@@ -156,7 +156,7 @@ def test_of_many_worlds_that_follow_one_another_the_newest_is_worked_out_next(
     for world in worlds[1:]:
         assert answers.at(world, 0.9) == PENDING
     go_on.set()
-    for _ in range(2 * 5):  # each solution, and then what it earns
+    for _ in range(2 * 5):  # each solution, and then its return
         ready.acquire()
     assert solved == [0, 6, 5, 4, 3], "one at a time, and what was left long ago never"
     assert answers.at(worlds[6], 0.9).solution is not None
@@ -216,7 +216,7 @@ def test_runs_side_by_side_in_two_worlds_have_each_its_answer_worked_out_once(
 
 @pytest.fixture
 def nears(monkeypatch: pytest.MonkeyPatch) -> list[FloatArray | None]:
-    """What each solved world was solved from: values near its own."""
+    """The start values of each solved world: values near its own."""
     nears: list[FloatArray | None] = []
 
     def noting(mdp: TabularMDP, gamma: float, near: FloatArray | None) -> Solution:

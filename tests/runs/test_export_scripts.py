@@ -1,4 +1,4 @@
-"""The exported scripts: they are plain, they are sound, and they do what the program does."""
+"""The exported scripts are plain and valid, and compute what the program computes."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from rl_tui.runs.run import Run
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import read_scenario
 
-ALIKE = "egg"  # its states look alike, which scripts do not know
+ALIKE = "egg"  # its states look equal, which scripts cannot express
 WITH_MODEL = [
     name
     for name in SHIPPED
     if name not in ("blackjack", "blackjack-table", "cartpole", "mountain-car", ALIKE)
 ]
 LEARNERS = [each.id for each in BY_ID.values() if not each.planner and has_script(each)]
-# These draw nothing but for actions
+# These draw only for actions
 WITHOUT_DICE = [name for name in LEARNERS if name not in ("double-q-learning", "dyna-q")]
 VARIANTS: list[dict[str, object]] = [
     {},
@@ -89,7 +89,7 @@ def test_the_world_of_a_script_has_the_same_states_outcomes_and_answer(scenario:
     mdp, names = table_of(recipe), ran(script(recipe, 1), "# How good is it?")
     live = [state for state in range(mdp.states) if mdp.pairs_of(state)]
     assert len(names["states"]) == len(live)
-    # A sweep that moves no value by more than 1e-9 leaves at most γ / (1 − γ) times that; at γ = 1 more
+    # A sweep that moves no value by more than 1e-9 leaves at most γ / (1 − γ) times that error; at γ = 1 more
     assert np.abs(q_of(names, mdp) - solve(mdp, recipe.hyperparameters.gamma).q).max() < 1e-6
 
 
@@ -113,7 +113,7 @@ K = {{ kind = "floor" }}
 "+" = {{ kind = "goal", reward = 1.5, exit = true }}
 {legend}
 """
-# On leaving nobody is paid by what is never left; with a way back there may be one start only
+# With rewards on leaving, a cell that is never left pays nothing. With a way back only one start is allowed
 LEGENDS = {
     "entering": """B = { kind = "cliff", reward = -2.0, back = true }
 "-" = { kind = "hole", reward = -1.0 }""",
@@ -195,7 +195,7 @@ def test_a_table_with_quoted_names_noise_and_several_starts(tmp_path: Path) -> N
     names = ran(script(recipe, 1), "# How good is it?")
     assert np.abs(q_of(names, mdp) - solve(mdp, 0.5).q).max() < 1e-6
     learned = ran(script(recipe_for(scenario, {"gamma": 0.5, "alpha": "sample-average"}), 4000))
-    # The mean of some 4,000 targets, the noise of a reward being below 2
+    # The mean of about 4,000 targets, with the reward's noise below 2
     assert np.abs(q_of(learned, mdp) - solve(mdp, 0.5).q).max() < 0.2
 
 
@@ -204,7 +204,7 @@ def test_a_table_with_quoted_names_noise_and_several_starts(tmp_path: Path) -> N
 def test_without_chance_a_script_learns_bit_for_bit_the_same_up_to_rounding(
     algorithm: str, scenario: str
 ) -> None:
-    # Optimism explores in place of ε; both worlds are certain, and karpathy cuts its episodes off
+    # Optimism explores in place of ε. Both worlds are deterministic, and karpathy truncates its episodes
     changes = {
         "algorithm": algorithm,
         "epsilon": 0.0,
@@ -266,7 +266,7 @@ def test_a_bandit_finds_an_arm_that_pays(scenario: str, policy: str) -> None:
     names = ran(script(recipe, 2000))
     means = np.array(names["MEANS"])
     np.testing.assert_allclose(means, solve(table_of(recipe), 0.0).q, atol=1e-12)
-    # Far above the mean of all arms, which is what chance pays
+    # Far above the mean of all arms, the result of chance
     assert np.mean(names["returns"][-500:]) > (means.mean() + means.max()) / 2
 
 
@@ -280,7 +280,7 @@ TELLS_Q = "\nimport json\nprint(json.dumps([list(map(float, row)) for row in Q])
     [
         ("frozenlake", {}, 2000, 1.0),
         ("student", {"algorithm": "double-q-learning"}, 1500, 1.0),
-        ("maze", {"algorithm": "dyna-q"}, 50, 0.95**2),  # a way that is two steps too long counts as well
+        ("maze", {"algorithm": "dyna-q"}, 50, 0.95**2),  # a path with two extra steps counts too
     ],
 )
 def test_it_runs_by_itself_and_learns_the_best_policy(
@@ -339,7 +339,7 @@ def test_what_is_too_large_to_read_is_refused_in_a_line(tmp_path: Path) -> None:
 
 
 def test_states_that_look_alike_have_no_script() -> None:
-    with pytest.raises(UserError, match="some of its states look alike"):
+    with pytest.raises(UserError, match="cannot tell some of its states apart"):
         script_of(ALIKE)
 
 

@@ -1,4 +1,4 @@
-"""The texts that scripts are made of: each algorithm and policy has one, which reads as Python."""
+"""The text pieces of scripts: each algorithm and policy has one, which reads as Python."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_a_text_has_the_sections_that_scripts_are_made_of(row: Algorithm | Polic
 def test_there_is_no_text_that_no_row_has() -> None:
     named = {path.relative_to(PACKAGE.parent).as_posix().removesuffix(ENDING) for path in TEXTS}
     assert named <= {row.module.replace(".", "/") for row in ROWS}
-    assert len(named) >= 17  # what is shipped has one; what comes new may have none yet
+    assert len(named) >= 17  # shipped ones have a text; new ones may have none yet
 
 
 @pytest.mark.parametrize("path", TEXTS, ids=lambda path: path.name)
@@ -98,7 +98,7 @@ def with_made_up_rule(monkeypatch: pytest.MonkeyPatch) -> Recipe:
 
 
 def make_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
-    """Put ``text`` beside a module ``made_up.rule``."""
+    """Write ``text`` next to a module ``made_up.rule``."""
     package = tmp_path / "made_up"
     package.mkdir()
     (package / "__init__.py").touch()

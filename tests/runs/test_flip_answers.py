@@ -1,4 +1,4 @@
-"""The flips of a world beside its run: when they are known, and that they are the command's."""
+"""The flips of a world during a run: their arrival, and their agreement with the command."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from rl_tui.runs.background import background
 from rl_tui.runs.recipe import begin as begin_run
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
-LONGEST: Final = 60.0  # seconds until a process must have answered
+LONGEST: Final = 60.0  # seconds for a process to answer
 WORLDS: Final = ("student", "frozenlake-slippery", "discount")
 
 
@@ -123,11 +123,11 @@ def test_without_a_table_there_are_none() -> None:
     assert answers.of(None).state is FlipState.REFUSED
 
 
-# In a process of its own
+# In its own process
 
 
 class Beside:
-    """Flips that are worked out in processes, which are noted, with an event for each answer."""
+    """Flips from noted background processes, with an event for each answer."""
 
     def __init__(self, processes: list[subprocess.Popen[bytes]]) -> None:
         self.processes = processes

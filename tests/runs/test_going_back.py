@@ -1,4 +1,4 @@
-"""Going back and forking: whatever was done, what stands there is what the journal says, bit for bit."""
+"""Going back and branching: after any actions, the state equals the journal, bit for bit."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ from rl_tui.runs.recipe import SetParameter, SwitchAlgorithm
 
 
 def through_a_file(record: Record) -> Record:
-    """What a session file makes of ``record``."""
+    """Write ``record`` to a session file and read it again."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "session.json"
         path.write_bytes(encoded(record))
@@ -58,7 +58,7 @@ SETTINGS = st.one_of(
     st.builds(SetParameter, st.just("epsilon"), st.sampled_from([0.0, 0.3, 1.0])),
     st.builds(SetParameter, st.just("gamma"), st.sampled_from([0.0, 0.5, 0.95])),
     st.builds(SetParameter, st.just("ties"), st.sampled_from(["random", "first"])),
-    # each loop costs some seconds to compile: of the dearer ones only one that waits, and a planner
+    # each loop takes seconds to compile: of the expensive ones only one that waits, and a planner
     st.builds(SwitchAlgorithm, st.sampled_from(["q-learning", "sarsa", "n-step-sarsa", "value-iteration"])),
 )
 
@@ -123,10 +123,10 @@ def test_every_moment_looks_as_it_looked_then(scenario: str) -> None:
 
 
 def looks(snapshot: Snapshot) -> Any:
-    """What a snapshot shows, but for what tells of other times."""
+    """The content of a snapshot, without information about other moments."""
     about_now = {"timeline", "world", "exact_answer"}
     if snapshot.world.new_environment is not None:
-        about_now.add("trail")  # of an environment that is stepped it is what was recorded
+        about_now.add("trail")  # a stepped environment shows the recorded values
     shown = changed(snapshot, handled=0)
     return [bits(getattr(shown, each.name)) for each in fields(shown) if each.name not in about_now]
 
@@ -152,11 +152,11 @@ def test_a_change_in_the_past_forks_and_one_can_go_back_to_either() -> None:
     branch = shown.timeline.current
     assert (branch.name, branch.parent, branch.fork, branch.end) == ("branch 2", 0, 400, 500)
     shown = do(playback, ChooseBranch(0))
-    assert (shown.counters.step, shown.timeline.current.end) == (500, 1000)  # the moment stays
+    assert (shown.counters.step, shown.timeline.current.end) == (500, 1000)  # the moment does not change
     do(playback, GoTo(1000))
     assert stand(playback.group.current.run) == first
     shown = do(playback, ChooseBranch(1))
-    assert shown.counters.step == 500  # it has come no further
+    assert shown.counters.step == 500  # it was no further at that time
     assert stand(playback.group.current.run) == second
     assert shown.agent.hyperparameters.alpha == 0.5
     shown = do(playback, GoTo(450), ChooseBranch(0), ChooseBranch(1))
@@ -182,7 +182,7 @@ def test_a_change_at_the_very_end_is_no_fork() -> None:
     playback = begin(recipe("student"))
     shown = do(playback, Train(50), Apply(SetParameter("alpha", 0.5)), Train(1), StepBack())
     assert len(shown.timeline.branches) == 1
-    assert shown.agent.hyperparameters.alpha == 0.5  # what was set at step 50 is in force there
+    assert shown.agent.hyperparameters.alpha == 0.5  # the settings of step 50 apply
 
 
 def test_what_was_set_at_a_step_is_in_force_there_however_one_comes_to_it() -> None:
@@ -297,7 +297,7 @@ def test_a_stepped_world_is_replayed_from_the_seed(scenario: str) -> None:
     playback.handle(GoTo(200))
     assert playback.phase is Phase.SEEKING
     assert "from the seed" in playback.snapshot().playback.message
-    assert playback.snapshot().counters.step == 600  # the old moment is shown until the new one is there
+    assert playback.snapshot().counters.step == 600  # the old moment is visible until the new one is ready
     while playback.on_the_way:
         playback.work()
     assert_true_to_the_record(playback)
@@ -320,7 +320,7 @@ def test_a_journey_is_replaced_by_the_next_and_given_up_by_a_pause() -> None:
     playback.handle(StepBack())
     playback.handle(GoTo(1000))
     playback.handle(StepBack())
-    assert playback.record.lanes[0].step == 999  # where a session would come back to
+    assert playback.record.lanes[0].step == 999  # the position after loading the session
     playback.work()
     playback.handle(Pause())
     assert (playback.phase, playback.snapshot().counters.step) == (Phase.PAUSED, 3000)
@@ -348,10 +348,10 @@ def test_an_action_that_is_not_possible_is_refused() -> None:
     ids=["step", "back", "slider"],
 )
 def test_few_functions_run_from_a_command_to_its_snapshot(command: Command, most: int) -> None:
-    """Lower these numbers where the way becomes shorter."""
+    """Lower these numbers when the way becomes shorter."""
     playback = begin(recipe("frozenlake"))
-    do(playback, *[Step()] * 20, command, command)  # whatever is read or built at first does not count
-    # what is worked out for some steps only, such as the value of another policy, does not count either
+    do(playback, *[Step()] * 20, command, command)  # one-time reads and builds do not count
+    # nor do values computed for some steps only, such as the value of another policy
     assert min(len(functions_of(playback, command)) for _ in range(3)) <= most
 
 

@@ -1,4 +1,4 @@
-"""What is called idle really changes nothing."""
+"""Parameters called idle really change nothing."""
 
 from __future__ import annotations
 

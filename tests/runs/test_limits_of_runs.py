@@ -1,4 +1,4 @@
-"""What the runs of a kiosk may remember."""
+"""Memory limits for the runs of a kiosk."""
 
 from __future__ import annotations
 

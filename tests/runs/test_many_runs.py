@@ -198,7 +198,7 @@ def test_ctrl_c_does_not_wait_for_runs_that_never_began(monkeypatch: pytest.Monk
 
 
 class Interrupted(io.StringIO):
-    """Takes no more than the head of the table: then somebody presses ctrl+C."""
+    """Accepts only the head of the table, then raises the interrupt of ctrl+C."""
 
     def write(self, text: str, /) -> int:
         if "1,1," in self.getvalue() + text:

@@ -1,4 +1,4 @@
-"""How long a question in the background takes, and whether a busy machine keeps it waiting."""
+"""The duration of a background question, and its wait on a busy machine."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def clock() -> Clock:
 def test_nothing_is_known_before_the_first_result(clock: Clock) -> None:
     pace = Pace(clock, is_busy=lambda: False)
     clock.now += 60.0
-    pace.note()  # what has no share of the whole, such as a stage, is no result
+    pace.note()  # messages without a fraction, such as a stage, are not results
     assert pace.seconds_left is None
     assert how_long(pace.seconds_left, is_held_up=False) == ""
 
@@ -33,7 +33,7 @@ def test_the_rest_takes_as_long_as_what_is_done_has_taken(clock: Clock) -> None:
     pace.note(0.25)
     assert pace.seconds_left == pytest.approx(30.0)
     clock.now += 5.0
-    pace.note(0.5)  # 5 s a quarter: before the first result it may have compiled
+    pace.note(0.5)  # 5 s per quarter: the time before the first result may include compiling
     assert pace.seconds_left == pytest.approx(10.0)
     assert how_long(pace.seconds_left, is_held_up=False) == "about 10 s left"
     pace.note(1.0)

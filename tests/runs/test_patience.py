@@ -1,4 +1,4 @@
-"""When training waits for machine code, goes on without it meanwhile, or never looks for it."""
+"""Training waits for machine code, continues without it, or never looks for it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ OTHER = Loop("sarsa", "epsilon-greedy", stepped=False)
 
 @dataclass
 class Learner:
-    """What is looked at of a learner."""
+    """The attributes of a learner that the program looks at."""
 
     loop: Loop = LOOP
     is_compiled: bool = False
@@ -39,7 +39,7 @@ class Learner:
 
 @dataclass
 class Machine:
-    """A computer with a clock, so many cores and this in its cache, and what was asked of it."""
+    """A computer with a clock, cores and a cache. It notes the requests made."""
 
     now: float = 100.0
     cores: int = 2
@@ -75,7 +75,7 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
 def after_a_look(
     machine: Machine, seconds_left: float, learner: Learner | None = None, spent: float = SURE_ENOUGH
 ) -> Patience:
-    """Look at training that has gone on for ``spent`` seconds, and will take so many more."""
+    """Look at training that has taken ``spent`` seconds, and needs some more."""
     learner, looks = learner or Learner(), Patience()
     looks.look(learner, 0, 1)  # type: ignore[arg-type]
     machine.now += spent * 1.01

@@ -1,4 +1,4 @@
-"""Files that say what a policy does: what they mean, what is wrong with them, and how they are written."""
+"""Policy files: their meaning, their errors, and how they are written."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from rl_tui.runs.recipe import begin
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 STUDENT = begin(recipe("student")).world.space
-"""Class: study, check phone; Phone: scroll, quit; Pass: sleep; Sleep is the end."""
+"""Class: study, check phone. Phone: scroll, quit. Pass: sleep. Sleep is the end."""
 LAKE = begin(recipe("frozenlake")).world.space
 
 
 def read(folder: Path, content: Any, space: FiniteSpace = STUDENT) -> dict[int, Choice]:
-    """What a file of this content, JSON or a text, means."""
+    """The policy in a file of this content, JSON or text."""
     path = folder / "policy.json"
     path.write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
     return read_policy(str(path), space)
 
 
 def faults(folder: Path, content: Any) -> list[str]:
-    """What is said of such a file, without its name."""
+    """The errors of such a file, without its name."""
     with pytest.raises(UserError) as caught:
         read(folder, content)
     return [line.removeprefix(f"{folder / 'policy.json'}: ") for line in str(caught.value).splitlines()]
@@ -131,6 +131,6 @@ def test_what_is_written_is_read_as_it_was(tmp_path: Path) -> None:
 def test_what_a_person_drew_is_written_by_its_names() -> None:
     quit_, sleep = (STUDENT.action_names.index(name) for name in ("quit", "sleep"))
     drawn = DrawnPolicy(((1, quit_), (2, quit_), (3, sleep)))
-    assert drawn.pairs(STUDENT) == {1: 3}  # elsewhere that cannot be done
+    assert drawn.pairs(STUDENT) == {1: 3}  # not available elsewhere
     assert policy_document(STUDENT, drawn.pairs(STUDENT)) == {"Phone": "quit"}
     assert drawn.chances(STUDENT).tolist() == [0.5, 0.5, 0.0, 1.0, 1.0]

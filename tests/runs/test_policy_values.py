@@ -1,4 +1,4 @@
-"""What policies are worth in a run: against a plain solution, and worked out no more often than need be."""
+"""Values of policies in a run: equal to a plain solution, and computed only if necessary."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def answer(playback: Playback, kind: PolicyKind) -> PolicyAnswer:
 
 
 def plain_values(mdp: TabularMDP, policy: np.ndarray[Any, Any], gamma: float) -> np.ndarray[Any, Any]:
-    """V of ``policy`` by its linear equations, written down outcome by outcome."""
+    """V of ``policy`` by its linear equations, built outcome by outcome."""
     matrix, right = np.eye(mdp.states), np.zeros(mdp.states)
     for pair in range(mdp.pairs):
         state = int(mdp.pair_state[pair])
@@ -194,7 +194,7 @@ def test_it_is_worked_out_again_only_where_something_is_another(asked: list[floa
     assert all(again[kind] is first[kind] for kind in PolicyKind)
     playback.handle(Apply(SetParameter("epsilon", 0.5)))
     playback.snapshot()
-    assert len(asked) == 6  # as it acts
+    assert len(asked) == 6  # the agent's own policy
     playback.handle(Apply(SetParameter("gamma", 0.5)))
     playback.snapshot()
     assert asked[6:] == [0.5] * 5
@@ -216,7 +216,7 @@ def test_lanes_have_answers_of_their_own(asked: list[float]) -> None:
 
 @pytest.fixture
 def dear(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No world is quick."""
+    """Make every world slow."""
     monkeypatch.setattr(policy_values, "is_quick", lambda _: False)
 
 
@@ -227,7 +227,7 @@ def test_what_is_dear_waits_for_a_pause(asked: list[float], monkeypatch: pytest.
     playback.handle(Play())
     playback.work()
     with monkeypatch.context() as patched:
-        patched.delattr("rl_tui.runs.answers.policy_values.DrawnPolicy.chances")  # none is built
+        patched.delattr("rl_tui.runs.answers.policy_values.DrawnPolicy.chances")  # none is started
         patched.delattr("rl_tui.agents.policies.chances.all_chances")
         shown = playback.snapshot().answers.policies
     assert {each.refused for each in shown.values()} == {WHILE_RUNNING}

@@ -1,4 +1,4 @@
-"""The command line of a run, and what was changed on the way as text."""
+"""The command line of a run, with its changes as text."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ JOURNAL = (
 
 
 def done_again(line: str) -> dict[str, object]:
-    """Return the document that a line prints."""
+    """Return the document of a printed line."""
     name, *words = shlex.split(line)
     assert name == "rl-tui"
     result = CliRunner().invoke(program, [*words, "--json"])
@@ -89,7 +89,7 @@ def test_a_file_is_named_by_its_path_and_quoted(tmp_path: Path) -> None:
 def test_a_session_that_was_gone_on_with_names_its_scenario_where_it_is_now(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     text = recipe_of("student").scenario.source.read_text(encoding="utf-8")
-    shipped = scenario_of(text, Path("student.toml"))  # the file where it was saved is not this one
+    shipped = scenario_of(text, Path("student.toml"))  # the file at its saved place is another one
     assert recipe_line(recipe_for(shipped), (), 5, ACTIONS) == "rl-tui train student --seed 0 --steps 5"
     path.write_text(text, encoding="utf-8")
     mine = recipe_for(read_scenario(path))

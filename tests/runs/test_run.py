@@ -18,7 +18,7 @@ from rl_tui.runs.run import Run, RunState
 
 
 def assert_same(one: Run, other: Run) -> None:
-    """Two runs stand at the same place, bit for bit."""
+    """Assert that two runs are at the same step, bit for bit."""
     first, second = one.checkpoint(), other.checkpoint()
     assert _bits(first.learner) == _bits(second.learner)
     assert _bits(first.history) == _bits(second.history)
@@ -115,7 +115,7 @@ def test_a_mark_belongs_to_what_was_in_force_before_the_change_of_its_step() -> 
     changed.advance(steps=1)
     unchanged.advance(steps=1)
     assert changed.results.marks.expected_return[0] == unchanged.results.marks.expected_return[0]
-    # Equal estimates: at random 50 steps of studying or phoning; the first action studies and always passes
+    # Equal estimates: randomly, 50 steps of study or phone. The first action studies and always passes
     assert unchanged.results.marks.expected_return[0] < 7.5
 
 
@@ -144,7 +144,7 @@ def test_every_episode_is_reported_once_and_in_order() -> None:
             zip(returns.tolist(), optimal.tolist(), strict=True)
         ),
     )
-    run.advance(episodes=20_000)  # more than the learner logs at a time
+    run.advance(episodes=20_000)  # more than the learner logs at once
     assert run.learner.episodes == run.step == len(episodes) == 20_000
     assert sum(total for total, _ in episodes) == pytest.approx(run.history.total_return)
     best = int(run.world.space.reward.argmax())

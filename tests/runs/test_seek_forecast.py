@@ -1,4 +1,4 @@
-"""How long a seek is said to take."""
+"""The forecast of a seek's duration."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FIRST_CALL = 0.3  # seconds
 
 
 class SlowStart:
-    """A group that seeks at ``rate`` steps a second, but for its first call, and the clock that it moves."""
+    """A group that seeks at ``rate`` steps a second after a slow first call, and moves the clock."""
 
     def __init__(self, rate: float) -> None:
         self.now, self.done, self._rate, self._wait = 0.0, 0, rate, FIRST_CALL

@@ -1,4 +1,4 @@
-"""The trail of an episode: the steps of a plain replay, however one came to where the run stands."""
+"""The trail of an episode equals the steps of a plain replay, for every way to the current step."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from rl_tui.runs.timeline.trail import MOST_STEPS, Trail, TrailRecorder
 
 
 def begin_at_once(made_from: Recipe) -> Playback:
-    """A playback for which nothing takes any time, so that it trains in large pieces and keeps no states."""
+    """A playback without delays, which trains in large chunks and keeps no states."""
     playback = Playback(made_from, speed=None, automatic=False, clock=lambda: 0.0, on_exact=lambda: None)
     while playback.on_the_way:
         playback.work()
@@ -43,7 +43,7 @@ def begin_at_once(made_from: Recipe) -> Playback:
 
 
 def plain_trail(made_from: Recipe, journal: tuple[JournalEntry, ...], steps: int) -> Trail:
-    """The trail of a run of which every single step is told."""
+    """The trail of a run, built from every single step."""
     run = Run(made_from)
     recorder = TrailRecorder()
     for step in range(1, steps + 1):

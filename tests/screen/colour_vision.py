@@ -1,4 +1,4 @@
-"""How colours look: luminance, contrast, and distances for eyes that lack one kind of cone."""
+"""The look of colours: luminance, contrast, and distances for eyes that lack one kind of cone."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from rich.color import Color
 Vector = npt.NDArray[np.float64]
 
 # G. M. Machado, M. M. Oliveira, L. A. F. Fernandes: A Physiologically-based Model for Simulation of Color
-# Vision Deficiency. IEEE TVCG 15 (6), 2009, pp. 1291-1298: the matrices of severity 1 for linear RGB, in this
-# order those of protanopia, deuteranopia and tritanopia
+# Vision Deficiency. IEEE TVCG 15 (6), 2009, pp. 1291-1298: the matrices of severity 1 for linear RGB, for
+# protanopia, deuteranopia and tritanopia
 EYES = {
     "all cones": np.eye(3),
     "no long cones": np.array(
@@ -52,12 +52,12 @@ def contrast(one: Color, other: Color) -> float:
 
 
 def distance(one: Color, other: Color, eye: str) -> float:
-    """CIE 1976 distance as ``eye`` sees both; about 2 is the least that is noticed."""
+    """CIE 1976 distance as ``eye`` sees both. About 2 is the smallest visible distance."""
     return float(np.linalg.norm(_lab(one, EYES[eye]) - _lab(other, EYES[eye])))
 
 
 def least_distance(one: Color, other: Color) -> float:
-    """The distance for the eye that tells the two apart worst."""
+    """The smallest distance over all eyes."""
     return min(distance(one, other, eye) for eye in EYES)
 
 

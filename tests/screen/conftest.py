@@ -29,8 +29,8 @@ def _no_scenarios(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.Temp
 
 
 async def all_done(*_: float) -> None:
-    """Wait until what was typed or sent until now is done."""
-    for _turn in range(3):  # of the loop, until what a driver sends is with the app
+    """Wait until all earlier keys and commands are done."""
+    for _turn in range(3):  # of the loop, until the app has the driver's messages
         await asyncio.sleep(0)
     app = active_app.get()
     await _reached(app.call_later)
@@ -45,7 +45,7 @@ async def _reached(call: Callable[[Callable[[], None]], bool]) -> None:
 
 
 async def _arranged(pilot: Pilot[Any]) -> None:
-    """Wait until the screen has arranged its panels, they what is in them, and nothing asks for it again."""
+    """Wait until the screen and its panels are arranged, and no new arrangement is pending."""
     arranged = pilot.app.screen.screen_layout_refresh_signal
     layouts = 0
 
@@ -64,9 +64,9 @@ async def _arranged(pilot: Pilot[Any]) -> None:
 
 @pytest.fixture(autouse=True, scope="session")
 def _keys_are_done_when_they_are() -> Iterator[None]:
-    """Let a pilot wait for what its keys do, not until the process has seemed idle for a while.
+    """Let a pilot wait for the effects of its keys, not until the process seems idle.
 
-    That takes a twenty-fifth of a second for every key, and is too short where the machine is busy.
+    The wait for idleness takes 1/25 of a second per key, and is too short on a busy machine.
     """
     resize = Pilot.resize_terminal
 
@@ -85,7 +85,7 @@ def _keys_are_done_when_they_are() -> Iterator[None]:
 
 @pytest.fixture(autouse=True, scope="session")
 def _styles_parsed_once() -> Iterator[None]:
-    """Let all apps share the rules of their styles, which each would parse two or three times by itself."""
+    """Share the parsed style rules between apps. Each would parse them two or three times."""
     known: dict[Any, list[RuleSet]] = {}
     parse = Stylesheet._parse_rules
 
@@ -103,7 +103,7 @@ def _styles_parsed_once() -> Iterator[None]:
 
 @pytest.fixture
 def make_app() -> MakeApp:
-    """An app whose steps pass only as it is told: the playground of a scenario, or the catalogue."""
+    """Make an app that takes steps only on request: the playground of a scenario, or the start screen."""
 
     def make(scenario: str | None = None, *, seed: int = 0, **display: object) -> RlTuiApp:
         recipe = recipe_for(find(scenario), {}, seed) if scenario else None
@@ -117,7 +117,7 @@ def make_app() -> MakeApp:
 
 @pytest.fixture
 def is_typed(monkeypatch: pytest.MonkeyPatch) -> asyncio.Event:
-    """What has to be set before a player shows anything: until then there is no world on screen."""
+    """Set this event to let a player publish snapshots. Until then no world is on screen."""
     event, snapshots = asyncio.Event(), Player.snapshots
 
     async def late(player: Player) -> AsyncIterator[Snapshot]:

@@ -1,4 +1,4 @@
-"""Two ways to draw a map: with keys alone, and with the mouse alone."""
+"""Two ways to draw a map: with keys only, and with the mouse only."""
 
 from __future__ import annotations
 
@@ -41,17 +41,17 @@ class Plan:
 
     lines: tuple[str, ...]
     rewards: Mapping[float, Sequence[Cell]] = field(default_factory=dict)
-    """What cells pay that do not pay what their brush says."""
+    """Rewards of cells that differ from those of their brush."""
     jump: tuple[Cell, Cell] | None = None
     numbers: Mapping[str, float] = field(default_factory=dict)
-    """What sliders are to show."""
+    """The numbers to set on sliders."""
     on_leaving: bool = False
 
 
 def plan_of(scenario: str) -> Plan:
-    """What has to be drawn for the map of ``scenario``.
+    """Return the strokes for the map of ``scenario``.
 
-    In its file other characters stand for goals, holes and exits; the table does not tell them.
+    Its file may use any characters for goals, holes and exits, and the table cannot distinguish them.
     """
     draft = first_draft(find(scenario), 0)
     assert isinstance(draft, GridDraft)
@@ -82,13 +82,13 @@ def _brush_of(entry: LegendEntry) -> str:
 
 
 def app_of_template(template: str) -> RlTuiApp:
-    """The app with the blank world of that name, as ``rl-tui edit`` begins."""
+    """The app with a blank world, as ``rl-tui edit`` opens it."""
     scenario = scenario_of(template_text(template), Path("my-world.toml"))
     return app_at(recipe_for(scenario))
 
 
 def map_drawn(pilot: Pilot[UserError]) -> GridDraft:
-    """The map as it is drawn."""
+    """The map on screen."""
     draft = snapshot(pilot).editor.draft
     assert isinstance(draft, GridDraft)
     return draft
@@ -101,7 +101,7 @@ class Hands(ABC):
         self.pilot = pilot
 
     async def draw(self, plan: Plan) -> None:
-        """Begin to draw, and draw all of it."""
+        """Start drawing mode and draw everything."""
         await self.begin()
         rows, columns = len(plan.lines), len(plan.lines[0])
         await self.resize(rows - map_drawn(self.pilot).rows, "rows")
@@ -122,7 +122,7 @@ class Hands(ABC):
 
     @abstractmethod
     async def resize(self, by: int, what: str) -> None:
-        """Add lines at the end, or take the second one away as often as needed: the start is in the first."""
+        """Add lines at the end, or delete the second one repeatedly. The first line holds the start."""
 
     @abstractmethod
     async def paint(self, lines: Sequence[str]) -> None: ...
@@ -141,18 +141,18 @@ class Hands(ABC):
 
     @property
     def sliders(self) -> Sequence[Slider]:
-        """Those of the panel."""
+        """The sliders of the panel."""
         return playground(self.pilot).board.tools.sliders
 
 
 class Keys(Hands):
-    """Presses keys. They are typed ahead: pictures are waited for only where lines move."""
+    """Presses keys. They are typed ahead, with waits for pictures only where lines move."""
 
     _at: Cell = (0, 0)
 
     async def begin(self) -> None:
         await press(self.pilot, "w", "d")
-        await self.pilot.press("down", "up")  # from here on the cursor stays where it is put
+        await self.pilot.press("down", "up")  # from here on the cursor does not move automatically
 
     async def _go(self, cell: Cell) -> None:
         (row, column), (to_row, to_column) = self._at, cell
@@ -170,7 +170,7 @@ class Keys(Hands):
     async def paint(self, lines: Sequence[str]) -> None:
         there = map_drawn(self.pilot).lines
         wanted = [((r, c), each) for r, line in enumerate(lines) for c, each in enumerate(line)]
-        for cell, character in sorted(wanted, key=lambda each: each[1] != "S"):  # there is always a start
+        for cell, character in sorted(wanted, key=lambda each: each[1] != "S"):  # a start always exists
             if character == there[cell[0]][cell[1]] and character != "S":
                 continue
             await self._go(cell)
@@ -202,7 +202,7 @@ class Keys(Hands):
 
 
 class Mouse(Hands):
-    """Clicks, drags and turns the wheel, at places of the screen where a person sees what is there."""
+    """Clicks, drags and turns the wheel at the places where a person sees their targets."""
 
     _places: dict[int, tuple[int, int]]
 
@@ -221,7 +221,7 @@ class Mouse(Hands):
         return view
 
     def _look(self) -> None:
-        """Find where each cell is drawn."""
+        """Find the place of each cell."""
         view = self._view
         self._places = {}
         for y in range(view.size.height):
@@ -231,18 +231,18 @@ class Mouse(Hands):
                     self._places.setdefault(cell, (x + view.gutter.left, y + view.gutter.top))
 
     def offset(self, cell: Cell) -> tuple[int, int]:
-        """Where ``cell`` is drawn in the view."""
+        """The place of ``cell`` in the view."""
         drawing = snapshot(self.pilot).world.drawing
         assert isinstance(drawing, Grid)
         return self._places[cell[0] * drawing.columns + cell[1]]
 
     async def tool(self, text: str) -> None:
-        """Click the tool that is written so in the panel."""
+        """Click the tool with this label in the panel."""
         screen = self.pilot.app.screen
         await self._click_text(text, screen.query_one(ToolList), *screen.query(ToolRow))
 
     async def of_menu(self, label: str) -> None:
-        """Click the last row of the panel, then the row of its menu that is called so."""
+        """Click the last row of the panel, then the menu row with this label."""
         rest = list(self.pilot.app.screen.query(ToolRow))[-1]
         await self.pilot.click(rest, offset=(1, rest.size.height - 1))
         await settle(self.pilot)
@@ -254,13 +254,13 @@ class Mouse(Hands):
         await self.pilot.click(widget, offset=(row.index(text), y))
 
     async def drag(self, widget: Widget, first: tuple[int, int], last: tuple[int, int]) -> None:
-        """Drag the pointer from one place of ``widget`` to another, so fast that nothing between is seen."""
+        """Drag the pointer from one place of ``widget`` to another, too fast for any places between."""
         await self.pilot.mouse_down(widget, offset=first)
         await self.pilot.hover(widget, offset=last)
         await self.pilot.mouse_up(widget, offset=last)
 
     async def wheel(self, widget: Widget, offset: tuple[int, int], notches: int) -> None:
-        """Turn the wheel up, or down where ``notches`` is below 0."""
+        """Turn the wheel up, or down if ``notches`` is negative."""
         kind = MouseScrollUp if notches > 0 else MouseScrollDown
         for _ in range(abs(notches)):
             x, y = widget.region.offset + offset

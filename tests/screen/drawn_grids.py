@@ -24,7 +24,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 
 def q_of(snapshot: Snapshot, values: dict[tuple[int, int], float]) -> FloatArray:
-    """Zero but for (state, place of the pair in it)."""
+    """Zero except at (state, position of the pair in it)."""
     q = np.zeros(snapshot.world.space.pairs)
     for (state, place), value in values.items():
         q[int(snapshot.world.space.first_pair[state]) + place] = value
@@ -77,7 +77,7 @@ def large_lake(side: int = 40) -> Snapshot:
 
 
 def paying() -> Snapshot:
-    """A corridor whose second cell costs 1 to leave, and whose last pays 1 and goes back to the start."""
+    """A corridor: leaving the second cell costs 1, and leaving the last pays 1 and returns to the start."""
     legend = {
         "g": {"kind": "goal", "reward": 1.0, "terminal": False, "jump": "S"},
         "-": {"kind": "floor", "reward": -1.0},
@@ -91,7 +91,7 @@ def paying() -> Snapshot:
 
 
 def one_way() -> Snapshot:
-    """A corridor whose second cell is left to the right only."""
+    """A corridor whose second cell only leads right."""
     world = GridSection.model_validate({"map": "S>..G\n.....\n"}).build(np.random.default_rng(0))
     space = world.space
     return changed(

@@ -61,7 +61,7 @@ def fresh(state: Snapshot, q: list[float], visits: list[int]) -> Snapshot:
 
 
 def lake_of(values: dict[int, float], **changes: Any) -> Snapshot:
-    """The small lake before its first step, but for some pairs that were visited once."""
+    """The small lake before its first step, with some pairs visited once."""
     start = lake(0)
     q, visits = np.zeros(44), np.zeros(44, dtype=np.int64)
     for pair, value in values.items():

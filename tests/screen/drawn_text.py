@@ -1,4 +1,4 @@
-"""The text that a widget draws, edges and padding included."""
+"""The text that a widget draws, with edges and padding."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from textual.widget import Widget
 
 
 def rows_of(widget: Widget) -> list[str]:
-    """Every row from edge to edge: rows are cut out of what is drawn, and ``size`` leaves the padding out."""
+    """Every row from edge to edge, cut out of the drawing, because ``size`` excludes the padding."""
     return [row.text for row in widget.render_lines(widget.outer_size.region)]
 
 
 def words_of(widget: Widget) -> str:
-    """Its words with a blank between them, wherever lines are broken."""
+    """Its words with single blanks, whatever the line breaks."""
     return " ".join(" ".join(rows_of(widget)).split())
 
 
 def letters_of(widget: Widget) -> str:
-    """All without blanks: a path may be broken at any letter, and where depends on the folder it is in."""
+    """Its letters without blanks: a path may break at any letter, depending on its folder."""
     return "".join("".join(rows_of(widget)).split())

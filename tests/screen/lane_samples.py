@@ -1,4 +1,4 @@
-"""Snapshots of runs side by side, made by hand."""
+"""Snapshots of several runs, made by hand."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LANES: tuple[tuple[str, str, dict[str, Any], float, float, int], ...] = (
 
 
 def lane_views(count: int) -> tuple[LaneView, ...]:
-    """So many runs of the slippery lake, which end apart from one another."""
+    """Runs of the slippery lake, with different ends."""
     q, base = _lake().agent.q, _lake().agent.hyperparameters
     return tuple(
         LaneView(
@@ -46,20 +46,20 @@ def lane_views(count: int) -> tuple[LaneView, ...]:
 
 
 def side_by_side(count: int, shown: int = 0, **changes: Any) -> Snapshot:
-    """So many runs of the slippery lake; ``shown`` is the number, from 0, of the one on screen."""
+    """Runs of the slippery lake. ``shown`` is the index of the one on screen."""
     lanes = lane_views(count)
     return paired(changed(showing(_lake(), lanes[shown]), lanes=lanes, shown=shown, **changes))
 
 
 def paired(snapshot: Snapshot) -> Snapshot:
-    """``snapshot``, which has lanes, with the first one that is not shown beside it."""
+    """``snapshot``, which has several runs, with the first hidden one next to the visible one."""
     group = snapshot.run_group
     others = [number for number in range(len(group.lanes)) if number != group.shown]
     return replace(snapshot, run_group=replace(group, beside=next(iter(others), None)))
 
 
 def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:
-    """``snapshot`` with what is known of ``lane``."""
+    """``snapshot`` with the data of ``lane``."""
     return changed(
         snapshot,
         algorithm=lane.algorithm,
@@ -75,7 +75,7 @@ def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:
 
 
 def without_episodes(lane: LaneView) -> LaneView:
-    """``lane`` as it was before its first episode ended."""
+    """``lane`` before the end of its first episode."""
     return changed(lane, step=0, episodes=0, curve=Curve(), marks=marks(0, 0.0, 0.0, 0), return_last_100=None)
 
 

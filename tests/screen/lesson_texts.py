@@ -1,4 +1,4 @@
-"""A lesson with a page of each kind, as tests of its screen read it."""
+"""A lesson with a page of each kind, for tests of its screen."""
 
 from __future__ import annotations
 

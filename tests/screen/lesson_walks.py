@@ -1,4 +1,4 @@
-"""Somebody who takes a lesson: reads its pages, answers, and does with keys what they ask."""
+"""A learner who takes a lesson with keys: reads its pages, answers, and does its tasks."""
 
 from __future__ import annotations
 
@@ -42,56 +42,56 @@ BY_HAND: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
     ("q-by-hand", "zero"): ("check phone",),
     ("beyond-tables", "same-bin"): ("left", "left"),
 }
-"""The actions that a text, or a prediction once it is in, asks for and that the agent would not take."""
+"""Actions that a text or a prediction asks for, and that the agent would not take."""
 
-_FEW: Final = 4  # steps that are taken one by one
+_FEW: Final = 4  # steps taken singly
 _NAMED: Final = {"-": "minus", ".": "full_stop", ",": "comma"}
 
 
 @dataclass
 class Learner:
-    """Takes ``lesson`` by the keys of ``pilot``; no page may turn but by its key."""
+    """Takes ``lesson`` by the keys of ``pilot``. Pages turn only by their keys."""
 
     pilot: Pilot[UserError]
     lesson: Lesson
 
     @property
     def now(self) -> Snapshot:
-        """What the playground shows."""
+        """The playground's snapshot."""
         return snapshot(self.pilot)
 
     @property
     def view(self) -> LessonView:
-        """How the lesson stands."""
+        """The state of the lesson."""
         view = self.now.lesson
         assert view is not None
         return view
 
     @property
     def record(self) -> LessonRecord:
-        """How far the learner has come."""
+        """The learner's progress."""
         return self.view.record
 
     @property
     def page(self) -> Page:
-        """The page that is open."""
+        """The current page."""
         return open_page(self.record)
 
     async def keys(self, *keys: str) -> None:
-        """Press ``keys``, of which none turns the page."""
+        """Press ``keys``, none of which may turn the page."""
         page = self.record.page
         await press(self.pilot, *keys)
         assert self.record.page == page, f"{keys} turned the page {page}"
 
     async def type(self, text: str) -> None:
-        """Type ``text`` into what asks for it, and send it."""
+        """Type ``text`` into the prompt, and send it."""
         await self.pilot.press(*(_NAMED.get(each, each) for each in text), "enter")
         await settle(self.pilot)
 
     # Reading
 
     async def read(self) -> str:
-        """Have the page in view; return what is seen of it, in one line."""
+        """Show the page and return its visible text, in one line."""
         place = playground(self.pilot).board.lesson
         if not place.is_in_view:
             await self.keys("enter")
@@ -100,7 +100,7 @@ class Learner:
         return " ".join([panel.heading, *" ".join(rows).split()])
 
     async def turn(self) -> None:
-        """Turn to the next page, which is allowed without a second press at the end of this one."""
+        """Turn to the next page. At the end of a page, one press must be enough."""
         await self.read()
         before = self.record.page
         while playground(self.pilot).board.lesson.panel.scroll_page(1):
@@ -112,7 +112,7 @@ class Learner:
     # Answering
 
     async def answer(self, ask: Ask, answer: float) -> None:
-        """Give ``answer``: the number, or the place of the choice."""
+        """Give ``answer``: the number, or the index of the choice."""
         await self.read()
         await self.keys("enter")
         if ask.choices:
@@ -123,7 +123,7 @@ class Learner:
     # The run
 
     async def set_up(self) -> None:
-        """Set the run of the page up again."""
+        """Restart the run of the page."""
         await self.keys("r", "p")
         if isinstance(self.pilot.app.screen, Confirm):
             await self.keys("enter")
@@ -132,7 +132,7 @@ class Learner:
         assert self.now.recipe == setup, "r p has brought other settings back"
 
     async def set(self, name: str, value: float | str) -> None:
-        """Give the setting ``name`` its ``value`` by keys: a slider where it has one, else a dialog."""
+        """Set ``name`` to ``value`` by keys: with its slider if it has one, otherwise in a dialog."""
         agent = self.now.agent
         in_force = agent.algorithm if name == ALGORITHM else agent.hyperparameters.value(name)
         if in_force == value:
@@ -169,7 +169,7 @@ class Learner:
         await self.keys("escape")
 
     async def act(self, name: str) -> None:
-        """Take the action of this ``name`` in place of the agent."""
+        """Take this action in place of the agent."""
         if not self._is_manual:
             await self.keys("y")
             assert self._is_manual, notes(self.pilot.app)
@@ -189,7 +189,7 @@ class Learner:
         await self.keys("a", phase[0])
 
     async def run_to(self, step: int) -> None:
-        """Let the agent go on until ``step``, or until it is done."""
+        """Let the agent continue until ``step``, or until it is done."""
         missing = step - self.now.counters.step
         assert missing >= 0, f"step {step} is over"
         if missing <= _FEW:
@@ -198,7 +198,7 @@ class Learner:
             await self._until("step", step)
 
     async def run_episodes(self, count: int) -> None:
-        """Let the agent go on until ``count`` episodes have ended, sweeps of a planner, or it is done."""
+        """Let the agent continue for ``count`` episodes (a planner: sweeps), or until it is done."""
         missing = count - self.now.counters.episodes
         if missing <= _FEW:
             await self.keys(*"e" * max(0, missing))
@@ -211,7 +211,7 @@ class Learner:
         await self.type(str(number))
 
     async def attempt(self, attempt: Attempt) -> None:
-        """Do what was recorded: settings first, then what was changed on the way, then the rest of it."""
+        """Repeat a recorded attempt: its settings first, then its changes on the way, then the rest."""
         if attempt.program:
             await self.write_program(attempt.program)
             return
@@ -230,7 +230,7 @@ class Learner:
             await self.keys("enter", "2")
 
     async def write_program(self, code: str) -> None:
-        """Have the file of the page begun in the working folder, write ``code`` into it, and check it."""
+        """Create the page's file in the working folder, write ``code`` into it, and check it."""
         task = self.page.task
         file = Path(task.program.file)
         await self.read()
@@ -259,7 +259,7 @@ class Learner:
 async def taking(
     lesson: Lesson, size: tuple[int, int], sessions: Path | None = None, page: str = ""
 ) -> AsyncIterator[Learner]:
-    """A learner who opens ``lesson`` on a screen of ``size``, at its first page or at ``page``."""
+    """A learner who opens ``lesson`` at ``page`` (the first by default) on a screen of ``size``."""
     record = begun(lesson)
     start = LessonStart(record.open(page) if page else record)
     async with on_screen(app_at(start, sessions=sessions), size, notifications=True) as pilot:
@@ -267,21 +267,21 @@ async def taking(
 
 
 def right_answer(ask: Ask) -> float:
-    """The right number, or the place of a right choice."""
+    """The right number, or the index of a right choice."""
     if ask.answer is not None:
         return ask.answer
     return next(place for place, choice in enumerate(ask.choices) if choice.right)
 
 
 def wrong_answer(ask: Ask) -> float:
-    """A wrong number to which there is a reply, or the place of a wrong choice."""
+    """A wrong number that has a reply, or the index of a wrong choice."""
     if ask.wrong:
         return ask.wrong[0].answer
     return next(place for place, choice in enumerate(ask.choices) if not choice.right)
 
 
 def _key_of(snapshot: Snapshot, action: int) -> str:
-    """The key that takes ``action``: an arrow where the world has directions, else a digit."""
+    """The key of ``action``: an arrow in worlds with directions, otherwise a digit."""
     world, state = snapshot.world, acts_in(snapshot)
     if has_directions(world):
         arrow = (key for key, step in STEPS.items() if action_towards(world, state, step) == action)
@@ -291,7 +291,7 @@ def _key_of(snapshot: Snapshot, action: int) -> str:
 
 
 def _in_order(settings: Mapping[str, float | str]) -> list[tuple[str, float | str]]:
-    """Return ``settings`` as they have to be set: others depend on the algorithm and the policy."""
+    """Return ``settings`` in order of dependency: algorithm and policy come first."""
     first = (ALGORITHM, "policy")
     return sorted(settings.items(), key=lambda item: first.index(item[0]) if item[0] in first else len(first))
 

@@ -78,7 +78,7 @@ TIES = CodeFinding(
 
 
 def program(**changes: Any) -> ProgramView:
-    """A script whose update is known, with ``changes`` to its fields."""
+    """A script with a known update, and ``changes`` to its fields."""
     view = ProgramView(
         title="frozen_lake.py",
         environment="FrozenLake-v1",
@@ -96,16 +96,16 @@ def program(**changes: Any) -> ProgramView:
 
 
 def watched(view: ProgramView | None = None, step: int = 12_400, **changes: Any) -> Snapshot:
-    """A program on the slippery lake after so many steps, its update known, with ``changes``."""
+    """A program on the slippery lake after some steps, with a known update and ``changes``."""
     return replace(changed(lake(step), **changes), program=view or program())
 
 
 def unknown(reason: str = "several cells moved in most steps", **changes: Any) -> Snapshot:
-    """A program whose update is not known: only the change of the cell is."""
+    """A program with an unknown update: only the change of the cell is known."""
     picture = watched(program(verdict=ProgramVerdict(update=UpdateFound(reason=reason))))
     last = picture.counters.last_step
     moved = last.after - last.before
-    # what a playback fills in where it knows nothing: terms that come to the estimate after it
+    # a playback's values for unknown parts: terms that follow the estimate
     open_step = replace(last, step_size=1.0, gamma=1.0, gathered=last.after, discount=0.0, bootstrap=0.0)
     open_step = replace(open_step, bootstrap_state=-1, **changes)
     assert moved
@@ -132,7 +132,7 @@ def drawn(
     height: int = 20,
     **options: Any,
 ) -> str:
-    """What a panel of a program draws of ``snapshot``, row by row."""
+    """The rows that a panel of a program draws for ``snapshot``."""
     panel = sized(kind(look(**options)), width, height)
     panel.snapshot = snapshot
     rows = panel.picture(snapshot, width, height)

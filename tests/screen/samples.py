@@ -40,7 +40,7 @@ def look(ascii: bool = False, depth: str = "truecolor", dark: bool = True) -> Lo
 
 
 def learned_from(last: LastStep, **terms: Any) -> LastStep:
-    """``last`` with other terms of its update, and the estimate and the bootstrap state that they lead to."""
+    """``last`` with other terms of its update, and the resulting estimate and bootstrap state."""
     other = replace(last, **terms)
     bootstraps = other.learned and not other.planned and not other.terminated
     other = replace(other, bootstrap_state=other.next_state if bootstraps else NOTHING)
@@ -48,7 +48,7 @@ def learned_from(last: LastStep, **terms: Any) -> LastStep:
 
 
 def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
-    """A scenario that is never built: the samples have their worlds already."""
+    """A scenario that is never built: the samples already have their worlds."""
     section: Any = SimpleNamespace(drawn_from_seed=kind == "bandit")
     return Scenario(
         id=id,
@@ -79,7 +79,7 @@ Shown = TypeVar("Shown", Snapshot, None)
 
 
 def answered(picture: Shown, revealed: bool = True) -> Shown:
-    """``picture`` with the exact answer shown, if ``revealed``; else as it is."""
+    """``picture`` with exact values if ``revealed``, otherwise unchanged."""
     return picture if picture is None or not revealed else changed(picture, is_hidden=False)
 
 
@@ -93,7 +93,7 @@ def curve(bins: int, low: float, high: float, width: int = 50) -> Curve:
 
 
 def marks(count: int, low: float, high: float, episodes: int) -> Marks:
-    """Greedy returns that rise from ``low`` to ``high``; the first is undefined."""
+    """Greedy returns that rise from ``low`` to ``high``. The first is undefined."""
     episode = np.linspace(0, episodes, count).astype(np.int64)
     expected = low + (high - low) * (1.0 - np.exp(-np.arange(count) / max(1.0, count / 6)))
     expected[:1] = np.nan
@@ -244,7 +244,10 @@ ESTIMATES = (-0.3, 0.3, -0.6, 0.7, 0.0, 1.4, -0.1, 0.2, -1.2, 0.8)
 
 
 def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
-    """The ten-armed bandit with its budget spent; ``pulls=0`` before its first, anything else on the way."""
+    """The ten-armed bandit with its budget spent.
+
+    ``pulls=0``: before its first pull; otherwise in progress.
+    """
     world = bandit_world()
     start = snapshot(
         world,
@@ -308,12 +311,12 @@ def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
 
 
 def spent() -> Snapshot:
-    """The bandit when its budget is used up."""
+    """The bandit with its budget spent."""
     return bandit(1_000)
 
 
 def stepped_lake() -> Snapshot:
-    """The slippery lake as somebody sees it who has to step it: no table, nothing exact."""
+    """The slippery lake as a stepped environment: no table, no exact values."""
     known = lake()
     mdp = known.world.space
     space = FiniteSpace(mdp.state_names, mdp.action_names, mdp.first_pair, mdp.pair_action, mdp.time_limit)
@@ -331,7 +334,7 @@ def stepped_lake() -> Snapshot:
 
 
 def planning(sweeps: int = 12, **changes: Any) -> Snapshot:
-    """Value iteration on the slippery lake, so many sweeps in."""
+    """Value iteration on the slippery lake, after some sweeps."""
     known = lake()
     shown: dict[str, Any] = {
         "algorithm": "value-iteration",

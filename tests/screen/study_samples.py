@@ -24,12 +24,12 @@ def seed_curve(low: float, high: float, bins: int = 40, width: int = 50, stderr:
 
 
 def difference(mean: float, stderr: float, greater: int, equal: int = 0, count: int = 64) -> PairedDifference:
-    """What the lane shown has more than another."""
+    """The advantage of the visible run over another."""
     return PairedDifference(Estimate(mean, stderr, count), greater, equal)
 
 
 def lake_study(**changes: Any) -> SeedStudy:
-    """64 of 256 seeds of the slippery lake, 500 episodes each; the exact return is that of this seed."""
+    """64 of 256 seeds of the slippery lake, 500 episodes each. The exact return belongs to this seed."""
     lane = LaneStudy(
         {"return_last_100": Estimate(0.402, 0.0104, 64), "expected_return": Estimate(0.71, 0.006, 64)},
         {"return_last_100": 0.41, "expected_return": 0.73},
@@ -39,7 +39,7 @@ def lake_study(**changes: Any) -> SeedStudy:
 
 
 def cliff_study(**changes: Any) -> SeedStudy:
-    """The two lanes of the cliff: Q-learning, and SARSA, which is shown."""
+    """The two runs of the cliff: Q-learning, and SARSA, the visible one."""
     q_learning = LaneStudy(
         {"return_last_100": Estimate(-47.1, 0.5, 64), "expected_return": Estimate(-13.0, 0.0, 60)},
         {"return_last_100": -43.0, "expected_return": -13.0},
@@ -55,7 +55,7 @@ def cliff_study(**changes: Any) -> SeedStudy:
 
 
 def bandit_study(**changes: Any) -> SeedStudy:
-    """The two lanes of a bandit: UCB, which is shown, and one that explores by ε."""
+    """The two runs of a bandit: UCB, the visible one, and one that explores by ε."""
     names = ("winnings", "regret", "best_arm_rate", "return_last_100", "expected_return")
     means = ((1402.0, 146.0, 0.79, 1.42, 1.51), (1303.0, 245.0, 0.72, 1.39, 1.44))
     errors = ((9.0, 2.0, 0.02, 0.02, 0.03), (11.0, 11.0, 0.02, 0.03, 0.04))

@@ -1,4 +1,4 @@
-"""Actions are shown in one order in all worlds; the world's own numbers do not change."""
+"""Actions have one order on screen in all worlds. The world's own numbers do not change."""
 
 from __future__ import annotations
 

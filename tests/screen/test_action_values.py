@@ -53,7 +53,7 @@ def of_map(text: str, moves: str = "four", **legend: dict[str, Any]) -> Snapshot
 
 
 def learned() -> Snapshot:
-    """The agent in state 1 of the lake: the start is learned, of state 1 one action was never taken."""
+    """The agent in state 1 of the lake: the start is learned, and one action of state 1 is untried."""
     start = lake(step=0)
     values = {
         (0, LEFT): 0.94,
@@ -74,11 +74,11 @@ def learned() -> Snapshot:
     [
         (FOUR, (4, 4), (60, 12), (Places.CROSS, 15, 3)),  # at 120×40
         (FOUR, (4, 4), (40, 8), (Places.TINTS, 10, 2)),  # at 80×24
-        (FOUR, (4, 4), (118, 36), (Places.CROSS, 23, 5)),  # alone
+        (FOUR, (4, 4), (118, 36), (Places.CROSS, 23, 5)),  # full screen
         (FOUR, (8, 8), (60, 16), (Places.TINTS, 7, 2)),
         (FOUR, (8, 8), (118, 36), (Places.CROSS, 14, 4)),
         (FOUR, (8, 8), (40, 8), None),
-        (FOUR, (4, 12), (118, 36), (Places.LIST, 9, 5)),  # the cliff alone
+        (FOUR, (4, 12), (118, 36), (Places.LIST, 9, 5)),  # the cliff in full screen
         (FOUR, (4, 12), (78, 20), (Places.LIST, 6, 5)),
         (FOUR, (1, 1), (10, 3), (Places.TINTS, 10, 3)),
         (FOUR, (1, 1), (11, 3), (Places.CROSS, 11, 3)),

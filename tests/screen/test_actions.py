@@ -1,4 +1,4 @@
-"""What derives from the table of actions: what is done, refused, bound, and on the key line."""
+"""The table of actions as a source: execution, refusals, bindings, and the key line."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PLACES = [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND]
 
 
 def usual(place: Place) -> list[Action]:
-    """What can be done without a lesson and without a watched program."""
+    """The actions available without a lesson and without a watched program."""
     return [each for each in actions_of(place) if not each.of_lesson and not each.of_program]
 
 

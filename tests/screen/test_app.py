@@ -51,7 +51,7 @@ async def test_a_small_terminal_is_told_so_and_recovers_and_q_quits(
         message, keys = app.screen.query_one("#too-small"), app.screen.query_one("#keys")
         assert not message.display
         await pilot.resize_terminal(50, 15)
-        while not message.display:  # styles follow a size when the app is idle
+        while not message.display:  # styles update after a resize when the app is idle
             await pilot.pause()
         await settle(pilot)
         assert not keys.display
@@ -137,20 +137,20 @@ async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
     async with on_screen(app) as pilot:
         assert "v:[Q] Q*  visits - w h shows Q*" in screen_text(app)
         assert screen_text(app).isascii()
-        for panel in app.screen.query(BoardPanel):  # as where it becomes narrower, until it is fitted anew
+        for panel in app.screen.query(BoardPanel):  # as after narrowing, until it is fitted again
             panel.write_border("x" * 200, "x" * 200, app.look)
         await settle(pilot)
         assert screen_text(app).isascii()
         await tap(pilot, "ctrl+p", *"xyzzy")
         assert screen_text(app).isascii()
-        await tap(pilot, "escape", "m", "c", *"xyzzy")  # few themes are found: the dots have room below them
+        await tap(pilot, "escape", "m", "c", *"xyzzy")  # few themes match: the dots have space below them
         indicator = app.screen.query_one(LoadingIndicator).add_class("--visible")
-        while indicator.styles.visibility != "visible":  # as where a search takes half a second
+        while indicator.styles.visibility != "visible":  # like a search that takes half a second
             await pilot.pause()
         await settle(pilot)
         assert screen_text(app).isascii()
         await pilot.press("escape")
         await pilot.resize_terminal(50, 15)
-        while "is 50x15, needs 60x18" not in screen_text(app):  # styles follow a size when the app is idle
+        while "is 50x15, needs 60x18" not in screen_text(app):  # styles update when the app is idle
             await pilot.pause()
         assert screen_text(app).isascii()

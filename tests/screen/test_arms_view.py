@@ -102,7 +102,7 @@ def test_the_truth_is_drawn_only_when_revealed() -> None:
     assert "★" not in hidden
     rows = picture(snapshot, 60, 21, revealed=True)
     assert sum(row.count("◆") for row in rows) == 10
-    assert [y for y, row in enumerate(rows) if "★" in row] == [10]  # arm 5 has the greatest mean, 1.5
+    assert [y for y, row in enumerate(rows) if "★" in row] == [10]  # arm 5 has the largest mean, 1.5
     assert rows[10].index("◆") > rows[10].index("┃")  # 1.5 against an estimate of 1.4
 
 
@@ -252,7 +252,7 @@ def style_at(strip: Strip, column: int) -> Style | None:
 
 
 def two_valued(q: tuple[float, ...]) -> Snapshot:
-    """Arms that pay 1 with probability .2, .5 and .9, else 0."""
+    """Arms that pay 1 with probability .2, .5 and .9, otherwise 0."""
     mdp = tabular_mdp(
         ("bandit",),
         ("0", "1", "2"),

@@ -68,7 +68,7 @@ SHAPES = MAPS | {
     "long walk": Shape(Graph(tuple((x, 0) for x in range(21)), tuple(range(21))), 19, 1),
     "not known yet": Shape(),
 }
-# what is asked of the function, and what of the shape
+# arguments of the function, then fields of the shape
 STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "plain": ({}, {}),
     "panel": ({"opened": "microscope"}, {}),
@@ -119,7 +119,7 @@ def arranged(shape: Shape, state: str, size: Size) -> Arrangement:
 
 
 def check(place: Arrangement, shape: Shape, state: str, size: Size) -> None:
-    """Fail unless nothing overlaps, all is between header and keys, and the panels asked for are there."""
+    """Assert no overlap, everything between header and keys, and the requested panels present."""
     case = state, size, place
     asked, changes = STATES[state]
     is_big = asked.get("zoomed") in WORLDS  # without a header
@@ -162,7 +162,7 @@ def test_nothing_overlaps_nothing_stands_outside_and_what_is_open_is_there(step:
 
 
 def share(shape: Shape, size: Size) -> int:
-    """The part of the screen that a map has, in percent."""
+    """The map's share of the screen, in percent."""
     assert isinstance(shape.drawing, Grid)
     cell = arrange(size, shape).cell
     return round(100 * cell.area * shape.drawing.rows * shape.drawing.columns / size.area)

@@ -1,4 +1,4 @@
-"""Texts spelled in ASCII: each sign means one thing, and factors stay apart."""
+"""Texts in ASCII: each symbol has one meaning, and factors stay apart."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""? explains the word under the mouse; elsewhere it shows the keys, then the words of the panel in focus."""
+"""? explains the word under the mouse. Elsewhere it shows the keys, then the words of the focused panel."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ TERMS = {row.id: list(row.terms) for row in PANELS}
 
 
 def listed(pilot: Pilot[UserError]) -> list[str]:
-    """The ids of the words on the list."""
+    """The ids of the listed words."""
     return [str(option.id) for option in pilot.app.screen.query_one(OptionList).options]
 
 
 def told(pilot: Pilot[UserError]) -> str:
-    """The paragraph that is shown."""
+    """The visible paragraph."""
     return str(pilot.app.screen.query_one("#paragraph Static", Static).render())
 
 
 async def point_at(pilot: Pilot[UserError], panel: str, text: str) -> None:
-    """Put the mouse on ``text`` in what ``panel`` has drawn, its border not counted."""
+    """Put the mouse on ``text`` in the drawing of ``panel``, without its border."""
     widget = playground(pilot).board.panel(panel)
     for y in range(widget.size.height):
         x = widget.render_line(y).text.find(text)
@@ -58,7 +58,7 @@ async def test_with_no_word_pointed_at_it_shows_the_keys(make_app: MakeApp) -> N
     async with on_screen(make_app("student")) as pilot:
         alpha, table = slider(pilot.app, "alpha"), playground(pilot).board.panel("table")
         thumb = alpha.render_line(0).text.index("●"), 0
-        for panel, place in ((alpha, thumb), (table, (20, 12))):  # no sign of the map, and beside all words
+        for panel, place in ((alpha, thumb), (table, (20, 12))):  # not a sign of the map, and not a word
             assert isinstance(pilot.app.screen, Playground)
             await pilot.hover(panel, offset=place)
             await press(pilot, "question_mark")

@@ -1,4 +1,4 @@
-"""The key S maps the settings around those in force; enter opens the run of a cell."""
+"""The key S maps the neighbourhood of the current settings; enter opens the run of a cell."""
 
 from __future__ import annotations
 

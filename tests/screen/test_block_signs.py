@@ -1,4 +1,4 @@
-"""Signs in quadrant blocks: they point where they should, at any size."""
+"""Symbols made of quadrant blocks point in the right direction, at any size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How blocks are fitted into a width: forms, wrapping, alignment, columns that are left out, stacking."""
+"""Blocks in a limited width: forms, wrapping, alignment, omitted columns, stacking."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def drawn(block: Block, width: int, *, ascii: bool = False) -> list[str]:  # noq
 
 
 def table(*widths: int, **more: bool) -> Table:
-    """A table of two rows; its first form has two columns of figures, its second one of them."""
+    """A table of two rows. Its first form has two columns of numbers, its second only one."""
     names = Column("", ["first", "second"], STYLE, right=False)
     figures = Column("mean", [".5", "−1.25"], STYLE), Column("steps", ["7", "12"], STYLE)
     forms = (names, *figures), (names, figures[0]), (names._replace(least=3), figures[0])

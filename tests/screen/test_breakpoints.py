@@ -1,4 +1,4 @@
-"""How cursors and breakpoints look: in the world and in the table, in every form."""
+"""The look of cursors and breakpoints, in the world and in the table, in every form."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def stopping(snapshot: Snapshot, states: tuple[int, ...] = (), pairs: tuple[int,
 
 
 def pointing(view: WorldView, place: int, snapshot: Snapshot) -> WorldView:
-    """``view`` with the cursor of another panel on ``place``, drawn as its own is."""
+    """``view`` with the cursor of another panel on ``place``, drawn like its own."""
     view.snapshot = snapshot
     view.point_at(view.pairs_at(place))
     return view
@@ -44,7 +44,7 @@ def style_at(strip: Strip, column: int) -> Style:
 
 
 def marks(strips: list[Strip], style: Style) -> list[tuple[int, int, str]]:
-    """Row, column and character of all that is drawn in ``style``."""
+    """Row, column and character of every cell in ``style``."""
     found = []
     for row, strip in enumerate(strips):
         column = 0
@@ -58,10 +58,10 @@ def marks(strips: list[Strip], style: Style) -> list[tuple[int, int, str]]:
 @pytest.mark.parametrize(
     ("size", "place"),
     [
-        ((40, 8), (2, 28, "!")),  # two rows a cell: its upper right corner; state 6 is in row 1, column 2
+        ((40, 8), (2, 28, "!")),  # two rows per cell: its upper right corner. State 6 is in row 1, column 2
         ((60, 12), (3, 40, "!")),
         ((20, 4), (1, 10, "!")),  # one row: in place of the mark
-        ((12, 4), (1, 6, "!")),  # arrows alone
+        ((12, 4), (1, 6, "!")),  # only arrows
     ],
 )
 def test_a_breakpoint_marks_its_cell_in_every_form(

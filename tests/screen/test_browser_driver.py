@@ -20,7 +20,7 @@ TOLD_TO_END = 143
 
 @contextmanager
 def app(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
-    """Start an app; when this hands it over, it has drawn something."""
+    """Start an app, and yield it once it has drawn something."""
     process = subprocess.Popen(
         command_line(sys.executable, arguments),
         stdin=subprocess.PIPE,
@@ -34,7 +34,7 @@ def app(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
     with process.stdin, process.stdout, process.stderr:
         try:
             assert process.stdout.readline() == b"__GANGLION__\n", process.stderr.read()
-            for colour in (b"\x1b]11;#", b"\x1b[38;2;"):  # of the page, one of the 16 million of a text
+            for colour in (b"\x1b]11;#", b"\x1b[38;2;"):  # the page colour, then a true colour of some text
                 while colour not in packet(process):
                     pass
             yield process
@@ -62,7 +62,7 @@ def test_it_ends_when_the_server_is_gone(way: str) -> None:
             process.stdout.read()
         else:
             process.stdout.close()
-            send(process, b"?")  # help: something to draw
+            send(process, b"?")  # help, to draw something
         said = process.stderr.read()
         assert (process.wait(DEADLINE), said) == (TOLD_TO_END, b"")
 
@@ -75,7 +75,7 @@ def send(process: subprocess.Popen[bytes], keys: bytes) -> None:
 @pytest.mark.process
 def test_it_says_that_it_was_left() -> None:
     with app("--no-mouse") as process:
-        send(process, b"?\x1bq")  # help, which is closed before it quits
+        send(process, b"?\x1bq")  # help, closed before it quits
         drawn = b""
         while b"exit" not in (last := packet(process)):
             drawn += last
@@ -102,5 +102,5 @@ def test_what_comes_faster_than_the_app_can_take_it_in_is_not_read() -> None:
     assert waiting == []
     waiting[:] = [MOST_WAITING] * 2
     driver.exit_event.set()
-    driver.on_meta("nothing", {})  # it ends: nobody will take it in any more
+    driver.on_meta("nothing", {})  # at the end there is no reader any more
     assert len(waiting) == 1

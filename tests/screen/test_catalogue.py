@@ -64,7 +64,7 @@ async def go_to(pilot: Pilot[UserError], scenario: str) -> None:
 
 
 async def shown_once(pilot: Pilot[UserError], holds: Callable[[Snapshot], object]) -> Snapshot:
-    """The first snapshot that the playground shows of which that holds."""
+    """The first snapshot of the playground that meets the condition."""
     while True:
         await pilot.pause()
         screen = pilot.app.screen
@@ -77,7 +77,7 @@ def facts(pilot: Pilot[UserError]) -> str:
 
 
 def heading(pilot: Pilot[UserError]) -> str:
-    """What the details are about."""
+    """The heading of the details."""
     return words_of(pilot.app.screen.query_one("#heading")).rstrip("─- ")
 
 
@@ -429,7 +429,7 @@ async def test_those_of_the_user_stand_in_a_group_of_their_own_and_faulty_ones_w
 
 
 async def test_the_second_door_watches_the_plain_lake_learn() -> None:
-    """Without another key it reaches its first reward, with the defaults of the scenario."""
+    """With no other key it reaches its first reward, with the defaults of the scenario."""
     player = partial(Player, clock=lambda: 20 * time.perf_counter())
     app = RlTuiApp(Display(fps=1000.0), make_player=player, picture=True)
     async with app.run_test(size=(60, 18)) as pilot:
@@ -483,7 +483,7 @@ async def test_arrows_show_the_details_of_each_and_nothing_of_one_under_the_titl
         before = [*screen.query("#preview > *")]
         assert len(before) == 1
         title = find("student").title
-        for scenario in ("frozenlake", "bandit"):  # the first is cut short by the second
+        for scenario in ("frozenlake", "bandit"):  # the second stops the first
             listed.highlighted = listed.get_option_index(scenario)
             while heading(pilot) != find(scenario).title:
                 assert heading(pilot) == title

@@ -23,7 +23,7 @@ from rl_tui.worlds.world import World
 
 
 def random_walk(**changes: object) -> Snapshot:
-    """The random walk of five states after some steps, with its exact answer shown."""
+    """The random walk of five states after some steps, with visible exact values."""
     run = Run(recipe_for(find("random-walk"), {}, 0), evaluate=False)
     assert run.world.mdp is not None
     answer = Answer(exact_solution(run.world.mdp, 1.0), "")
@@ -32,7 +32,7 @@ def random_walk(**changes: object) -> Snapshot:
 
 
 def choices(states: int = 7) -> Snapshot:
-    """States in which one may go left or right; the ends pay −1 and +1, right is better everywhere."""
+    """States with the choice of left or right. The ends pay −1 and +1; right is better everywhere."""
     mdp = tabular_mdp(
         [f"s{state}" for state in range(states)],
         ("left", "right"),

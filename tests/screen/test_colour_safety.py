@@ -1,4 +1,4 @@
-"""What colours promise beyond their order: both signs are as strong, text is readable, focus shows."""
+"""Colours: both signs are equally strong, text is readable, and focus is visible."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rl_tui.screen.theme.look import Depth, Palette, palette_for
 from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 
 READABLE = 4.5  # WCAG 2.2, 1.4.3: text against its background
-VISIBLE = 3.0  # 1.4.11: lines and marks against what is beside them
+VISIBLE = 3.0  # 1.4.11: lines and marks against adjacent colours
 PAPER = TerminalTheme((255, 255, 255), (0, 0, 0), [tuple(VGA.ansi_colors[number]) for number in range(16)])
 SIXTEEN = [(True, VGA), (True, PICTURE_DARK), (False, PAPER), (False, PICTURE_LIGHT)]
 

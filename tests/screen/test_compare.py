@@ -1,4 +1,4 @@
-"""The dialog of runs side by side: what it shows, asks and refuses. What comes of it is another test's."""
+"""The dialog of several runs: its content, questions and refusals. Other tests cover its results."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LAKE, ARMS = lake_world().space, bandit_world().space
 RECIPE = recipe_for(find("frozenlake-slippery"), {"alpha": 0.1, "epsilon": 0.1}, 0)
 
 
-# What may be different
+# Possible differences
 
 
 def test_what_counts_may_be_different_and_what_does_not_may_not() -> None:
@@ -63,7 +63,7 @@ def test_a_step_size_comes_along_where_it_was_the_sample_average() -> None:
     [
         ("alpha", 0.1, "no difference"),
         ("algorithm", "q-learning", "no difference"),
-        ("alpha_min", 0.05, "no difference"),  # without a decay it never comes to that
+        ("alpha_min", 0.05, "no difference"),  # without a decay, α never reaches it
         ("policy", "gradient", "is for bandits"),
     ],
 )
@@ -82,7 +82,7 @@ def rows(pilot: Pilot[UserError]) -> list[str]:
 
 
 async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Show so many lanes, the second one on screen; return the list that all commands go to."""
+    """Show several runs, the second one on screen, and return the list that receives all commands."""
     screen, sent = playground(pilot), list[Command]()
     monkeypatch.setattr(screen.link, "send", sent.append)
     before = screen.snapshot
@@ -164,7 +164,7 @@ async def test_the_table_of_the_runs_controls_one_puts_one_beside_it_or_ends_one
         assert str(about.render()).startswith("Not here: you control this one.")
         await pilot.press("up", "space")
         assert sent[4:] == [MarkLane(0)]
-        await pilot.press("c", "c", "enter", "c", "l")  # the one that is shown already, then the next
+        await pilot.press("c", "c", "enter", "c", "l")  # the visible one first, then the next
         assert sent[5:] == [ChooseLane(2)]
 
 

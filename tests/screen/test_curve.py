@@ -1,4 +1,4 @@
-"""The words and numbers of the curve: its heading, its labels, and what it says instead of an area."""
+"""The words and numbers of the curve: its heading, its labels, and its texts without a plot."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def has_area(text: str) -> bool:
 
 
 def label(text: str, name: str) -> str | None:
-    """The number behind ``name`` right of the plot, None without that label."""
+    """The number after ``name`` right of the plot, or None."""
     ends = [line.split() for line in text.splitlines()]
     return next((each[-1] for each in ends if name in each[-3:-1]), None)
 

@@ -1,4 +1,4 @@
-"""What of the curve is off its axis: outliers of the mean, and greedy policies far below."""
+"""Values of the curve off its axis: outliers of the mean, and greedy policies far below."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def cells(snapshot: Snapshot, shown_with: Look) -> list[list[tuple[str, Style]]]
 
 
 def far_below(**changes: object) -> Snapshot:
-    """A first episode and a first greedy policy that earn far less than all that came after them."""
+    """A first episode and a first greedy policy with far lower returns than all later ones."""
     returns = np.array([-1_379.0, *np.full(200, -40.0)])
     episodes = np.arange(1, 202)
     early = Marks(np.array([0, 800, 1_600]), np.array([0, 10, 20]), np.array([-65_375.0, -65_375.0, -15.0]))

@@ -1,4 +1,4 @@
-"""What the curve says where a greedy policy has no return, because it may never end."""
+"""The curve for a greedy policy without a return, because it may never end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which panels are in view: one by one as they come to mean something, or those of a lesson's page."""
+"""Visible panels: they appear one by one as they become useful, or as a lesson's page says."""
 
 from __future__ import annotations
 

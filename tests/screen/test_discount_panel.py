@@ -1,4 +1,4 @@
-"""The panel of γ: Q*(γ) of one state, its crossings, and the flips with what they earn."""
+"""The panel of γ: Q*(γ) of one state, its crossings, and the flip points with their returns."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def with_flips(shown: Snapshot, answer: FlipAnswer | None = None, **answers: Any
 
 @cache
 def discount() -> Snapshot:
-    """A world of fourteen flips, one of which turns the way."""
+    """A world of fourteen flips, one of which changes the optimal path."""
     return changed(student(), world=begin(recipe_named("discount")).world)
 
 
@@ -75,7 +75,7 @@ def test_it_is_drawn_at_any_size(size: tuple[int, int]) -> None:
         assert drawn(shown, *size, ascii=True).isascii()
 
 
-# What is said
+# Texts
 
 
 def test_of_the_student_it_tells_the_one_flip_and_what_it_earns() -> None:
@@ -259,7 +259,7 @@ def test_names_of_actions_are_whole_in_a_terminal_of_eighty_columns() -> None:
     assert any(row.endswith("check phone") for row in chart(student(), 0, 36, 13))
 
 
-# What there is room for
+# Sizes
 
 
 def framed(shown: Snapshot, width: int, height: int, *downs: int) -> tuple[DiscountPanel, list[str]]:
@@ -308,7 +308,7 @@ def test_keys_have_words_and_v_is_named_by_what_it_turns_to() -> None:
         assert all(": " in hint for hint in made.footing.split(" · ") if hint)
 
 
-# On the playground
+# In the playground
 
 
 async def test_it_follows_the_cursor_and_its_keys_choose_a_flip_and_go_beyond_it(make_app: MakeApp) -> None:

@@ -1,4 +1,4 @@
-"""The panel of tools: what stands in it, its sliders, and that all of it is found by its name too."""
+"""The panel of tools: its content, its sliders, and the search by name."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def strokes(pilot: Pilot[UserError]) -> int:
 
 
 def found(pilot: Pilot[UserError], query: str) -> dict[str, str]:
-    """The keys of the actions that are found for ``query``, else their names, and their sentences."""
+    """The keys of the actions found by ``query``, or their names, and their help."""
     entries = found_by(query, entries_on(pilot.app.screen))
     return {each.keys or each.name: each.sentence for each in entries if each.kind == "action"}
 
@@ -131,7 +131,7 @@ async def test_drawing_is_found_by_words_and_a_fast_drag_is_one_stroke_without_g
             assert EDITING.shown in found(pilot, word), word
         assert EDITING.shown not in pilot.app.screen.query_one(KeyLine).render_line(0).text
         hands = Mouse(pilot)
-        await hands.begin()  # by the key line, once the world has focus
+        await hands.begin()  # with the key line's key, while the world has focus
         view = playground(pilot).board.world
         assert view is not None
         await hands.drag(view, hands.offset((0, 0)), hands.offset((0, 6)))
@@ -311,7 +311,7 @@ async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.Monkey
             await press(pilot, "w", letter)
             assert "at most 17 cells" in notes(pilot.app)[-1]
             assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4
-        # what is pasted over the edge is cut off there: nothing makes a map larger but its lines
+        # a paste over the edge is cut there: only lines make a map larger
         await press(pilot, "w", "m", "down", "w", "c")
         await press(pilot, "down", "down", "right", "right", "w", "v")
         assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4

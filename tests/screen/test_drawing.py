@@ -191,7 +191,7 @@ async def test_a_node_of_a_graph_takes_its_own_actions_and_a_name_leaves_the_cor
         assert "│◉Class├" in rows
         assert "│ 4.04 │" not in rows
         assert "?" not in "".join(row for row in rows.splitlines() if "──╮" in row)
-        assert rows.count("?") == 3  # Pass has one action; the third is in the line of signs
+        assert rows.count("?") == 3  # Pass has one action. The third is in the legend
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
         assert view(pilot).foot.startswith("1 study  2 check phone · ")

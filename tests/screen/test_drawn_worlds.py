@@ -1,4 +1,4 @@
-"""Worlds that everybody knows, drawn from a blank one: with keys alone, and with the mouse alone."""
+"""Well-known worlds, drawn from a blank one: with keys only, and with the mouse only."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ async def test_a_known_map_is_drawn_from_a_blank_one(scenario: str, hands: type[
 
 
 async def type_lines(pilot: Pilot[UserError], *texts: str) -> None:
-    """Type each text into the line that asks for it, and press enter."""
+    """Type each text into its prompt, and press enter."""
     for text in texts:
         await press(pilot, *("space" if each == " " else each for each in text), "enter")
 
 
 async def go_to(pilot: Pilot[UserError], state: str) -> None:
-    """Go from state to state until the cursor stands on ``state``."""
+    """Move from state to state until the cursor is on ``state``."""
     names = snapshot(pilot).world.space.state_names
     view = playground(pilot).board.world
     assert view.cursor is not None
@@ -53,7 +53,7 @@ async def go_to(pilot: Pilot[UserError], state: str) -> None:
 
 
 async def set_action(pilot: Pilot[UserError], state: str, action: str, does: str) -> None:
-    """Let ``action``, which is new in ``state``, do what a line says."""
+    """Add ``action`` to ``state`` with the outcome in the line ``does``."""
     await go_to(pilot, state)
     await press(pilot, "enter", "end", "enter")
     await type_lines(pilot, action, does)
@@ -69,7 +69,7 @@ async def test_the_student_evening_is_drawn_from_a_blank_graph_by_keys() -> None
             await type_lines(pilot, name)
         await go_to(pilot, "Class")
         await press(pilot, "S")
-        for state in ("Start", "Detour"):  # and with them End, to which nothing leads then
+        for state in ("Start", "Detour"):  # this removes End too, to which nothing leads then
             await go_to(pilot, state)
             await press(pilot, "w", "d")
         await set_action(pilot, "Class", "study", "Pass 0.8, Class 0.2 pays -2")
@@ -77,7 +77,7 @@ async def test_the_student_evening_is_drawn_from_a_blank_graph_by_keys() -> None
         await set_action(pilot, "Phone", "scroll", "Phone pays -1")
         await set_action(pilot, "Phone", "quit", "Class")
         await set_action(pilot, "Pass", "sleep", "Sleep pays 10")
-        # the actions by which the states came to be stand first; at first one of several outcomes is chosen
+        # the actions that created the states come first. Initially, one of several outcomes is selected
         await go_to(pilot, "Class")
         await press(pilot, "shift+up", "shift+up", "delete", "delete")
         await go_to(pilot, "Phone")

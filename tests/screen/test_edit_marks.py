@@ -1,4 +1,4 @@
-"""What is seen of an edit without an app: the draft, turned and endless states, where the world changed."""
+"""Marks of an edit without an app: the draft, changed and endless states, changes in the world."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def edited(draft: Draft, text: str) -> Draft:
 
 
 def drawing(snapshot: Snapshot, text: str) -> Snapshot:
-    """``snapshot`` of the lake while what ``text`` says is drawn and not in force."""
+    """``snapshot`` of the lake with the strokes in ``text`` drawn but not applied."""
     base = draft_of_lines(LAKE, {})
     return replace(snapshot, editor=EditorView(draft=edited(base, text), base=base))
 
@@ -203,7 +203,7 @@ def test_a_graph_is_drawn_from_the_draft(size: tuple[int, int]) -> None:
     assert "╱" not in "".join(strip.text for strip in view.picture(evening(), *size))
 
 
-# Where the world changed
+# Changes in the world
 
 
 def with_changes(*changes: WorldChanged) -> Snapshot:

@@ -1,4 +1,4 @@
-"""Drawing the world, with real keys and the mouse, while the agent goes on learning in it."""
+"""Drawing the world, with real keys and the mouse, while the agent keeps learning in it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ REFUSED = (
     *('{"to":"Pass\\u001b[31m","reward":1}', '{"to":"Pass","reward":1,"state":"Pass"}'),
     '{"to":"Pass"} x',
 )
-"""What no action can do."""
+"""Outcomes that no action can have."""
 
 
 def lines(pilot: Pilot[UserError]) -> tuple[str, ...]:

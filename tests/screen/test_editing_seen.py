@@ -1,4 +1,4 @@
-"""What one sees while one draws, with real keys: the draft, what turned, changes, two worlds."""
+"""The screen during drawing, with real keys: the draft, changed actions, changes, two worlds."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ async def test_every_stroke_is_seen_before_it_is_in_force_and_the_cursor_keeps_i
     async with on_screen(make_app("frozenlake"), size) as pilot:
         shown = await press(pilot, "w", "d", "full_stop")
         assert "╱" in drawn(pilot)
-        if size == (120, 40):  # else there is no room for signs behind the mode
+        if size == (120, 40):  # otherwise there is no space for signs after the mode
             assert "╱ drawn" in screen_text(pilot.app), "the sign is explained"
         holes = drawn(pilot).count("●")
         shown = await press(pilot, "right", "H")
@@ -82,11 +82,11 @@ async def test_the_cursor_keeps_its_arm(make_app: MakeApp) -> None:
         assert world(pilot).cursor == 3, "the arm that was there"
 
 
-# Two worlds side by side
+# Two worlds at once
 
 
 async def two_lanes(pilot: Pilot[UserError], *strokes: str) -> Snapshot:
-    """Lead a lane in the world as it was, and beside it the one in which ``strokes`` were drawn."""
+    """Show a run in the old world, and next to it a run in the world with ``strokes``."""
     await settle(pilot)
     await train(pilot, 2_000)
     await press(pilot, "w", "d", *strokes, "escape", "b", "a", "t")
@@ -137,7 +137,7 @@ async def test_graphs_are_compared_by_name_and_the_cursor_keeps_its_state(make_a
         await train(pilot, 500)
         shown = await press(pilot, "w", "d")
         world(pilot).put_cursor(shown.world.space.state_names.index("Pass"))
-        # a new state that is mentioned first gets a number of its own before it
+        # a new state in the text gets a number of its own before it
         edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":-9}'
         await order(pilot, DrawWorld(read_edits(edit)))
         assert snapshot(pilot).world.space.state_names[world(pilot).cursor or 0] == "Pass"

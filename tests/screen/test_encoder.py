@@ -1,4 +1,4 @@
-"""Whatever is drawn: what the encoder writes makes a terminal show it."""
+"""A terminal shows exactly what is drawn, after any commands to the encoder."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ commands = st.lists(
 
 
 class Screen:
-    """What is drawn, what a terminal shows of it, and, plainly, what should stand in each cell."""
+    """The drawing, its display in a terminal, and the plainly computed content of each cell."""
 
     def __init__(self, system: ColorSystem, width: int = 14, height: int = 5) -> None:
         pens, cutter = Pens(system), Cutter()
@@ -75,7 +75,7 @@ class Screen:
                 if x < len(row):
                     row[x] = ("" if half else character, style)
                 x += 1
-        for at, cell in enumerate(row):  # halves of wide characters whose other half is gone
+        for at, cell in enumerate(row):  # halves of wide characters without their other half
             if cell and (cell[0] == "" and not self.is_wide(row, at - 1)):
                 row[at] = (" ", cell[1])
             if cell and self.is_wide(row, at) and (row[at + 1 : at + 2] or [None])[0] != ("", cell[1]):
@@ -103,14 +103,14 @@ class Screen:
         assert (plain.fg, plain.bg) == ("default", "default")
 
     def plainly(self, character: str, style: Style) -> Any:
-        """Return the cell that comes of what Textual itself would write."""
+        """Return the cell that Textual's own output would produce."""
         terminal = Emulator(4, 1)
         terminal.feed(Strip.render_style(style, character, self.system).encode())
         return terminal.cell(0, 0)
 
 
 def seen(cell: Any) -> tuple[Any, ...]:
-    """Return of a cell what can be seen."""
+    """Return the visible part of a cell."""
     if cell.data == " " and not any(getattr(cell, name) for name in SHOWS_ON_BLANKS):
         return (" ", cell.bg)
     return tuple(cell)

@@ -1,4 +1,4 @@
-"""What may go wrong while the program ends."""
+"""Failures at the end of the program."""
 
 from __future__ import annotations
 

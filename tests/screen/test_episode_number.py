@@ -1,4 +1,4 @@
-"""Through the end of an episode, or of a sweep, one number of it is on screen at a time."""
+"""At the end of an episode or sweep, the screen shows only one number of it at a time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NUMBERED = re.compile(r"\b(?:ep|episode|sweep) +([\d,]*\d)")
 
 
 def numbers_of(pilot: Pilot[UserError]) -> set[str]:
-    """The numbers of episodes or sweeps in all that is drawn."""
+    """All numbers of episodes or sweeps on screen."""
     return set(_NUMBERED.findall(screen_text(pilot.app)))
 
 
@@ -33,7 +33,7 @@ async def test_every_step_of_an_episode_and_its_end_and_where_one_goes_to_it(
                 assert numbers_of(pilot) == {expected}
         await train(pilot, 200)
         await press(pilot, "b", "m", "g")
-        await tap(pilot, *"e999", "enter")  # which is not there
+        await tap(pilot, *"e999", "enter")  # an episode beyond the end
         end = snapshot(pilot).timeline.current.end
         assert snapshot(pilot).counters.step == end
         assert [f"step {end}" in note and "space" in note for note in notes(pilot.app)] == [True]

@@ -1,4 +1,4 @@
-"""Every figure on screen can be asked what it is: exact or sampled, discounted or not, within which limit."""
+"""Help for every number on screen: exact or sampled, discounted or not, with its time limit."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ SHOWN = (lake(), planning(), bandit(400))
 
 
 def figures_in(label: str) -> list[GlossaryTerm]:
-    """The figures that ``label`` names."""
+    """The figures named by ``label``."""
     ids = dict.fromkeys(term_at(label, column, UNICODE) for column in range(len(label)))
     terms = [glossary()[each] for each in ids if each is not None]
     return [term for term in terms if term.figure is not None]
@@ -48,7 +48,7 @@ def text_of(line: Line) -> str:
 
 
 def numbered(text: str) -> list[str]:
-    """The words of ``text`` that stand before a number."""
+    """The words of ``text`` that precede a number."""
     return re.findall(r"(?<!\w)([a-z]+(?: [a-z]+)*) +(?=[−.\d])", re.sub(r" of (?=\d)", "/", text))
 
 

@@ -1,4 +1,4 @@
-"""Find: what a query is about, the best first, and what enter does with it."""
+"""Find: the matches of a query, the best first, and the effect of enter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A playground is laid out from the start as it will be once its world is built."""
+"""A playground has its final layout from the start, before its world is built."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ async def test_no_panel_moves_when_the_world_is_built(
         settled = asyncio.create_task(settle(pilot))
         while not settled.done():
             now = borders(pilot)
-            # the view takes the place of what stood there between two frames
+            # the view replaces its placeholder between two frames
             assert {panel: now.get(panel, place) for panel, place in before.items()} == before
             assert now.keys() - before.keys() <= {"world-beside", "table-beside"}
             await asyncio.sleep(0)

@@ -1,4 +1,4 @@
-"""The marks on the slider of γ: where they stand, when they come, and the keys that go beyond them."""
+"""The flip points on the slider of γ: their places, their arrival, and the keys that go beyond them."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ async def test_keys_go_beyond_the_next_mark_and_stay_where_there_is_none() -> No
         assert app.changes[4:] == [0.4, 0.51], "a value is typed as before"
 
 
-# On the playground
+# In the playground
 
 
 async def test_the_marks_come_with_the_focus_and_a_key_turns_the_policy(make_app: MakeApp) -> None:

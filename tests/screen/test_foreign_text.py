@@ -1,4 +1,4 @@
-"""Texts of files are shown as they are, whatever they look like: no markup, no formatting, no code."""
+"""Texts of files appear literally, whatever they look like: no markup, no formatting, no code."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ FILE = "[bold]x[/]"
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of the user's scenarios, with a sound one and a faulty one."""
+    """The folder of the user's scenarios, with a valid and a faulty one."""
     (tmp_path / f"{FILE}.toml".replace("/", "-")).write_text('title = "a\\u001b[31m"\n')
     texts = {"TITLE": TITLE, "SUMMARY": SUMMARY, "NOTES": NOTES}
     names = {"HERE": HERE, "THERE": THERE, "GO": GO, "STAY": STAY}
@@ -86,7 +86,7 @@ async def test_the_catalogue_shows_them_and_the_name_of_a_session_as_they_are(
         assert "! [bold]x[-].toml" in text
         listed.focus()
         text = await press(pilot, "end")
-        assert "U+001B" in text  # how the line is broken depends on how long the file's name is
+        assert "U+001B" in text  # line breaks depend on the length of the file's name
         assert r'"a\u001b[31m"' in text
         assert "\x1b" not in text
         text = await press(pilot, "tab")
@@ -97,8 +97,8 @@ async def test_the_catalogue_shows_them_and_the_name_of_a_session_as_they_are(
 
 
 async def notes_in_help(pilot: Pilot[UserError]) -> str:
-    """Open the help, and go to its end once it is there; return what is on screen."""
-    await press(pilot, "question_mark", "3", "end")  # they are added once somebody scrolls
+    """Open the help, scroll to its end, and return the text on screen."""
+    await press(pilot, "question_mark", "3", "end")  # the notes are added only after scrolling
     while not pilot.app.screen.query("MarkdownParagraph"):
         await pilot.pause()
     return await press(pilot, "end")

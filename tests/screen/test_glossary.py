@@ -1,4 +1,4 @@
-"""The glossary as data: what every entry has, how it is found by a text on screen, and how it is searched."""
+"""The glossary as data: its entries, their texts on screen, and the search."""
 
 from __future__ import annotations
 

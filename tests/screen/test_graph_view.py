@@ -208,7 +208,7 @@ def test_other_graphs_are_drawn_whole(
 
 
 def check_layout(shape: GraphShape, layout: GraphLayout, width: int, height: int) -> None:
-    """Nothing overlaps or sticks out; every branch has a head, every word of every label is there."""
+    """Assert that nothing overlaps or sticks out, every branch has a head, and labels are complete."""
     boxes = [set(box.cells()) for box in layout.boxes]
     assert sum(map(len, boxes)) == len(set().union(*boxes))
     text = [(label.x + i, label.y) for label in layout.labels for i in range(len(label.text))]

@@ -1,4 +1,4 @@
-"""Maps larger than their panel, and which of their rows are drawn anew."""
+"""Maps larger than their panel, and the rows that are redrawn."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:
     view.action_page(1, 1)
     text()
     assert view.cursor == 10 * 40 + 12  # a page from the agent, at the start
-    assert view.footing.startswith("rows 3–12 of 40 · columns 1–12 of 40")  # no further than it takes
+    assert view.footing.startswith("rows 3–12 of 40 · columns 1–12 of 40")  # only as far as necessary
     view.action_move(3, 0)
     text()
     assert view.footing.startswith("rows 4–13 of 40 · columns 1–12 of 40")
@@ -79,7 +79,7 @@ def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:
     view.follow()
     assert "◉" in text()
     text(64)
-    assert view.footing == "rows 0–9 of 40 · columns 0–7 of 40"  # that it follows is seen
+    assert view.footing == "rows 0–9 of 40 · columns 0–7 of 40"  # following the agent is visible
 
 
 def test_a_legend_stands_below_a_map_with_the_part_in_view() -> None:

@@ -1,4 +1,4 @@
-"""What a map shows besides values and arrows: trail, slips, wind, cells never reached, state numbers."""
+"""A map's other marks: trail, slips, wind, unreachable cells, state numbers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def with_trail(*taken: tuple[int, int, int, int], at: int = 6) -> Snapshot:
 
 
 def straight(count: int) -> list[tuple[int, int, int, int]]:
-    """To and fro between the states 1 and 2, after a start in 0."""
+    """Back and forth between the states 1 and 2, after a start in 0."""
     way = [0, *([1, 2] * count)][: count + 1]
     return [(one, RIGHT, RIGHT, other) for one, other in pairwise(way)]
 
@@ -57,7 +57,7 @@ def test_an_older_mark_is_fainter() -> None:
 
 
 def last_step(snapshot: Snapshot, *, rose: bool) -> Snapshot:
-    """The step at the end of the trail was just taken, and its pair was updated."""
+    """A snapshot after the last step of the trail, with its pair updated."""
     step, last = snapshot.trail[-1], snapshot.counters.last_step or lake(step=1).counters.last_step
     assert last is not None
     pair = snapshot.world.space.pairs_of(step.state).start + step.action
@@ -171,7 +171,7 @@ def windy(**rules: Any) -> World:
 
 
 def in_wind(world: World, state: int, action: int, place: int = 0) -> Snapshot:
-    """The moment after ``action`` in ``state`` had its outcome at this ``place``."""
+    """The moment after ``action`` in ``state``, with the outcome at index ``place``."""
     mdp = world.mdp
     pair = mdp.pair_of(state, action)
     assert pair is not None
@@ -260,7 +260,7 @@ def test_a_world_without_wind_has_no_row_for_it() -> None:
 
 
 def walled_in() -> Snapshot:
-    """A map of which the last column can never be reached."""
+    """A map with an unreachable last column."""
     world = GridSection.model_validate({"map": "S.G#.\n...#.\n"}).build(np.random.default_rng(0))
     pairs = world.space.pairs
     return changed(

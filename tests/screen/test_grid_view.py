@@ -33,10 +33,10 @@ from rl_tui.worlds.world import World
         ((60, 12), CellForm(14, 3)),  # at 120×40
         ((118, 36), CellForm(22, 5)),  # zoomed
         ((20, 4), CellForm(5, 1)),
-        ((19, 4), CellForm(4, 1)),  # arrows alone
+        ((19, 4), CellForm(4, 1)),  # only arrows
         ((8, 4), CellForm(2, 1)),
         ((7, 4), CellForm(5, 1)),  # does not fit
-        ((40, 3), CellForm(8, 1)),  # nor does it in height
+        ((40, 3), CellForm(8, 1)),  # nor is it low enough
     ],
 )
 def test_cells_of_a_4x4_map_take_the_largest_form_that_fits(size: tuple[int, int], form: CellForm) -> None:
@@ -225,7 +225,7 @@ def test_values_of_three_digits_are_never_number_signs() -> None:
     assert view.picture(changed(snapshot, q=q), 60, 10)[1].text.startswith("  −100▕  −100▕  −100▕")
     assert "−12k" in view.picture(changed(snapshot, q=120 * q), 60, 10)[1].text
     zero = view.picture(visited(changed(snapshot, q=0 * q), 40), 60, 10)[1].text
-    assert zero.startswith("     0▕")  # as wide as they have been
+    assert zero.startswith("     0▕")  # as wide as ever before
     medium = large_lake(10)
     view = GridView(medium.world, look())
     view.picture(medium, 50, 10)

@@ -1,4 +1,4 @@
-"""What gives the exact answer away is hidden on every panel, which says so, until w h shows it."""
+"""Every panel hides what would reveal the exact values, and says so, until w h shows them."""
 
 from __future__ import annotations
 

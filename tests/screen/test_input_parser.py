@@ -1,4 +1,4 @@
-"""Keys, pastes and what only looks like them, in whatever pieces they come."""
+"""Keys, pastes and similar input, divided into any pieces."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rl_tui.screen.terminal.key_queue import EscapeOrAlt
 
 
 class Typed:
-    """What a parser makes of texts, at a time that stands still."""
+    """A parser with the messages it makes of texts, and a stopped clock."""
 
     def __init__(self, most: int = 100) -> None:
         self.now = 0.0
@@ -20,7 +20,7 @@ class Typed:
         self.messages: list[Message] = []
 
     def type(self, *texts: str) -> list[str]:
-        """Type each text, then wait; return the keys and pastes of them all."""
+        """Type each text, wait, and return all their keys and pastes."""
         before = len(self.messages)
         for text in texts:
             self.messages += [*self.parser.feed(text), *self.parser.tick()]

@@ -1,4 +1,4 @@
-"""Where a lesson keeps something back, texts say that it does, and name no key that would show it."""
+"""Texts about hidden parts of a lesson say that they are hidden, and name no key that would show them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ BANDIT = bandit(100)
 
 
 def kept(picture: Snapshot, *what: str) -> Snapshot:
-    """``picture`` beside a page that keeps ``what`` back."""
+    """``picture`` with a page that hides ``what``."""
     return changed(picture, is_hidden="answer" in what, kept_back=frozenset(what))
 
 
@@ -42,10 +42,10 @@ def test_what_is_hidden_names_its_key_or_that_it_waits() -> None:
 
 @pytest.mark.parametrize("picture", [student(), BANDIT])
 def test_notes_of_policies_say_what_keeps_them_back(picture: Snapshot) -> None:
-    said = [note for note, _ in notes(kept(picture, "answer"), look())]
+    said = list(notes(kept(picture, "answer"), look()))
     assert any("the lesson keeps" in note for note in said)
     assert not any(SHOWN_BY_KEY in note for note in said)
-    told = [note for note, _ in notes(changed(picture, is_hidden=True), look())]
+    told = list(notes(changed(picture, is_hidden=True), look()))
     assert any(SHOWN_BY_KEY in note for note in told)
 
 
@@ -76,7 +76,7 @@ def graph(picture: Snapshot) -> str:
 
 
 def with_other_chances(picture: Snapshot) -> Snapshot:
-    """``picture`` in a world whose outcomes have their probabilities turned round, pair by pair."""
+    """``picture`` in a world with reversed outcome probabilities, pair by pair."""
     mdp = picture.world.mdp
     chances, sums = np.array(mdp.probability), np.array(mdp.cumulative)
     for pair in range(mdp.pairs):

@@ -1,4 +1,4 @@
-"""What keys and clicks say, and where else they count: messages, the palette, borders, ctrl+c."""
+"""Messages of keys and clicks, and other places that react to keys: the palette, borders, ctrl+c."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ async def test_a_message_covers_its_line_and_goes_with_the_next_key_and_leaving_
     async with on_screen(make_app("student"), size, notifications=True) as pilot:
         await press(pilot, "s", "escape")
         assert len(notes(pilot.app)) == 1
-        above_keys = size == (120, 40)  # where there is a free row
+        above_keys = size == (120, 40)  # with a free row
         assert pilot.app.screen.query_one(MessageLine).region.bottom_right == (size[0], size[1] - above_keys)
         await press(pilot, "v")
         assert notes(pilot.app) == []
@@ -122,7 +122,7 @@ def test_a_message_is_a_sentence_but_keys_symbols_and_paths_stay_as_they_are() -
     assert {text: as_sentence(text) for text in said} == said
 
 
-# What is written on a border
+# Texts on a border
 
 
 def test_a_key_is_found_where_its_hint_stands() -> None:
@@ -185,7 +185,7 @@ async def test_the_keys_of_a_dialog_answer_clicks_on_its_border_and_those_after_
     assert app.return_code == 0
 
 
-# Keys that come early, and places that are not there
+# Early keys, and places that do not exist
 
 
 async def test_keys_typed_before_there_is_a_world_go_to_the_dialog_they_open(

@@ -1,4 +1,4 @@
-"""Keys that are held back until those before them are done."""
+"""Keys that wait until earlier ones are done."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ async def test_of_a_flood_of_keys_only_so_many_are_held() -> None:
         async with asyncio.timeout(60):
             while len(handled) < 4:
                 await pilot.pause()
-        await queue.take(keys[-1])  # there is room again
+        await queue.take(keys[-1])  # there is space again
         async with asyncio.timeout(60):
             while len(handled) < 5:
                 await pilot.pause()
@@ -144,7 +144,7 @@ async def test_a_key_that_stops_is_not_lost_where_too_many_wait(
 
 
 async def test_keys_that_waited_for_a_screen_come_before_those_typed_later() -> None:
-    """Also before one that is on its way to that screen already."""
+    """Also before a key that is already on its way to that screen."""
     done: list[str] = []
 
     class Waiting(App[None]):

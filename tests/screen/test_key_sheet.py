@@ -1,4 +1,4 @@
-"""? shows all keys of a place on one screen; words and pages are a key away."""
+"""? shows all keys of a place on one screen. One more key shows words or pages."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rl_tui.screen.playground.playground import Playground
 
 
 def shown(pilot: Pilot[UserError]) -> str:
-    """What the page says, as lines of text."""
+    """The page as lines of text."""
     screen = pilot.app.screen
     assert isinstance(screen, KeySheet)
     page = screen.query_one("_Page")

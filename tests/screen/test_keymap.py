@@ -1,4 +1,4 @@
-"""The table of actions: which keys there are, what people expect of them, and its words."""
+"""The table of actions: its keys, the usual meanings of keys, and its words."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ LESSON_KEYS = {"enter", "pagedown", "pageup", "h"}
 ACTING_LETTERS = set("sebBvfy")
 OF_ALL_LISTS = set("jkq?/")  # in a menu these move, close, show keys and find
 LONGEST_HELP = 125
-LONGEST_IN_MENU = 76  # characters: what a menu has room for
+LONGEST_IN_MENU = 76  # characters that fit in a menu
 PAIRS = {("b", "B")}
 
 
 def usual(place: Place) -> list[Action]:
-    """What can be done without a lesson and without a watched program."""
+    """The actions available without a lesson and without a watched program."""
     return [each for each in actions_of(place) if not each.of_lesson and not each.of_program]
 
 

@@ -1,4 +1,4 @@
-"""What a kiosk offers on screen, and what it does when nobody is there."""
+"""The screens of a kiosk, and its reset after a person leaves."""
 
 from __future__ import annotations
 

@@ -32,14 +32,14 @@ def drawn(
 
 
 def styles(snapshot: Snapshot, text: str, shown_with: Look | None = None) -> set[Style | None]:
-    """The styles of all pieces that hold ``text``."""
+    """The styles of all segments with ``text``."""
     _, widget = drawn(snapshot, WIDE, shown_with)
     pieces = [piece for row in widget.picture(snapshot, *WIDE) for piece in row]
     return {piece.style for piece in pieces if text in piece.text}
 
 
 def dotted(snapshot: Snapshot) -> set[Style | None]:
-    """The styles of all pieces that are lines."""
+    """The styles of all line segments."""
     _, widget = drawn(snapshot)
     return {
         piece.style
@@ -66,7 +66,7 @@ def test_where_there_is_room_the_others_tell_their_greedy_return_too() -> None:
     text = "\n".join(drawn(side_by_side(3), BROAD)[0])
     assert "α 0.5: .32, greedy .60" in text
     assert "SARSA: .44, greedy .70" in text
-    assert "α 0.1: .50 " in text  # that of the run shown has a label of its own
+    assert "α 0.1: .50 " in text  # the visible run has its own label
 
 
 def test_a_narrow_panel_says_which_run_is_shown() -> None:
@@ -198,7 +198,7 @@ def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:
     shown = changed(planning(), lanes=(first, planner), shown=1)
     text = "\n".join(drawn(shown)[0])
     assert "Value iteration: .73" in text or "Value iteration: .74" in text
-    assert words.GREEDY not in text  # the lane's own line
+    assert words.GREEDY not in text  # the run's own line
 
 
 def test_a_hidden_bandit_gives_nothing_away_in_other_lanes() -> None:

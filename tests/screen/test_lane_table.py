@@ -31,7 +31,7 @@ def table_of(
 
 
 def with_tables(snapshot: Snapshot, own: FloatArray, other: FloatArray) -> Snapshot:
-    """Two lanes with these tables, the second one shown."""
+    """Two runs with these tables, the second one visible."""
     first, second = lane_views(2)
     lanes: tuple[LaneView, ...] = (replace(first, q=other), replace(second, q=own))
     return paired(changed(snapshot, q=own, lanes=lanes, shown=1))
@@ -62,7 +62,7 @@ def test_it_shows_the_difference_with_colours_for_both_directions() -> None:
     palette = look().palette
     assert figures.style(0) == palette.signed_value(1.0)
     assert figures.style(1) == palette.signed_value(-0.5)
-    assert figures.style(2) == palette.unvisited  # neither has been there
+    assert figures.style(2) == palette.unvisited  # neither has visited it
     assert figures.text(2, 6) == "·"
 
 

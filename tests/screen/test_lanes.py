@@ -1,4 +1,4 @@
-"""Runs side by side, from the keys to the panels."""
+"""Several runs, from the keys to the panels."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rl_tui.screen.playground.actions.export import script_of
 
 
 async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:
-    """Press c s, choose what is to be different, and type or choose its value."""
+    """Press c s, choose the setting that differs, and type or choose its value."""
     if name == "algorithm":
         await press(pilot, "c", "a")
     else:
@@ -73,7 +73,7 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         board = playground(pilot).board
         assert "2 runs, ▸1 α 0.1" in board.curve.heading
 
-        await press(pilot, "v")  # no table is in view here: the worlds turn
+        await press(pilot, "v")  # no table is visible here: the worlds take turns
         assert [board.panel(each).drawn_layer for each in (WORLD, beside(WORLD))] == [Layer.OPTIMAL] * 2
         await press(pilot, "c", "o", "v", "v")
         assert board.table.heading == "▸1 · Q of α 0.1 − Q of α 0.5"
@@ -93,7 +93,7 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert shown.run_group.lanes[1].hyperparameters.alpha == shown.agent.hyperparameters.alpha != 0.5
         pilot.app.set_focus(None)
 
-        await press(pilot, "c", "c", "delete")  # the cursor starts on the one shown
+        await press(pilot, "c", "c", "delete")  # the cursor starts on the visible run
         shown = snapshot(pilot)
         assert shown.run_group.lanes == ()
         assert shown.agent.hyperparameters.alpha == 0.1
@@ -118,7 +118,7 @@ async def test_another_seed_is_the_next_one_that_no_run_has_and_what_is_exported
 
 
 async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> None:
-    """Back to a value that the first lane has all along is a change in the second."""
+    """The first run's own value is a change in the second."""
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
         for change in (SetParameter("alpha", 0.5), SetParameter("ties", "first")):
             await order(pilot, AddLane((change,)))
@@ -133,7 +133,7 @@ async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> No
         assert [lane.hyperparameters.alpha for lane in snapshot(pilot).run_group.lanes] == [0.1, 0.1, 0.1]
         await press(pilot, "c", "l", "a", "t")
         assert [lane.hyperparameters.ties for lane in snapshot(pilot).run_group.lanes] == ["random"] * 3
-        await press(pilot, "c", "c", "up", "delete")  # the one before the one shown
+        await press(pilot, "c", "c", "up", "delete")  # the one before the visible run
         shown = snapshot(pilot)
         assert (len(shown.run_group.lanes), shown.run_group.shown) == (2, 1)
         await press(pilot, "c", "l")
@@ -154,7 +154,7 @@ async def test_four_lanes_fit_every_screen(make_app: MakeApp) -> None:
                 assert all(f"{number} " in text for number in range(1, 5)), "one row has room for numbers"
                 assert "no room for two" in playground(pilot).lanes.why_not("one_lane")
             else:
-                assert named == 4  # a name a row
+                assert named == 4  # one name per row
             await press(pilot, "c", "c")
             assert pilot.app.screen.query_one("#box").size.height <= size[1]
             await press(pilot, "escape")

@@ -35,14 +35,14 @@ def newest(screen: Playground) -> Snapshot:
 
 
 def text_of(panel: GridView) -> str:
-    """What the map shows; the legend is hidden, which has its signs too."""
+    """The text of the map, without the legend, which repeats its signs."""
     panel.is_explained = False
     panel.redraw()
     return "\n".join(panel.render_line(y).text for y in range(panel.size.height))
 
 
 def check_complete(screen: Playground) -> None:
-    """What is in view is what the newest snapshot has, and it has no more than some screens of it."""
+    """Assert that the visible part equals the newest snapshot, which covers only a few screens of the map."""
     snapshot = newest(screen)
     assert screen.board.is_complete
     assert snapshot.agent.part.held.sum() < 45_000
@@ -121,7 +121,7 @@ async def test_two_lanes_show_and_scroll_the_same_part_and_count_what_is_in_view
         for key in ("s", "l", "s"):
             await tap(pilot, key)
             assert left.stance == right.stance
-            check_complete(screen)  # both have what is around the agent of the one led
+            check_complete(screen)  # both show the surroundings of the controlled run's agent
         await train(pilot, 20_000)
         check_complete(screen)
         shown = newest(screen)

@@ -48,7 +48,7 @@ def drawn(snapshot: Snapshot | None, width: int = 80, height: int = 1, *, ascii:
 
 
 def stepped(snapshot: Snapshot, **changes: Any) -> Snapshot:
-    """``snapshot`` with changes to its last step, the estimate after it worked out."""
+    """``snapshot`` with changes to its last step, and the resulting estimate."""
     assert snapshot.counters.last_step is not None
     gathered = {"gathered": changes["reward"]} if "reward" in changes else {}
     last = learned_from(snapshot.counters.last_step, **(gathered | changes))
@@ -58,7 +58,7 @@ def stepped(snapshot: Snapshot, **changes: Any) -> Snapshot:
 
 
 def lake_step(**changes: Any) -> Snapshot:
-    """State 6 of the slippery lake, meant left, went down: the step of the drawings."""
+    """State 6 of the slippery lake, left intended, down happened: the step in the drawings."""
     mdp = LAKE.world.mdp
     left = int(mdp.first_pair[6])
     outcome = next(each for each in mdp.outcomes_of(left) if mdp.outcome_action[each] == 1)
@@ -259,7 +259,7 @@ def test_a_bandit_has_no_next_state() -> None:
     assert "γ" not in text
 
 
-# How the action came about
+# The origin of the action
 
 
 def choice(q_before: list[float], pair: int, *, explored: bool) -> str:
@@ -268,7 +268,7 @@ def choice(q_before: list[float], pair: int, *, explored: bool) -> str:
     first = int(mdp.first_pair[6])
     q = snapshot.agent.q.copy()
     q[first : first + 4] = q_before
-    q[first + pair] = 9.9  # the update has moved it: what counts is what it was before
+    q[first + pair] = 9.9  # the update has changed it: its value before counts
     assert snapshot.counters.last_step is not None
     last = replace(snapshot.counters.last_step, pair=first + pair, updated_pair=first + pair)
     return heading(changed(snapshot, q=q, last_step=last))

@@ -26,7 +26,7 @@ ERRORS_AND_VISITS = (Layer.ERROR, Layer.VISITS)
 
 
 def drawn(snapshot: Snapshot, layer: Layer, cell: tuple[int, int] = (17, 6)) -> list[str]:
-    """The rows of a map whose cells are so large, and the line below it."""
+    """The rows of a map with cells of this size, and the line below it."""
     view = GridView(snapshot.world, look())
     view.cell, view.wanted_layer = Size(*cell), layer
     view.show(snapshot)
@@ -34,7 +34,7 @@ def drawn(snapshot: Snapshot, layer: Layer, cell: tuple[int, int] = (17, 6)) -> 
 
 
 def learning() -> Snapshot:
-    """A lake of which something was learned, with its exact answer."""
+    """A partly learned lake, with exact values."""
     shown = lake()
     solution = shown.exact_answer.solution
     assert solution is not None
@@ -115,7 +115,7 @@ def test_errors_are_around_a_grey_zero_and_visits_go_by_their_logarithm() -> Non
 
 
 def test_leads_are_compared_with_values_whatever_is_tinted() -> None:
-    """An arrow is as pale under the visits, which are thousands, as under the values."""
+    """An arrow is as pale in the layer of visits, which are thousands, as in the layer of values."""
     shown = learning()
     views = []
     for layer in (Layer.Q, Layer.VISITS):

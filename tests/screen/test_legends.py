@@ -1,4 +1,4 @@
-"""Panels say what they are and what their signs mean, until that is hidden."""
+"""Panels show their caption and legend until these are hidden."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ CAPTIONS = {row.id: row.caption for row in PANELS}
 
 
 def explained(panel: Panel, snapshot: Snapshot, width: int, height: int) -> Panel:
-    """``panel`` as if it had that size on a screen, with its legend."""
+    """``panel`` at this size on a screen, with its legend."""
     panel.__class__ = type("Sized", (type(panel),), {"size": Size(width, height)})
     panel.is_explained = True
     panel.show(snapshot)
@@ -93,7 +93,7 @@ def test_a_legend_has_signs_that_are_drawn_and_no_others(kind: str, made: object
     panel: Panel = made(snapshot, look(in_ascii))
     drawn = "\n".join(strip.text for strip in panel.picture(snapshot, 58, 22))
     for sign in panel.legend(snapshot):
-        of_blocks = () if in_ascii else ("◉", "●", "★", "▲")  # where cells are large
+        of_blocks = () if in_ascii else ("◉", "●", "★", "▲")  # with large cells
         told = sign.sign.strip() in ("tint", "bold", *of_blocks)
         assert told or set(sign.sign) <= set(drawn), sign
 
@@ -141,7 +141,7 @@ def test_rewards_and_ties_have_signs_of_their_own() -> None:
 
 
 def test_a_kind_of_cell_in_which_something_can_be_done_has_no_sign() -> None:
-    shown = paying()  # its goal is left by a jump
+    shown = paying()  # a jump leads away from its goal
     assert "★ goal" not in legend(explained(GridView(shown.world, look()), shown, 60, 6))
 
 

@@ -96,7 +96,7 @@ def lessons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def make_lesson_app(lessons: Path, tmp_path: Path) -> MakeLessonApp:
-    """The list of lessons, with a folder of sessions of its own."""
+    """The list of lessons, with its own folder of sessions."""
 
     def make(start: object = Place.LESSONS, *, kiosk: bool = False, **display: object) -> RlTuiApp:
         app = RlTuiApp(
@@ -124,7 +124,7 @@ def at_end(lesson: Lesson, *given: Given, is_passed: bool = True) -> LessonRecor
 
 
 def keep(tmp_path: Path, record: LessonRecord, step: int = 4, order: int = 0) -> Path:
-    """Write a session of ``record``, its run at ``step``; of two that of the higher ``order`` is newer."""
+    """Write a session of ``record``, its run at ``step``. The higher ``order`` is newer."""
     beginning = beginning_of(record)
     lane = beginning.lanes[0]
     branch = replace(lane.branches[0], end=step, here=step)
@@ -247,7 +247,7 @@ async def test_a_lesson_under_way_says_so_and_goes_on_where_it_was_left(
 
 async def test_who_acted_last_acts_again_where_a_lesson_goes_on(make_lesson_app: MakeLessonApp) -> None:
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
-        await settled(pilot, "r")  # on a lesson that is not begun it begins it at once
+        await settled(pilot, "r")  # on a new lesson it starts at once
         assert lesson_on_screen(pilot).page == "start"
         await press(pilot, "y", "1", "enter")
         await settled(pilot, "escape", "escape", "escape", "escape")  # page, mode, and twice to leave
@@ -295,7 +295,7 @@ async def test_a_finished_lesson_is_a_reference_from_its_first_page(
     (lessons / "third.toml").write_text(OTHER.replace("order = 20", "order = 30"), encoding="utf-8")
     async with make_lesson_app(ascii=True).run_test(size=(120, 40)) as pilot:
         await settled(pilot)
-        assert pilot.app.screen.query_one(LessonList).highlighted == 1  # the first that is not read
+        assert pilot.app.screen.query_one(LessonList).highlighted == 1  # the first unread page
         assert "v 1 A walk 4/4" in listed(pilot)
         assert "1 of 3 finished" in screen_text(pilot.app)
         assert screen_text(pilot.app).isascii()
@@ -423,7 +423,7 @@ async def test_another_setup_takes_the_place_of_the_run_and_the_same_session_goe
 
 
 async def turn_to(pilot: Pilot[UserError], page: str) -> None:
-    """Ask for ``page`` of the lesson, which is of another setup."""
+    """Go to ``page`` of the lesson, which has another setup."""
     screen = pilot.app.screen
     assert isinstance(screen, Playground)
     screen.post_message(Playground.SetupWanted(lesson_on_screen(pilot).open(page)))
@@ -473,7 +473,7 @@ async def test_a_session_whose_world_cannot_be_built_leads_back_to_the_list(
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot)
         await pilot.press("enter")
-        while not notes(pilot.app):  # the screen of a run that cannot begin is left by itself
+        while not notes(pilot.app):  # the screen closes automatically if its run cannot begin
             await pilot.pause()
         assert "NoSuchWorld-v0" in notes(pilot.app)[-1]
         assert isinstance(pilot.app.screen, LessonsScreen)

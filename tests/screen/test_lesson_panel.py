@@ -200,7 +200,7 @@ def test_where_its_row_replaces_the_header_it_says_first_why_nothing_goes_on() -
 
 
 def offered(panel: LessonPanel, width: int = 60, height: int = 40) -> list[str]:
-    """What enter does, in each of its forms, as the key line names it."""
+    """The effects of enter, in each of its forms, as the key line names them."""
     panel.picture(panel.snapshot, width, height)
     return ["  ".join(f"{key}: {does}" for key, does in form) for form in panel.offers]
 
@@ -238,7 +238,7 @@ def test_in_one_row_it_says_how_the_page_stands(snapshot: Snapshot, row: str) ->
 
 
 def beside_run(given: Given, in_run: float | str, page: str = "predict") -> Snapshot:
-    """The student where the truth is due, the run having come to ``in_run``."""
+    """The student when the prediction is due, with its run at ``in_run``."""
     snapshot = at(page, given, step=5)
     assert snapshot.lesson is not None
     return replace(snapshot, lesson=replace(snapshot.lesson, in_run=in_run))
@@ -340,7 +340,7 @@ def test_the_spotlight_names_the_key_of_a_panel_that_has_no_place() -> None:
 
 
 def long(page: str) -> Snapshot:
-    """The student with ``page`` open, whose text is far too long."""
+    """The student with ``page`` open and a far too long text."""
     taught = lesson_of(TEXT.replace("Study failed once.", "Word. " * 300), Path("sample.toml"))
     return replace(at(page), lesson=LessonView(begun(taught).open(page)))
 

@@ -1,4 +1,4 @@
-"""A lesson on the playground, with real keys, beside the world and in turn with it."""
+"""A lesson in the playground, with real keys, next to the world or in its place."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def page_panel(pilot: Pilot[UserError]) -> LessonPanel:
 
 
 async def refusal(pilot: Pilot[UserError], *keys: str) -> str:
-    """Press ``keys``; return why that cannot be done, as the menu says it in its last row, or a message."""
+    """Press ``keys`` and return the reason for their refusal, from the menu's last row or a message."""
     await press(pilot, *keys)
     if not isinstance(pilot.app.screen, MenuStrip):
         assert isinstance(pilot.app.screen, Playground), keys
@@ -271,7 +271,7 @@ async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kep
             assert await refusal(pilot, *keys) == PREDICT_FIRST, keys
         await train(pilot, 3)
         assert snapshot(pilot).counters.step == 0
-        await press(pilot, "pagedown")  # skips the page, but by a second press only
+        await press(pilot, "pagedown")  # skips the page, but only at a second press
         assert notes(pilot.app) == [NOT_DONE]
         assert record(pilot).page == "predict"
         await press(pilot, "pagedown")
@@ -326,13 +326,13 @@ async def test_a_question_is_answered_until_it_is_right(size: tuple[int, int]) -
         assert record(pilot).is_done("quiz")
         await press(pilot, "t", "p")
         assert playground(pilot).board.opened is not None
-        await press(pilot, "pageup")  # to a page that keeps this panel back
+        await press(pilot, "pageup")  # to a page that hides this panel
         assert playground(pilot).board.opened is None
         assert snapshot(pilot).answers.studied is None
 
 
 def held(run: Snapshot) -> Snapshot:
-    """``run`` as it is when the task of page learn holds."""
+    """``run`` after passing the task of page learn."""
     assert run.lesson is not None
     assert run.lesson.task is not None
     task = replace(run.lesson.task, passed=Passed("learn", run.recipe, (), 0))
@@ -522,6 +522,6 @@ async def test_every_panel_in_the_spotlight_is_marked_without_colours(
                 await press(pilot, "escape")
             lit = playground(pilot).board.panel(panel)
             edge = screen_text(app).splitlines()[lit.region.y][lit.region.x]
-            marks = ("▸", "┃") if not plain else (">", "|")  # before a heading, else beside the panel
+            marks = ("▸", "┃") if not plain else (">", "|")  # before a heading, otherwise next to the panel
             assert edge in marks, panel
             assert lit.has_class("-spotlit"), panel

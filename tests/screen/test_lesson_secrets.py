@@ -1,4 +1,4 @@
-"""While a lesson keeps the answer back, no panel and no dialog shows anything that depends on it."""
+"""While a lesson hides the exact values, no panel and no dialog shows anything that depends on them."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ ask = "How much?"
 answer = 12345
 """
 OTHER = 3.0625
-"""By how much all exact figures are other ones."""
+"""The offset of all exact numbers."""
 EXACT_FIGURES = ("value_at_start", "expected_return", "max_error", "regret", "best_arm_rate")
 
 
@@ -62,7 +62,7 @@ def moved(figure: float | None) -> float | None:
 
 
 def otherwise(snapshot: Snapshot) -> Snapshot:
-    """``snapshot`` with another exact answer: all that is worked out exactly is another figure."""
+    """``snapshot`` with other exact values, and other numbers computed from them."""
     solution = snapshot.exact_answer.solution
     assert solution is not None
     answer = replace(
@@ -95,7 +95,7 @@ def otherwise(snapshot: Snapshot) -> Snapshot:
 
 @cache
 def flips_of_the_student() -> FlipAnswer:
-    """Flips that are known, whatever world they are shown in."""
+    """Known flips, shown for any world."""
     mdp = begin(recipe_named("student")).world.mdp
     assert mdp is not None
     return worked_out(mdp)
@@ -106,7 +106,7 @@ def _other_study(study: SeedStudy) -> SeedStudy:
 
 
 def _other_lane(lane: LaneStudy) -> LaneStudy:
-    """What many seeds say of ``lane``, its exact figures other ones, and in other seeds the greater."""
+    """The study of ``lane`` with other exact numbers, which are larger for the other seeds."""
     return replace(
         lane,
         estimates={
@@ -152,9 +152,9 @@ def _other_worth(worth: PolicyAnswer) -> PolicyAnswer:
 
 
 async def pictures(pilot: Pilot[Any], study: SeedStudy | None = None) -> tuple[str, str]:
-    """What is on screen, colours and all, and what would be there if the answer were another one.
+    """Return the screen, with colours, and the screen for other exact values.
 
-    ``study`` is what many seeds have said by now.
+    ``study`` is the current result of many seeds.
     """
     await settle(pilot)
     screen, now = playground(pilot), snapshot(pilot)
@@ -182,7 +182,7 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
         screen = playground(pilot)
         screen.send(KeepLesson(begun(taught)))
         screen.send(HideAnswer(is_hidden=False))
-        await train(pilot, 1_000)  # that spends the budget of the bandit
+        await train(pilot, 1_000)  # the budget of the bandit is spent
         if size == (80, 24):
             await press(pilot, "escape")
         turn = ["w", "a"] if isinstance(snapshot(pilot).world.drawing, Grid) else []
@@ -195,7 +195,7 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
             await press(pilot, *keys)
             before, other = await pictures(pilot)
             assert before == other, keys
-        # what explains, the model, and the slider of γ with its flips
+        # help, the model, and the slider of γ with its flip points
         for keys in (["question_mark"], ["escape", "w", "m"], ["escape", "2"], ["escape"]):
             await press(pilot, *keys)
             before, other = await pictures(pilot)
@@ -213,7 +213,7 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
 
 
 async def test_the_pictures_would_tell() -> None:
-    """What is asked for above can fail: with the answer shown, the pictures differ, with each of these."""
+    """Prove that the test above can fail: with exact values visible, the pictures differ every time."""
     taught = lesson("student")
     app = RlTuiApp(
         Display(fps=1000.0), recipe_of(taught, "only"), partial(Player, automatic=False), picture=True

@@ -1,4 +1,4 @@
-"""Every shipped lesson is taken from its first page to its end, by keys, as it asks."""
+"""Every shipped lesson is taken from its first page to its end, with the keys it names."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ WITH_WRONG_ATTEMPTS = pytest.mark.exhaustive("every lesson, with all that a task
 
 
 def walks() -> Iterator[Any]:
-    """Yield each walk, in a group of its own, so that they share the processes out among them."""
+    """Yield each walk in its own group, so that processes share them."""
     for name, lesson in LESSONS.items():
         for size in (WIDE, SMALL) if name in WALKED_SMALL else (WIDE,):
             group = pytest.mark.xdist_group(f"{name} {size[0]}")
@@ -37,17 +37,17 @@ def walks() -> Iterator[Any]:
 
 TASKS = [(lesson.id, page.id) for lesson in LESSONS.values() for page in lesson.tasks]
 WAITED = (1, 1, 1, 7, 90, 400, 500, 1000, 1000, 1000, 1000)
-"""Steps between two looks at a task that nobody does anything for: 5,000 in all."""
+"""Steps between two looks at a task that needs no action: 5,000 in total."""
 
 
 async def do_by_hand(learner: Learner) -> None:
-    """Take the actions that the page asks for, if it does."""
+    """Take the actions that the page asks for, if any."""
     for action in BY_HAND.get((learner.lesson.id, learner.page.id), ()):
         await learner.act(action)
 
 
 async def predict(learner: Learner, ask: Ask) -> None:
-    """Say what is right, let the run come to the truth where the page wants it to, and read it."""
+    """Give the right answer, run to the step that resolves it if the page asks for it, and read it."""
     await learner.answer(ask, right_answer(ask))
     given = learner.record.given_on(learner.page.id)
     assert given is not None
@@ -69,7 +69,7 @@ async def predict(learner: Learner, ask: Ask) -> None:
 
 
 async def answer(learner: Learner, ask: Ask) -> None:
-    """Choose what is wrong, read the reply, and choose what is right."""
+    """Choose a wrong answer, read the reply, and choose a right one."""
     page = learner.page.id
     for given, is_right in ((wrong_answer(ask), False), (right_answer(ask), True)):
         await learner.answer(ask, given)
@@ -78,7 +78,7 @@ async def answer(learner: Learner, ask: Ask) -> None:
 
 
 async def do(learner: Learner, task: Task, *, with_wrong_attempt: bool) -> None:
-    """Try what does not pass, set up again, and do what does. Wrong attempts take long."""
+    """Try a failing attempt, restart, and do a passing one. Wrong attempts take long."""
     page = learner.page.id
     if with_wrong_attempt:
         await learner.set_up()
@@ -92,7 +92,7 @@ async def do(learner: Learner, task: Task, *, with_wrong_attempt: bool) -> None:
 
 
 def beginning(text: str) -> str:
-    """The first words of ``text``: the rest may be below."""
+    """The first words of ``text``. The rest may be below."""
     return " ".join(text.split()[:6])
 
 

@@ -1,4 +1,4 @@
-"""When a frame may be sent, by a clock that stands still."""
+"""The moments when a frame may be sent, with a stopped clock."""
 
 from __future__ import annotations
 

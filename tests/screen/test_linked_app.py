@@ -1,4 +1,4 @@
-"""What the app does for a real terminal, whatever the machine."""
+"""Behaviour of the app on a real terminal, on every machine."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ async def test_on_a_machine_that_stalls_it_happens_though_late(monkeypatch: pyte
     happened = asyncio.Event()
     app = LinkedApp[None]()
     async with app.run_test():
-        monkeypatch.setattr(_time, "get_time", count().__next__)  # a second goes by from one look to the next
+        monkeypatch.setattr(_time, "get_time", count().__next__)  # a second passes between two looks
         app.set_timer(0.001, happened.set)
         async with asyncio.timeout(60):
             await happened.wait()

@@ -1,4 +1,4 @@
-"""Many seeds on the real screen, with real keys: the panel, the curve behind it, and the dialog of lanes."""
+"""Many seeds on the real screen, with real keys: the panel, the curve's band, and the dialog of runs."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from rl_tui.studies.many_seeds.figures import SeedStudy, StudyState
 
 
 def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """The list that all commands go to from here on, in place of the player."""
+    """Record all commands in this list; the player receives none."""
     sent = list[Command]()
     monkeypatch.setattr(playground(pilot).link, "send", sent.append)
     return sent
 
 
 async def fed(pilot: Pilot[UserError], study: SeedStudy | None) -> str:
-    """Show what the playground shows, with ``study``; return all that is drawn then."""
+    """Show the current snapshot with ``study`` and return the text on screen."""
     screen = playground(pilot)
     assert screen.snapshot is not None
     show(screen, replace(screen.snapshot, study=study))

@@ -1,4 +1,4 @@
-"""What the panel of many seeds shows, at any size, and that its figures say no more than is known."""
+"""The panel of many seeds at any size. Its numbers claim no more than is known."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def drawn(snapshot: Snapshot | None, width: int = 58, height: int = 60, **how: A
 
 
 def said(snapshot: Snapshot | None, width: int = 58, **how: Any) -> str:
-    """All words, wherever lines break."""
+    """All words, whatever the line breaks."""
     return " ".join(drawn(snapshot, width, **how).split())
 
 
@@ -54,7 +54,7 @@ def lanes(study: SeedStudy, **changes: Any) -> Snapshot:
     return side_by_side(2, 1, study=study, **changes)
 
 
-# What one run says
+# Texts for one run
 
 
 def test_each_figure_stands_beside_its_mean_and_error() -> None:
@@ -88,7 +88,7 @@ def test_where_seeds_end_is_always_said(width: int) -> None:
     for snapshot in (changed(lake(), study=lake_study()), lanes(cliff_study())):
         first = drawn(snapshot, width, 13).splitlines()[0]
         assert first.endswith("1–500") or "1–500 " in first
-        assert "to 500" in said(snapshot, width)  # the run went on: this seed's figures are not those of now
+        assert "to 500" in said(snapshot, width)  # the run continued: this seed's numbers are outdated
 
 
 def test_figures_of_just_the_episodes_that_were_run_need_no_such_word() -> None:

@@ -1,4 +1,4 @@
-"""The menus: a letter, arrows, enter, the mouse; what cannot be done says why and leaves the menu open."""
+"""The menus: letters, arrows, enter, the mouse. A refused entry shows its reason and leaves the menu open."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the microscope says of a step, from snapshots made by hand."""
+"""The microscope's explanation of a step, from snapshots made by hand."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NARROW, WIDE = 40, 118
 
 
 def with_episode(snapshot: Snapshot, rewards: list[float], **changes: Any) -> Snapshot:
-    """``snapshot`` at the end of an episode with these rewards, and with the history of the updated pair."""
+    """``snapshot`` at the end of an episode with these rewards, and with the updated pair's history."""
     gamma = snapshot.counters.last_step.gamma
     told: dict[str, Any] = {
         "rewards": np.array(rewards),

@@ -22,7 +22,7 @@ def board(pilot: Pilot[UserError]) -> Board:
 
 
 def lines(pilot: Pilot[UserError]) -> str:
-    """All that the microscope says, in however many rows."""
+    """All text of the microscope, in any number of rows."""
     widget = board(pilot).microscope
     rows = Microscope(widget.look)
     rows.pair = widget.pair
@@ -30,7 +30,7 @@ def lines(pilot: Pilot[UserError]) -> str:
 
 
 def top(pilot: Pilot[UserError]) -> str:
-    """The first row of it that is in view."""
+    """Its first visible row."""
     return board(pilot).microscope.render_line(0).text
 
 
@@ -47,7 +47,7 @@ async def test_d_opens_and_closes_it_and_keys_and_wheel_scroll_it(
         assert not board(pilot).shows(TABLE)
         assert widget.has_focus
         assert "Q(0," in lines(pilot)
-        if size == (80, 24):  # where it is longer than its place
+        if size == (80, 24):  # longer than its panel
             assert "The step" in top(pilot)
             await press(pilot, "down")
             assert "state" in top(pilot)
@@ -169,7 +169,7 @@ async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
                 shown.counters.last_step.after,
             ]
         await press(pilot, "r", "r")
-        await settle(pilot)  # once it is drawn that there is no step, no cell is asked for
+        await settle(pilot)  # without a step it requests no cell
         assert snapshot(pilot).cell is None
         assert board(pilot).microscope.pair is None
         await press(pilot, "d")

@@ -1,4 +1,4 @@
-"""The band of the middle half: its quartiles, when it is drawn, and its cells."""
+"""The band of the middle half: its quartiles, its visibility, and its cells."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SIZE = (90, 9)
 
 
 def of(returns: np.ndarray) -> Snapshot:
-    """A run of these returns, with steps that vary."""
+    """A run of these returns, with varying steps."""
     history = History()
     history.add(returns, np.arange(len(returns)) % 7 + 1)
     mean = float(returns[-100:].mean())
@@ -54,9 +54,9 @@ def test_the_band_is_drawn_where_it_says_something() -> None:
     "returns",
     [
         spread(0.1),  # thinner than 5 % of the axis
-        np.random.default_rng(0).uniform(-20.0, 20.0, 2_000),  # higher than the axis of the means
-        np.random.default_rng(0).integers(0, 5, 2_000) * 2.0,  # five values only
-        np.where(np.arange(2_000) % 8, spread(1.0), -60.0),  # the mean is outside of it
+        np.random.default_rng(0).uniform(-20.0, 20.0, 2_000),  # above the axis of the means
+        np.random.default_rng(0).integers(0, 5, 2_000) * 2.0,  # only five values
+        np.where(np.arange(2_000) % 8, spread(1.0), -60.0),  # the mean is outside the band
     ],
     ids=["thin", "high", "few values", "mean outside"],
 )

@@ -1,4 +1,4 @@
-"""Where the keys of a mode count, with real keys: where a world has the focus, and the screen says so."""
+"""The keys of a mode, with real keys: they apply only while a world has the focus, and the screen says so."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ async def test_in_another_panel_keys_and_key_line_are_its_own(
             assert screen.modes.current is not None, other
             assert word not in key_line(pilot), other
             assert not view(pilot).has_class("-manual"), other
-            assert view(pilot).title, other  # what is drawn there, and who acts, holds on
+            assert view(pilot).title, other  # the drawing and the manual control continue
             assert view(pilot).foot.endswith(end), other
             assert "↑" not in view(pilot).foot, other
             if other == "alpha":
@@ -152,7 +152,7 @@ async def test_a_panel_leaves_the_arrows_to_who_acts_and_goes_on_from_what_was_d
         await press(pilot, "y", "t", "p", "t", "p")
         assert (await press(pilot, "w", "p")).answers.studied is PolicyKind.DRAWN
         await press(pilot, "w", "p")
-        assert board.panel(POLICIES).has_focus  # where it was
+        assert board.panel(POLICIES).has_focus  # its previous row
         assert (await press(pilot, "up")).answers.studied is PolicyKind.OPTIMAL
 
 

@@ -217,7 +217,7 @@ def test_of_a_stepped_environment_it_says_what_is_known() -> None:
 
 
 def egg() -> Snapshot:
-    """An agent before the Pot, which looks the same in each minute."""
+    """An agent before the Pot, with equal observations in each minute."""
     return changed(
         student(),
         world=find("egg").build(np.random.default_rng(0)),

@@ -1,4 +1,4 @@
-"""What moves on a map after a step: the chip, the value, the frame; and where nothing does."""
+"""Motion on a map after a step: the chip, the value, the frame; and cases without motion."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from rl_tui.worlds.files.catalogue import find
 
 LEFT, DOWN, RIGHT, UP = range(4)
 WIDTH, HEIGHT = 14, 3  # of a cell
-CHANGES, LAST = 3, 9  # the ticks at which the value changes, and from which on nothing does
+CHANGES, LAST = 3, 9  # the ticks of the value's change, and of the end of all motion
 
 
 # The picture at each tick
@@ -44,7 +44,7 @@ def pair_at(moment: Snapshot, state: int, action: int) -> int:
 
 
 def learned(**q: float) -> Snapshot:
-    """A learned lake; ``s9=.4`` is the estimate of going down in state 9, and ``.1`` that of its others."""
+    """A learned lake. ``s9=.4`` is the estimate of going down in state 9, ``.1`` of its other actions."""
     moment = changed(lake(), phase=Phase.PAUSED)
     values = moment.agent.q.copy()
     for name, value in q.items():
@@ -98,7 +98,7 @@ def number(rows: list[Strip], cell: int) -> str:
 
 
 def frame(rows: list[Strip], cell: int) -> Color | None:
-    """The colour of the frame around ``cell``, None without a frame."""
+    """The colour of the frame around ``cell``, or None."""
     row, column = divmod(cell, 4)
     y, x = row * HEIGHT + 1, column * WIDTH
     return style_of(rows, y, x).color if rows[y].text[x] == "▌" else None
@@ -110,7 +110,7 @@ def arrow(rows: list[Strip], cell: int) -> Color | None:
 
 
 def chip(rows: list[Strip], text: str) -> tuple[int, int] | None:
-    """Row and column of ``text``, which is in one place at most."""
+    """Row and column of ``text``, which occurs once at most."""
     found = [(y, each.text.index(text)) for y, each in enumerate(rows) if text in each.text]
     assert len(found) < 2
     return found[0] if found else None
@@ -247,7 +247,7 @@ def test_without_shades_the_frame_stays_as_it_is() -> None:
 
 
 def app_of(scenario: str = "cliff", *, ticks: float | None = 0.001, **display: Any) -> RlTuiApp:
-    """An app in which pictures move, at the ticks that a test asks for: a timer's would take minutes."""
+    """An app with motion at the ticks that a test requests. A timer would take minutes."""
     options = Display(**{"fps": 1000.0, **display})
     app = RlTuiApp(
         options, recipe_for(find(scenario), {}, 0), make_player=partial(Player, automatic=False), picture=True

@@ -1,4 +1,4 @@
-"""A policy that nobody has heard of is told rightly: one with an ε of its own is not told as ε-greedy."""
+"""The screen describes an unknown policy correctly: a policy with an ε need not be ε-greedy."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_what_a_row_says_can_be_spelled_in_ascii(row: Algorithm | Policy) -> Non
 
 
 def chosen_by(policy: str, *, explored: bool = False) -> Snapshot:
-    """A lake where the last action was chosen by ``policy``; ε has decayed from .5 to .2."""
+    """A lake whose last action was chosen by ``policy``; ε has decayed from .5 to .2."""
     shown = lake()
     last = shown.counters.last_step
     assert last is not None
@@ -63,7 +63,7 @@ def test_its_settings_are_those_of_its_row(curious: str) -> None:
     ]
     values = {setting.label or setting.action: setting.value for setting in settings_of(chosen_by(curious))}
     assert values["agent.choose_policy"] == "curious"
-    # Its row names no schedule, so the decay that was set for another policy moves nothing
+    # Its row names no schedule, so the decay set for another policy changes nothing
     assert not {"ties", "ε now"} & set(values)
 
 

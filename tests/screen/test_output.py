@@ -1,4 +1,4 @@
-"""What goes out when, to a terminal that answers as it is told."""
+"""The timing and content of output to a terminal that answers on request."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ASKED = re.compile(r"\x1b\[2;?(\d*)H\x1b\[6n")
 
 
 class FarTerminal:
-    """Gets what an Output writes, and answers when it is told to."""
+    """Receives the output of an Output, and answers on request."""
 
     def __init__(self) -> None:
         self.written: list[str] = []

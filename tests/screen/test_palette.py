@@ -86,7 +86,7 @@ def all_styles(palette: Palette) -> list[Style]:
 
 
 def texts(palette: Palette) -> list[Style]:
-    """All styles that may have text on a background of their own."""
+    """All styles that may have text on their own background."""
     graphic = [roles(palette)[name] for name in GRAPHIC]
     return [style for style in all_styles(palette) if style.bgcolor is not None and style not in graphic]
 
@@ -190,7 +190,7 @@ def test_agent_and_goal_are_told_from_the_hottest_cell_and_the_coldest_from_the_
 ) -> None:
     coldest, *_, hottest = backgrounds(palette.values)
     disc, plate = at(palette, "agent")
-    # on a light page the hottest cell is dark: there the disc carries it
+    # on a light page the hottest cell is dark: the disc is readable there
     assert max(contrast(disc, hottest), contrast(plate, hottest)) >= 3.0
     assert contrast(disc, plate) >= 15.0
     assert contrast(at(palette, "goal")[1], hottest) >= 3.0
@@ -235,7 +235,7 @@ def test_unvisited_looks_like_no_value(palette: Palette) -> None:
 
 
 def shade(number: int) -> int:
-    """How light xterm draws a grey of its ramp or of its cube, 0 to 255."""
+    """The lightness, 0 to 255, of a grey in xterm's ramp or cube."""
     return 8 + 10 * (number - 232) if number >= 232 else {145: 175, 188: 215}.get(number, -1)
 
 

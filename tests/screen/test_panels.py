@@ -1,4 +1,4 @@
-"""The table of panels: a row and a class are all that a new panel takes."""
+"""The table of panels: a new panel needs only a row and a class."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from rl_tui.worlds.files.catalogue import find
 
 
 class StepCount(Panel):
-    """A made-up panel: how many steps were taken."""
+    """A made-up panel: the number of steps."""
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         self.heading = "Steps"
@@ -174,5 +174,5 @@ async def test_what_is_kept_from_frame_to_frame_is_what_would_be_drawn_afresh(sc
     async with on_screen(app_with(STEPS, scenario), (120, 40)) as pilot:
         await check_kept(pilot, *ALONE)
         await press(pilot, "c", "a", "down", "enter")
-        await pilot.pause(0.3)  # the panels of the other lane get their size
+        await pilot.pause(0.3)  # the panels of the other run get their size
         await check_kept(pilot, *BESIDE)

@@ -19,7 +19,7 @@ from rl_tui.worlds.files.catalogue import scenarios
 
 SAMPLES: Final = Path(__file__).parent / "sample_scenarios"
 SIZES: Final = [(80, 24), (120, 40)]
-SCENES: Final = {  # a scenario, then keys; a number lets so many steps pass
+SCENES: Final = {  # a scenario, then keys. A number takes that many steps
     "bandit-halfway": ("bandit", 300),
     "bandit-spent": ("bandit", 1_000),
     "student-started": ("student", 1),
@@ -62,9 +62,9 @@ def test_playground(scene: str, size: tuple[int, int], snap_compare: Any, make_a
 
 @pytest.fixture
 def sample_catalogue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Made-up scenarios in place of the shipped ones: a new one of those changes no picture."""
+    """Made-up scenarios, so that a new shipped scenario changes no picture."""
     shutil.copytree(SAMPLES, tmp_path, dirs_exist_ok=True)
-    for cells in range(5, 26):  # more than a screen has rows for
+    for cells in range(5, 26):  # more rows than a screen has
         lines = (f'title = "A corridor of {cells} cells"', f"order = {300 + cells}", "[grid]")
         corridor = f'map = "S{"." * (cells - 2)}G"'
         (tmp_path / f"corridor-{cells:02}.toml").write_text("\n".join((*lines, corridor)), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""What is set on the playground: sliders, dialogs, seeds."""
+"""Settings in the playground: sliders, dialogs, seeds."""
 
 from __future__ import annotations
 

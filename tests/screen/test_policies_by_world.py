@@ -1,4 +1,4 @@
-"""The panel of policies where a world is a bandit, or has no table."""
+"""The panel of policies for bandits, and for worlds without a table."""
 
 from __future__ import annotations
 

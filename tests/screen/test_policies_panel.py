@@ -1,4 +1,4 @@
-"""The panel of policies, and what world, table and curve show of the one that is studied: with real keys."""
+"""The panel of policies, and the selected policy in world, table and curve: with real keys."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def studied(
     choices: DrawnPolicy | None = None,
     **other: PolicyAnswer,
 ) -> Snapshot:
-    """``snapshot`` with policies of evenly mixed chances, greedy ones for Q and such with ε .1."""
+    """``snapshot`` with random policies, greedy ones for Q, and ε-greedy ones with ε .1."""
     mdp = snapshot.world.mdp
     assert mdp is not None
     greedy = greedy_policy(mdp, snapshot.agent.q, "random")
@@ -98,7 +98,7 @@ def test_each_policy_has_its_figures() -> None:
         answer = answers[kind]
         figures = (answer.expected_return, answer.value_at_start, answer.steps)
         assert rows[POLICY_NAMES[kind]][:3] == [policies.amount(x, look()) for x in figures if x is not None]
-    assert rows["drawn"] == rows["random"]  # nothing was drawn
+    assert rows["drawn"] == rows["random"]  # no policy was drawn
     assert "drawn: random until w p draws it" in said(studied(lake()))
 
 
@@ -107,7 +107,7 @@ def test_what_exploring_costs_is_the_difference() -> None:
     greedy, acts = (answers[each].expected_return for each in (PolicyKind.GREEDY, PolicyKind.BEHAVIOUR))
     assert greedy is not None
     assert acts is not None
-    assert acts > greedy  # this greedy policy goes round
+    assert acts > greedy  # this greedy policy goes in circles
     text = said(studied(lake()))
     assert f"exploring (ε .10) brings {policies.amount(acts - greedy, look())} an episode" in text
     assert "greedy earns as much as optimal" in text
@@ -211,7 +211,7 @@ def test_its_figures_can_be_asked() -> None:
         assert term_at(POLICY_NAMES[kind], 0, UNICODE) is not None
 
 
-# The curve beside it
+# The curve next to it
 
 
 def test_a_level_that_decimals_do_not_show_is_not_passed_off_as_zero() -> None:
@@ -246,10 +246,10 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert board.panel(POLICIES).has_focus
         assert board.shows(WORLD) is (size != (60, 18))
         assert not board.shows(TABLE)
-        assert "t p: policies" not in headings(pilot)[0]  # there esc goes back
+        assert "t p: policies" not in headings(pilot)[0]  # esc goes back there
         if board.shows(WORLD):
             assert "V of the random policy" in headings(pilot)[0]
-        if size != (60, 18):  # there the graph is a list of its edges
+        if size != (60, 18):  # the graph is a list of its edges there
             assert "4.04" in screen_text(pilot.app)
             assert "2.40" in screen_text(pilot.app)
         assert (await press(pilot, "down")).answers.studied is PolicyKind.GREEDY
@@ -262,7 +262,7 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert "V of" not in headings(pilot)[0]
         assert "4.04" not in screen_text(pilot.app)
         assert (await press(pilot, "t", "p", "down", "escape")).answers.studied is None
-        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.GREEDY  # where the cursor was
+        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.GREEDY  # the row of the cursor
         assert (await press(pilot, "d")).answers.studied is None
 
 

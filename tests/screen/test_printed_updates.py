@@ -1,4 +1,4 @@
-"""Whoever works out the printed update gets what is printed: of any size, sign and form of update."""
+"""A printed update can be recalculated from its printed numbers, for any size, sign and form of update."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LAKE = lake()
 LAST = LAKE.counters.last_step
 assert LAST is not None
 
-# digits and a power of ten: sizes as learners meet them, and far beyond both ways
+# digits and a power of ten: typical sizes of learners, and far beyond in both directions
 SIZES = st.tuples(st.floats(1.0, 9.99), st.integers(-14, 11)).map(lambda pair: pair[0] * 10.0 ** pair[1])
 NUMBERS = st.one_of(
     st.sampled_from([0.0, 1.0, -1.0, 0.5, 20.0, -100.0]),
@@ -55,12 +55,12 @@ def last_digit(text: str) -> float:
 
 
 def contradictions(text: UpdateText, *, bootstraps: bool) -> list[str]:
-    """What is printed and cannot be worked out from what is printed before it."""
+    """The printed results that do not follow from the printed numbers before them."""
     before, gathered = value(text.before), value(text.gathered)
     bootstrap = value(text.discount) * value(text.bootstrap) if bootstraps else 0.0
     error = gathered + bootstrap - before
     largest = max(map(abs, (before, gathered, bootstrap)))
-    # a 0 has no digits: it is as fine as the other results, of which six digits behind the first are known
+    # a 0 has no digits: take the precision of the other results, with six known digits after the first
     fine = [last_digit(each) for each in (text.target, text.after) if each != "0"]
     nothing = max([*fine, 2e-6 * largest])
     worked_out = (

@@ -1,4 +1,4 @@
-"""The panels of a watched program, and what the others say of one, drawn from snapshots made by hand."""
+"""The panels of a watched program, and other panels for one, drawn from snapshots made by hand."""
 
 from __future__ import annotations
 
@@ -51,11 +51,11 @@ def title(snapshot: Snapshot) -> str:
 
 
 def microscope(snapshot: Snapshot) -> str:
-    """What the microscope says in one column, without its line breaks."""
+    """The text of the microscope in one column, without line breaks."""
     return " ".join(" ".join(row.text for row in page(snapshot, 0, look(), 90, 20)).split())
 
 
-# The panel where the sliders stand
+# The panel in place of the sliders
 
 
 def test_table_and_update_with_the_numbers_that_fit() -> None:
@@ -216,7 +216,7 @@ def test_the_worst_comes_first() -> None:
     assert ranked([TIES, later, declared, AFTER_END]) == [AFTER_END, later, declared, TIES]
 
 
-# What other panels say of a program
+# Other panels for a program
 
 
 def test_a_step_that_the_update_fits_has_its_equation_and_no_word_on_exploring() -> None:
@@ -242,7 +242,7 @@ def test_a_step_whose_update_is_not_known_tells_only_what_moved() -> None:
 def test_a_step_that_moved_several_cells_says_how_many() -> None:
     assert "this step moved 5 cells" in story(unknown(others=4), 110)
     last = unknown().counters.last_step
-    text = story(unknown(others=4, before=last.after), 110)  # the cell told of is as it was, others are not
+    text = story(unknown(others=4, before=last.after), 110)  # the reported cell is unchanged, others are not
     assert "this step moved 5 cells" in text
     assert "changed nothing" not in text
 

@@ -18,7 +18,7 @@ from rl_tui.screen.app.screenshot import settle
 
 
 def endless() -> Snapshot:
-    """A program with a fault and a risk, whose last step its update explains."""
+    """A program with a fault and a risk, and an explained last step."""
     verdict = ProgramVerdict(KNOWN, (TIES, AFTER_END), ("Each update comes one step late.",))
     return watched(program(verdict=verdict), lake().counters.step)
 

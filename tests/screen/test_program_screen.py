@@ -1,4 +1,4 @@
-"""A watched script on the playground: real keys, and a real process behind it."""
+"""A watched script in the playground: real keys, and a real process behind it."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ WALK = """\
 
 @pytest.fixture
 def script(tmp_path: Path) -> Path:
-    """A script that learns as the book does."""
+    """A script that learns by the book."""
     path = tmp_path / "cliff.py"
     path.write_text(dedent(SCRIPT).format(end="* (not terminated)"), encoding="utf-8")
     return path
@@ -111,7 +111,7 @@ REFUSED = {
     "w left_square_bracket": "esc: go there",
     "w right_square_bracket": "esc: go there",
 }
-"""What cannot be done here, by its keys, and what is said of it."""
+"""The refused actions by their keys, and their refusals."""
 
 
 async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(
@@ -269,7 +269,7 @@ async def test_it_starts_again_and_it_ends(script: Path) -> None:
             await press(pilot, key)
             (said,) = notes(pilot.app)
             assert "r r: start it again" in said
-        assert "s step" in (await _keys_after(pilot, "b"))  # forward again through what was recorded
+        assert "s step" in (await _keys_after(pilot, "b"))  # forward again through the recording
         assert (await press(pilot, "s")).playback.phase is Phase.SPENT
         await press(pilot, "escape")
         assert "your program then ends" in notes(pilot.app)[0]

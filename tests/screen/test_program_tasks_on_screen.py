@@ -1,4 +1,4 @@
-"""A page that asks for a program, on the playground: its file, what watching it found, and the pass."""
+"""A lesson page that asks for a program: its file, the findings, and the pass."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ async def test_from_the_skeleton_to_the_pass(size: tuple[int, int], here: Path) 
         assert "No number of the" in screen_text(pilot.app)
         file.write_text(updating("reward + gamma * max(Q[next_state])"), encoding="utf-8")
         await press(pilot, "enter", "enter")
-        assert "✗ nothing is wrong with it (1)" in screen_text(pilot.app)
+        assert "○ nothing is wrong with it (1)" in screen_text(pilot.app)
         assert "line 24" in screen_text(pilot.app)
         file.write_text(updating(), encoding="utf-8")
         await press(pilot, "enter", "enter")
@@ -73,15 +73,15 @@ async def test_from_the_skeleton_to_the_pass(size: tuple[int, int], here: Path) 
 async def test_a_file_that_is_there_is_never_written_over_nor_one_elsewhere(here: Path) -> None:
     async with page() as pilot:
         await press(pilot, "enter", *"../x.py")
-        assert "in this folder" in screen_text(pilot.app)
+        assert "A name such as my_agent.py" in screen_text(pilot.app)
         await press(pilot, "enter", "escape")
         assert list(here.iterdir()) == []
         (here / "my_agent.py").write_text("mine", encoding="utf-8")
         await press(pilot, "enter", "enter")
         assert (here / "my_agent.py").read_text(encoding="utf-8") == "mine"
-        assert "stays as it is" in " ".join(notes(pilot.app))
+        assert "exists already" in " ".join(notes(pilot.app))
         await press(pilot, "enter", "end", "enter")
-        assert "this can be done" in " ".join(notes(pilot.app))  # so it is not impossible
+        assert "this can be done" in " ".join(notes(pilot.app))  # so it is possible
         await press(pilot, "enter", "down", "enter")
         await press(pilot, *"b.py", "enter")
         assert (here / "b.py").read_text(encoding="utf-8") == SKELETON

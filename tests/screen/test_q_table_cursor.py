@@ -1,4 +1,4 @@
-"""The cursor of the Q-table, and which of its rows are drawn anew."""
+"""The cursor of the Q-table, and the rows that are redrawn."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Bench(App[None]):
 
 
 class NarrowBench(Bench):
-    """No room for columns: the table is a list of pairs."""
+    """Too narrow for columns: the table is a list of pairs."""
 
     CSS = "QTable { width: 22; height: 19; border: round white; } Button { height: 3; }"
 

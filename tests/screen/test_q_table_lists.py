@@ -1,4 +1,4 @@
-"""Tables of few pairs, a row each, and what a bandit keeps to itself."""
+"""Tables of few pairs, one per row, and a bandit's hidden means."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The line below a world: the scale of its tints, and what its signs mean."""
+"""The line below a world: the scale of its colours, and its legend."""
 
 from __future__ import annotations
 

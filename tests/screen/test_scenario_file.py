@@ -40,7 +40,7 @@ MakeApp = Callable[..., RlTuiApp]
 
 @pytest.fixture
 def app_of(tmp_path: Path) -> MakeApp:
-    """An app that begins with a recipe or a session, and keeps sessions."""
+    """An app that begins with a recipe or a session, and saves sessions."""
 
     def make(start: object) -> RlTuiApp:
         folder = tmp_path / "sessions"
@@ -96,7 +96,7 @@ async def test_the_old_content_may_be_kept_and_a_hidden_answer_stays_hidden_in_t
 async def test_faults_of_the_new_content_are_told_and_the_old_one_stays(file: Path, app_of: MakeApp) -> None:
     app = app_of(recipe_named(str(file)))
     async with on_screen(app) as pilot:
-        await tap(pilot, "s", "r", "r")  # without a change it starts again at once
+        await tap(pilot, "s", "r", "r")  # if unchanged, it restarts at once
         assert isinstance(app.screen, Playground)
         assert snapshot(pilot).counters.step == 0
         await tap(pilot, "s")

@@ -1,4 +1,4 @@
-"""Sessions on screen: saved, listed, gone on with, deleted."""
+"""Sessions on screen: saved, listed, continued, deleted."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ NOW = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)
 
 @pytest.fixture
 def app_with_sessions(tmp_path: Path) -> MakeSessionApp:
-    """An app that keeps its sessions in a folder of the test."""
+    """An app with its sessions in a folder of the test."""
 
     def make(start: object = None) -> RlTuiApp:
         return app_at(start, sessions=tmp_path)
@@ -81,12 +81,12 @@ def details(pilot: Pilot[UserError]) -> str:
 
 
 def about(pilot: Pilot[UserError]) -> str:
-    """What the details say they are about."""
+    """The heading of the details."""
     return words_of(pilot.app.screen.query_one("#heading")).rstrip("─- ")
 
 
 async def finished(pilot: Pilot[UserError], work: str) -> None:
-    """Wait for the work of that name, if it is still under way."""
+    """Wait for the work of this name, if it is still running."""
     for worker in list(pilot.app.workers):
         if worker.name == work:
             await worker.wait()

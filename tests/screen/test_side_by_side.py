@@ -1,4 +1,4 @@
-"""Two lanes side by side: the same moment, cursor, layer and part in view, and where they differ."""
+"""Two visible runs: the same moment, cursor, layer and map section, and their differences."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def text_of(panel: Panel) -> str:
 
 
 def with_greedy(snapshot: Snapshot, actions: dict[int, int]) -> Snapshot:
-    """``snapshot`` of a lake that knows of these states that one action is best there."""
+    """``snapshot`` of a lake with one greedy action in these states."""
     q = np.zeros(snapshot.world.space.pairs)
     visits = np.zeros(snapshot.world.space.pairs, np.int64)
     for state, action in actions.items():
@@ -117,14 +117,14 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
         assert f"{len(differing.states)} of {differing.known}" in right.footing
 
         places = left.region, right.region
-        await press(pilot, "c", "l")  # the other is led, and nothing changes its place
+        await press(pilot, "c", "l")  # the other is controlled, and nothing moves
         assert left.heading == "1 Q-learning · α 0.5 ε 0.1"
         assert right.heading == "▸2 SARSA · α 0.5 ε 0.1"
         assert board.world is right
         assert board.table is right_table
         assert (left.region, right.region) == places
 
-        await press(pilot, "c", "c", "delete")  # the cursor starts on the one led
+        await press(pilot, "c", "c", "delete")  # the cursor starts on the controlled run
         assert snapshot(pilot).run_group.lanes == ()
         assert not board.is_paired
         assert board.world is left
@@ -149,7 +149,7 @@ async def test_cursor_and_focus_go_through_all_panels(make_app: MakeApp, size: t
         assert right.shown_cursor is not None
         assert left.shown_cursor == right.shown_cursor == right.cursor
         await press(pilot, "shift+tab")
-        assert pilot.app.focused is left  # and goes on from there
+        assert pilot.app.focused is left  # and continues from there
         await press(pilot, "left")
         assert left.shown_cursor == right.shown_cursor == left.cursor
         for table in tables(pilot):
@@ -195,14 +195,14 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
         assert board.world is left
         assert pilot.app.focused is tables(pilot)[0]
         assert left.lane == ()
-        assert left.snapshot is snapshot(pilot)  # the one led, which is the second
+        assert left.snapshot is snapshot(pilot)  # the controlled run, the second
         await press(pilot, "c", "l")
         assert left.snapshot is snapshot(pilot)
         await pilot.resize_terminal(80, 24)
         await settle(pilot)
         assert board.is_paired
         assert not board.shows("table")
-        assert pilot.app.focused is left  # no table is in view
+        assert pilot.app.focused is left  # no table is visible
         assert pilot.app.screen.size == Size(80, 24)
         await pilot.resize_terminal(120, 58)
         await settle(pilot)
@@ -212,7 +212,7 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
 
 async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-slippery"), notifications=True) as pilot:
-        await press(pilot, "c", "o")  # with one run it says so
+        await press(pilot, "c", "o")  # the message with one run
         assert ONE_RUN in screen_text(pilot.app)
         await press(pilot, "escape")
         await open_lane(pilot, "alpha", "0.5")
@@ -224,11 +224,11 @@ async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> Non
         assert left.snapshot is snapshot(pilot)
         await press(pilot, "c", "o")
         assert board.is_paired
-        await press(pilot, "f")  # of the lane led, which stands at the right
+        await press(pilot, "f")  # of the controlled run, which is on the right
         assert board.zoomed == "world-beside"
         await press(pilot, "c", "l")
         assert board.zoomed == "world"
-        await press(pilot, "d")  # the microscope has the place of both worlds: it is about the lane led
+        await press(pilot, "d")  # the microscope replaces both worlds: it is about the controlled run
         assert not board.is_paired
         assert board.microscope.snapshot is snapshot(pilot)
         await press(pilot, "escape")

@@ -46,7 +46,7 @@ def no_app(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def panel_of(row: PanelRow, snapshot: Snapshot) -> Panel | None:
-    """The panel, None where it is made of other widgets: then the walk below draws it."""
+    """The panel, or None if it contains other widgets: the walk below draws those."""
     panel = make_world_view(snapshot.world, look()) if row.id == WORLD else row.make(look())
     return panel if isinstance(panel, Panel) else None
 
@@ -91,12 +91,12 @@ def test_a_canvas_leaves_out_whatever_would_stand_outside() -> None:
 
 @pytest.fixture
 def no_processes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is worked out beside the app, which takes seconds."""
+    """Compute nothing in the background, which takes seconds."""
     monkeypatch.setattr(Background, "begin", lambda self, request, known: None)
 
 
 def opened(pilot: Pilot[UserError]) -> list[object]:
-    """What can be open over the playground, or in it."""
+    """Everything that can open over the playground, or in it."""
     boards = [each.board for each in pilot.app.screen_stack if isinstance(each, Playground)]
     return [*pilot.app.screen_stack, *(board.opened for board in boards)]
 

@@ -1,4 +1,4 @@
-"""The Bellman equation of the state that a planner backs up: in the last step, and below the picture."""
+"""The Bellman equation of a planner's current state: in the last step, and below the picture."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def run_of(scenario: str, algorithm: str, **settings: float) -> Run:
 
 
 def swept(scenario: str, *phases: SweepPhase, steps: int = 0) -> Run:
-    """Policy iteration after these sweeps, and so many steps of the next."""
+    """Policy iteration after these sweeps, and some steps into the next."""
     run = run_of(scenario, "policy-iteration")
     for phase in phases:
         run.apply(OrderSweep(phase))
@@ -45,7 +45,7 @@ def swept(scenario: str, *phases: SweepPhase, steps: int = 0) -> Run:
 
 @cache
 def on_the_lake() -> Snapshot:
-    """What a lake shows in the middle of an evaluation."""
+    """The lake in the middle of an evaluation."""
     return snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
 
 

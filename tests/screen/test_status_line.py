@@ -95,7 +95,7 @@ def test_no_field_is_missing(
         (Phase.RUNNING, False): "▶ max",
         (Phase.RUNNING, True): "▶ replaying",
     }[phase, is_past]
-    # in the past the end of the run has the place of the speed
+    # in the past, the end of the run replaces the speed
     is_told = is_past and phase is Phase.PAUSED
     speed = ("end 10,000", "38.2 M steps/s") if width >= WIDE else ("end 10k", "38 M/s")
     assert re.search(f"{speed[not is_told]} +{re.escape(state)}   *{counted} *$", text), text

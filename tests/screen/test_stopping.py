@@ -1,4 +1,4 @@
-"""Run until and breakpoints with real keys: what is asked for, and what is said."""
+"""Run until and breakpoints with real keys: the requests and the messages."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
 
 
 def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Keep what is asked for here in a list, in place of the player."""
+    """Record the requests in a list; the player receives none."""
     asked: list[Command] = []
     player = playground(pilot).player
     send: Callable[[Command], None] = player.send
@@ -76,7 +76,7 @@ async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytes
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         asked = record(pilot, monkeypatch)
         board = playground(pilot).board
-        await press(pilot, "t", "b")  # nothing in focus: where the agent is
+        await press(pilot, "t", "b")  # nothing in focus: the agent's place
         board.table.focus()
         await press(pilot, "t", "b", "down", "right", "t", "b")
         assert notes(pilot.app) == ["breakpoint on 1,→: pauses each time it is taken"]
@@ -122,7 +122,7 @@ async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> 
         await press(pilot, "escape")
         assert world.shown_cursor is None
         assert table.cursor_pair is None
-        await press(pilot, "shift+tab", "escape")  # the first leaves the cursor, the second would the screen
+        await press(pilot, "shift+tab", "escape")  # a second escape would leave the screen
         assert world.cursor is None
         assert isinstance(pilot.app.screen, Playground)
         await click(pilot, world, offset=(1, 1))
@@ -210,7 +210,7 @@ async def test_breakpoints_are_listed_in_the_dialog_and_a_planner_stops_at_them(
         assert rows(pilot)[-2:] == ["Breakpoints", "9   state 0"]
         assert "5   state 0 is reached: breakpoint on" in rows(pilot)
         await press(pilot, "up", "delete")
-        await settle(pilot)  # the dialog stays; what the key asks for is done beneath it
+        await settle(pilot)  # the dialog stays open, and the key's effect happens beneath it
         cleared = await press(pilot)
         assert not cleared.playback.breakpoints
         assert rows(pilot)[-1] == "No breakpoints. t b sets one at the cursor."

@@ -54,7 +54,7 @@ def blackjack() -> Snapshot:
 
 
 def drawn(snapshot: Snapshot, size: tuple[int, int], *, plain: bool = False) -> tuple[GridView, list[str]]:
-    """The map as the board would have it on a screen of ``size``, and its rows."""
+    """The map as the board draws it on a screen of ``size``, and its rows."""
     place = arrange(Size(*size), Shape(snapshot.world.drawing, 290, 2))
     view = GridView(snapshot.world, look(plain))
     view.snapshot, view.cell = snapshot, place.cell
@@ -62,7 +62,7 @@ def drawn(snapshot: Snapshot, size: tuple[int, int], *, plain: bool = False) -> 
     return view, [strip.text for strip in view.picture(snapshot, region.width - 1, region.height)]
 
 
-# How much room
+# Available space
 
 
 def test_a_third_of_the_height_shows_the_body_with_its_heading_at_most_nine_rows() -> None:

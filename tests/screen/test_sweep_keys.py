@@ -1,4 +1,4 @@
-"""Evaluation and improvement apart, with real keys: what is done, what is drawn and what is said."""
+"""Evaluation and improvement apart, with real keys: effects, drawing and messages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rl_tui.live.snapshot import Phase
 
 SIZE = (80, 24)
 
-ARROWS = re.compile("▐█████|█████▌|▟████▙")  # blocks, not those of rings and stars
+ARROWS = re.compile("▐█████|█████▌|▟████▙")  # blocks without rings and stars
 
 
 async def test_a_key_for_a_sweep_of_each_kind_and_its_entry_in_the_journal(make_app: MakeApp) -> None:

@@ -22,7 +22,7 @@ LEFT, DOWN, RIGHT, UP = range(4)
 
 
 def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Keep all that is asked for in a list; what a person takes does not reach the player."""
+    """Record all requests in a list. A person's actions do not reach the player."""
     asked: list[Command] = []
     player = playground(pilot).player
     send: Callable[[Command], None] = player.send
@@ -50,7 +50,7 @@ async def test_arrows_and_digits_act_whatever_is_in_focus(
             asked.clear()
             screen.set_focus(None if focused is None else screen.query_one(f"#{focused}"))
             await press(pilot, "y", "right", "down", "1", "4")
-            took = [Take(RIGHT), Take(DOWN), Take(UP), Take(LEFT)]  # digits count the actions as shown
+            took = [Take(RIGHT), Take(DOWN), Take(UP), Take(LEFT)]  # digits count the actions in screen order
             assert asked == took, focused
             assert board.table.cursor_pair is None, focused
             assert board.world.cursor is None, focused

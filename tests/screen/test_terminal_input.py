@@ -1,4 +1,4 @@
-"""What a terminal sends, and what only looks like it."""
+"""Input of a terminal, and input that only looks like it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rl_tui.screen.terminal.driver import messages_from
 
 
 def keys_of(sent: bytes) -> list[str]:
-    """Return the keys that are read of what was sent before the terminal was gone."""
+    """Return the keys read before the terminal was gone."""
     read, write = os.pipe()
     os.write(write, sent)
     os.close(write)

@@ -1,4 +1,4 @@
-"""What is on its way to the terminal, and what becomes of it."""
+"""Output on its way to the terminal, and its fate."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 from rl_tui.screen.terminal.writer import TerminalWriter
 
-FULL = b"x" * 1_000_000  # more than any pipe takes
+FULL = b"x" * 1_000_000  # more than any pipe holds
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def test_who_writes_never_waits_and_a_farewell_waits_no_longer_than_it_may(pipe:
     writer.write(FULL)
     assert writer.waiting > len(FULL)
     assert not writer.drain(0.0)
-    os.close(read)  # its thread must not find another pipe under the number of this one
+    os.close(read)  # its thread must not find another pipe with the number of this one
     assert is_lost.wait(60)
 
 

@@ -1,4 +1,4 @@
-"""The keys of time travel: what they ask the player for, and what the screen makes of its answers."""
+"""The keys of time travel: their requests to the player, and the screen's use of its answers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ JOURNAL = (JournalEntry(40, SetParameter("alpha", 0.5)),)
 
 
 def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Catch what is sent; the player hears nothing of it."""
+    """Record all requests. The player receives none of them."""
     sent: list[Command] = []
 
     def send(command: Command) -> None:
@@ -35,7 +35,7 @@ def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[C
 
 
 def shows(pilot: Pilot[UserError], timeline: Timeline, **changes: object) -> Snapshot:
-    """Draw a moment made by hand that the player could have published just now."""
+    """Draw a hand-made moment that the player could have published just now."""
     made = changed(snapshot(pilot), timeline=timeline, step=timeline.current.here, **changes)
     screen = playground(pilot)
     show(screen, changed(made, handled=screen.wanted.sent))
@@ -197,7 +197,7 @@ async def test_what_is_still_under_way_is_not_taken_back(
 async def test_an_episode_beyond_the_end_is_told_only_where_the_run_ends(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A seek that a person holds up, or sends elsewhere, has not come to the end."""
+    """A seek that a person stops or redirects has not reached the end."""
     async with on_screen(make_app("student"), notifications=True) as pilot:
         sent = recorded(pilot, monkeypatch)
         for here, says_so in ((120, False), (200, True)):

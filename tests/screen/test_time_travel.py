@@ -1,4 +1,4 @@
-"""The five keys of time travel on all kinds of scenarios: every panel shows what it showed then."""
+"""The five keys of time travel on all kinds of scenarios: every panel shows its earlier content again."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world_views import make_world_view
 
 Moment = tuple[str, ...]
-"""What the panels say, and the bits behind it."""
+"""The text of the panels, and the bits behind it."""
 
 
 def text_of(widget: Widget) -> str:
@@ -29,18 +29,18 @@ def text_of(widget: Widget) -> str:
 
 
 def moment(pilot: Pilot[UserError]) -> Moment:
-    """Return what the panels say if they are made anew, so that no axis and no scrolling is left over."""
+    """Return the text of newly made panels, without any old axis or scrolling."""
     board, shown = playground(pilot).board, snapshot(pilot)
     assert board.world is not None
     if shown.world.new_environment is not None:
-        shown = replace(shown, trail=())  # of an environment that is stepped it is what was recorded
+        shown = replace(shown, trail=())  # a stepped environment has only its recorded trail
     fresh = (
         (board.world, make_world_view(shown.world, board.look)),
         (board.table, QTable(board.look)),
         (board.curve, ReturnCurve(board.look)),
         (board.query_one(LastStepPanel), LastStepPanel(board.look)),
     )
-    # the axis of curve and timeline reaches as far as the branch does: then it came no further
+    # the axes of curve and timeline end with the branch, which was shorter then
     shown = replace(
         shown, timeline=Timeline((Branch("branch 1", end=shown.counters.step, here=shown.counters.step),))
     )
@@ -52,7 +52,7 @@ def moment(pilot: Pilot[UserError]) -> Moment:
 
 
 def bits(shown: Snapshot) -> tuple[str, str]:
-    """Return where the agent stands, and what was learned."""
+    """Return the agent's position, and everything learned."""
     counters = shown.counters
     where = counters.state, counters.episodes, counters.episode_step
     learned = (
@@ -68,13 +68,13 @@ def bits(shown: Snapshot) -> tuple[str, str]:
 
 
 async def go(pilot: Pilot[UserError], text: str) -> Snapshot:
-    """Ask where to go, type ``text``, and wait until that moment is on screen."""
+    """Open the prompt for a moment, type ``text``, and wait until that moment is on screen."""
     await tap(pilot, "m", "g", *text, "enter")
     return snapshot(pilot)
 
 
 async def chosen(pilot: Pilot[UserError], planner: bool) -> None:
-    """Let a planner take over, if that is wanted."""
+    """Switch to a planner, if requested."""
     if planner:
         await switch(pilot, "value-iteration")
 
@@ -113,7 +113,7 @@ async def test_every_panel_shows_what_it_showed_then(scenario: str, planner: boo
                 Phase.PAUSED,
                 end,
             )
-            # where an episode begins only what was learned is as it was at the end of the one before
+            # at the start of an episode, only the learned values equal those at the end of the one before
             told = slice(-1, None) if key == "B" and here else slice(None)
             assert here not in then or moment(pilot)[told] == then[here][told], (key, here)
         assert "◀ the past" in text_of(playground(pilot).query_one("#status"))
@@ -139,7 +139,7 @@ async def test_a_way_back_keeps_the_axes_and_a_new_start_forgets_them(make_app: 
         await press(pilot, "B")
         assert arms.scale == scale
         axis = board.curve.scale
-        for keys in (("m", "g", "0", "enter"), ("s",)):  # where the past has nothing on the axis
+        for keys in (("m", "g", "0", "enter"), ("s",)):  # the past has nothing on the axis
             await press(pilot, *keys)
             assert board.curve.scale == axis
         await press(pilot, "r", "r")

@@ -50,7 +50,7 @@ def episodes(lengths: list[int], returns: list[float] | None = None) -> Curve:
 
 
 def shown(timeline: Timeline, length: int = 50, **changes: object) -> Snapshot:
-    """A run of episodes of equal length, which has gone back if ``timeline`` has."""
+    """A run of episodes of equal length, in the past if ``timeline`` is."""
     here, end = timeline.current.here, timeline.current.end
     count = here // length
     usual = {
@@ -88,7 +88,7 @@ def mark_at(snapshot: Snapshot, step: int, width: int = 62) -> str:
     return drawn(snapshot, width)[found.start + found.cell_of(step)]
 
 
-# How it looks
+# Its look
 
 
 def test_the_present_is_a_full_line_with_the_handle_at_its_end() -> None:
@@ -233,7 +233,7 @@ def test_the_focus_shows() -> None:
 
 
 def uneven(here: int | None = None) -> Snapshot:
-    """Episodes of 1,000 steps at first and of 16 at the end, and one under way."""
+    """Episodes of 1,000 steps at first and of 16 at the end, and a current one."""
     lengths = np.geomspace(1_000, 16, 100).round().astype(int)
     end = int(lengths.sum()) + 9
     found = shown(one(end, end), curve=episodes(lengths.tolist()), episodes=100, episode_step=9)

@@ -1,4 +1,4 @@
-"""What the last step says of each algorithm, from last steps made by hand."""
+"""The last step's text for each algorithm, from last steps made by hand."""
 
 from __future__ import annotations
 

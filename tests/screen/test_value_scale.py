@@ -1,4 +1,4 @@
-"""The scale of tints: robust, signed where both ends matter, and never narrower within a run."""
+"""The scale of colours: robust, signed if both ends matter, and never narrower within a run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PALETTE = look().palette
 @pytest.mark.parametrize(
     ("values", "ends"),
     [
-        ([0.2, 0.9], (0.0, 0.9)),  # begins at 0 where the least is below half of the greatest
+        ([0.2, 0.9], (0.0, 0.9)),  # begins at 0 if the least is below half of the largest
         ([0.6, 0.9], (0.6, 0.9)),
         ([-13.0, -1.0], (-13.0, -1.0)),
         ([0.5], (0.0, 0.5)),

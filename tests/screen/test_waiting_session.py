@@ -37,7 +37,7 @@ def _compiler_never_finishes(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def left_at(folder: Path, steps: int) -> StoredSession:
-    """A session of the cliff; nothing is compiled afterwards."""
+    """A session of the cliff. Nothing is compiled afterwards."""
     run = Run(recipe_for(find("cliff")))
     compile_here(run.learner.loop)
     run.advance(steps)
@@ -51,7 +51,7 @@ def left_at(folder: Path, steps: int) -> StoredSession:
 
 
 async def says(pilot: Pilot[UserError], pattern: str) -> bool:
-    """Wait until that is drawn."""
+    """Wait until this text is drawn."""
     for _ in range(3_000):
         if re.search(pattern, screen_text(pilot.app)):
             return True
@@ -65,7 +65,7 @@ async def test_what_was_learned_is_drawn_while_it_waits(size: tuple[int, int], t
     async with app.run_test(size=size) as pilot:
         assert await says(pilot, "200,000 steps to replay: waiting for the compiler")
         assert await says(pilot, "the last step appears once it is replayed")
-        assert "−113" in screen_text(app)  # what it learned of the cliff
+        assert "−113" in screen_text(app)  # the values learned on the cliff
         waiting = snapshot(pilot).agent.q
         compile_here(Run(recipe_for(find("cliff"))).learner.loop)
         assert await says(pilot, "paused .*step +200,000")

@@ -1,4 +1,4 @@
-"""What a person asked for counts until a snapshot has caught up with it."""
+"""A person's wish stays on screen until a snapshot fulfils it."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ async def test_a_run_in_preparation_has_no_journal_to_show(make_app: MakeApp) ->
         assert screen.snapshot is not None
         preparing = changed(screen.snapshot, phase=Phase.PREPARING, step=0)
         show(screen, preparing)
-        screen.action_do("time.show_branches")  # as the palette does: the key would wait
+        screen.action_do("time.show_branches")  # like the palette: the key would wait
         await settle(pilot)
         assert pilot.app.screen is screen
         assert notes(pilot.app)[-1].startswith("The run is being prepared")

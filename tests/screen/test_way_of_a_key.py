@@ -1,4 +1,4 @@
-"""How many functions of the program run from a key to the last cell that is drawn for it."""
+"""The number of functions that run from a key to the last cell drawn for it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ WAITING = (
     "Player.carried_out",
     "_Question.",
 )
-"""What a test and `screenshot` run to wait for the last cell, and a key does not."""
+"""Functions that only a test and `screenshot` run, to wait for the last cell."""
 
 
 class Way:
@@ -34,7 +34,7 @@ class Way:
         self.functions: set[tuple[str, str]] | None = None
 
     async def of(self, pilot: Pilot[Any], key: str) -> set[tuple[str, str]]:
-        """Press ``key``, and return what ran for it until it was drawn."""
+        """Press ``key`` and return the functions that ran until it was drawn."""
         found, before = set[tuple[str, str]](), sys.getprofile()
         sys.setprofile(self.note)
         self.functions = found
@@ -50,7 +50,7 @@ class Way:
 
 @contextmanager
 def noted_way() -> Iterator[Way]:
-    """Note what runs in threads that begin meanwhile; in this one :meth:`Way.of` does."""
+    """Note the functions of threads that begin meanwhile. For this thread, use :meth:`Way.of`."""
     way = Way()
     threading.setprofile(way.note)
     try:
@@ -65,17 +65,17 @@ def noted_way() -> Iterator[Way]:
     ids=["step", "back", "slider"],
 )
 async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:
-    """Who lengthens the way of a key has to raise these numbers."""
+    """Raise these numbers if you lengthen the way of a key."""
     seen = "Slider.set_value" if key == "right" else "Playback.snapshot"
     with noted_way() as way:
         async with on_screen(app_at(recipe_for(find("frozenlake"))), (120, 40)) as pilot:
             await press(pilot, *"ssssssssssss")
             if key == "right":
                 slider(pilot.app, "alpha").focus()
-            await press(pilot, key, key)  # whatever is read or built at first does not count
+            await press(pilot, key, key)  # one-time reads and builds do not count
             ran = min(
                 [await way.of(pilot, key) for _ in range(3)], key=len
-            )  # a slow machine does more now and then
+            )  # a slow machine sometimes does more
     assert {"Playground.redraw", "Board.show", seen} <= {name for _, name in ran}
     assert len(ran) <= functions
     assert len({file for file, _ in ran}) <= files

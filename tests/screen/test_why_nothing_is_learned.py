@@ -1,4 +1,4 @@
-"""t y tells why nothing is learned; enter on a remedy applies it."""
+"""t y explains why nothing is learned; enter on a remedy applies it."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def unbroken(text: str) -> str:
 
 
 def figures(wait: dict[str, Any]) -> list[str]:
-    """The figures of a wait as they are shown."""
+    """The numbers of a wait, as text."""
     shown = written(wait["chance"], UNICODE), episodes_in_words(wait["mean_episodes"])
     return [*shown, f"{wait['median_episodes']:,}"]
 
@@ -140,7 +140,7 @@ async def test_the_mouse_closes_it_ascii_is_enough_and_what_is_known_is_said(
         assert not isinstance(pilot.app.screen, Why)
         await pilot.app.push_screen(Why(playground(pilot).look, known))
         await pilot.pause()
-        assert "184,616" in screen_text(pilot.app)  # what is known when it opens, though nothing comes after
+        assert "184,616" in screen_text(pilot.app)  # the result known at its opening, even without later news
 
 
 def test_the_curve_tells_that_no_estimate_has_moved() -> None:

@@ -1,4 +1,4 @@
-"""The panel of the world's check: its states, what is hidden, and that its figures are the command's."""
+"""The panel of the world check: its states, hidden parts, and the command's numbers."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def with_check(shown: Snapshot, report: WorldReport | None = None, **view: Any) 
 
 @cache
 def walk() -> Snapshot:
-    """A world in which each policy ends, so that nothing is tried."""
+    """A world in which each policy ends, which needs no trials."""
     return changed(student(), world=begin(recipe_named("random-walk")).world)
 
 

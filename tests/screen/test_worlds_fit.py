@@ -1,4 +1,4 @@
-"""Every world that comes with the program fits every screen, as do the panels around it."""
+"""Every shipped world fits every screen, together with the panels around it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The surroundings of settings in force: which settings vary, what each cell comes to, and how it is sent."""
+"""The settings map: the settings that vary, the result of each cell, and the requests."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The book's figures for control, as ``train --runs --json`` gives them.
 
-Seeds are fixed. Where a figure of the book is a mean over runs, ours is held to it within four of its own
-standard errors and what can be read off the printed figure.
+Seeds are fixed. If a figure of the book is a mean over runs, ours must agree with it. The tolerance is four
+of our standard errors plus the reading error of the printed figure.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def document(scenario: str, runs: int, episodes: int, **overrides: Any) -> dict[
 
 
 def holds(figure: dict[str, float], expected: float, readable: float = 0.0) -> bool:
-    """Tell whether a mean is ``expected``, given its standard error and how exactly that can be read."""
+    """Return whether a mean is ``expected``, given its standard error and the reading error."""
     return abs(figure["mean"] - expected) <= 4 * figure["stderr"] + readable
 
 
@@ -37,7 +37,7 @@ def lengths(made: dict[str, Any]) -> list[float]:
 
 
 def went_left(made: dict[str, Any], first: int, last: int) -> float:
-    """Return the share of the episodes ``first`` + 1 .. ``last`` of max-bias that went left: two steps."""
+    """Return the share of episodes ``first`` + 1 .. ``last`` of max-bias with two steps: they went left."""
     curve = made["curve"]
     shares = [
         length - 1.0
@@ -63,7 +63,7 @@ def test_sarsa_earns_more_on_a_longer_way() -> None:
     found = [row["expected_return"] for row in made["runs"]]
     assert found.count(-17.0) > 0.7 * len(found)
     assert min(each for each in found if each is not None) >= -25.0
-    # some of its greedy paths walk to and fro for ever, which no return can say
+    # some of its greedy paths go back and forth for ever, and have no return
     assert 0 < found.count(None) < 0.25 * len(found)
 
 
@@ -102,7 +102,7 @@ def test_planning_shortens_the_time_to_short_episodes(planning_steps: int, episo
     found = lengths(document("maze", 30, 50, algorithm="dyna-q", planning_steps=planning_steps))
     assert found[episodes] < 30
     assert found[max(1, episodes // 2) - 1] > 60
-    assert sum(found[-10:]) / 10 < 19  # 14, and what exploration adds
+    assert sum(found[-10:]) / 10 < 19  # 14 plus the cost of exploring
 
 
 def test_dyna_finds_the_way_of_14_steps() -> None:
@@ -119,9 +119,9 @@ def test_dyna_finds_the_way_of_14_steps() -> None:
 def test_double_q_learning_goes_left_far_less_often() -> None:
     single = document("max-bias", 1000, 300, algorithm="q-learning")
     double = document("max-bias", 1000, 300, algorithm="double-q-learning")
-    assert went_left(single, 0, 2) == pytest.approx(0.5, abs=0.1)  # nothing is known yet
+    assert went_left(single, 0, 2) == pytest.approx(0.5, abs=0.1)  # before anything is learned
     assert went_left(single, 0, 100) > 0.6
     assert went_left(double, 0, 100) < 0.3
-    # ε = 0.1 alone makes 5 %: what is above is what the agents still believe
+    # ε = 0.1 alone makes 5 %: the excess comes from the agents' estimates
     assert 0.05 < went_left(double, 280, 300) < 0.09
     assert went_left(double, 280, 300) < went_left(single, 280, 300) < 0.15

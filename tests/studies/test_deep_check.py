@@ -1,4 +1,4 @@
-"""What an author is told of a world, held against what is known of it."""
+"""The deep check's findings about a world, compared with known facts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What many seeds say of the runs on screen: as ``train --runs`` has it, bounded, and ended with them."""
+"""A study of many seeds for the visible runs: equal to ``train --runs``, limited, and ended with them."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ GREEDY = AddLane((SetParameter("epsilon", 0.0),))
 
 
 def studied(made_from: Recipe, *before: Command) -> SeedStudy:
-    """What 8 seeds say, worked out in a process of its own."""
+    """The results of 8 seeds, computed in a process of their own."""
     told = do(begin(made_from), *before, StudySeeds()).study
     assert told is not None
     return told
@@ -76,12 +76,12 @@ def requested(made_from: Recipe, *before: Command, most: int = 8) -> StudyReques
 
 
 def reports(made_from: Recipe, *before: Command, most: int = 8) -> list[SeedStudy]:
-    """All that a study tells, worked out here."""
+    """All reports of a study, computed in this process."""
     return list(Study(requested(made_from, *before, most=most)).reports())
 
 
 def assert_equal_to_runs(lane: LaneStudy, document: dict[str, Any]) -> None:
-    """Every bit of ``lane`` is that of the document of ``train --runs --json``."""
+    """Assert that every bit of ``lane`` equals the document of ``train --runs --json``."""
     there = {name: each for name, each in document["summary"].items() if each["count"]}
     assert list(lane.estimates) == list(there)
     for name, each in there.items():
@@ -94,7 +94,7 @@ def assert_equal_to_runs(lane: LaneStudy, document: dict[str, Any]) -> None:
     assert lane.curve.stderr.tolist() == document["curve"]["return_stderr"]
 
 
-# As train --runs
+# Equal to train --runs
 
 
 @pytest.mark.parametrize(
@@ -246,7 +246,7 @@ def test_seeds_that_take_too_many_steps_are_ended_by_steps(monkeypatch: pytest.M
 
 @pytest.mark.parametrize(("ticks", "seeds"), [(3, 0), (32, 6), (110, 16)])
 def test_it_ends_when_its_time_is_up(ticks: int, seeds: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(study, "BATCHED_BELOW", 0)  # else it asks for the time once for many seeds
+    monkeypatch.setattr(study, "BATCHED_BELOW", 0)  # otherwise one clock serves many seeds
     now, slow = count(), study.MOST_SECONDS / ticks
     made_from = recipe("student")
     told = list(Study(requested(made_from, Train(300), most=64), lambda: next(now) * slow).reports())
@@ -272,7 +272,7 @@ def test_a_stepped_environment_has_eight_seeds() -> None:
     assert study_request(table.group, is_awaited=False).most == 256
 
 
-# Where there is nothing to be worked out
+# Runs without a study
 
 
 def refusal_of(playback: Playback, *before: Command, state: StudyState = StudyState.REFUSED) -> str:
@@ -360,11 +360,11 @@ def test_what_an_environment_prints_goes_nowhere_and_its_failure_is_told(
     assert capfd.readouterr() == ("", "")
 
 
-# Of which runs it tells
+# The runs it covers
 
 
 class ToldAtOnce:
-    """A process that has told all it has to tell when it is started."""
+    """A process that has sent all its messages at its start."""
 
     failed = how_long = ""
 
@@ -411,7 +411,7 @@ def until(holds: Callable[[], bool]) -> None:
 
 
 def long_study() -> Playback:
-    """A playback that goes on while a study of some minutes is worked out."""
+    """A playback that continues during a study of some minutes."""
     made_from = recipe("student", algorithm="dyna-q")
     playback = Playback(made_from, speed=None, automatic=True, clock=time.perf_counter, on_exact=lambda: None)
     while playback.on_the_way:
@@ -421,7 +421,7 @@ def long_study() -> Playback:
 
 
 def is_gone(process: subprocess.Popen[bytes]) -> bool:
-    return process.returncode is not None  # its thread has seen to it
+    return process.returncode is not None  # its thread has waited for it
 
 
 @pytest.mark.parametrize(
@@ -443,7 +443,7 @@ def test_a_study_under_way_ends(command: Command, processes: list[subprocess.Pop
 async def test_it_ends_with_the_player_and_two_players_have_each_their_own(
     processes: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def awaited(group: RunGroup, **_: bool) -> StudyRequest:  # beside other tests the last priority is none
+    def awaited(group: RunGroup, **_: bool) -> StudyRequest:  # other tests already run at the lowest priority
         return replace(study_request(group, is_awaited=True), most=256)
 
     monkeypatch.setattr(seed_studies, "study_request", awaited)

@@ -1,7 +1,7 @@
 """The figures of chapter 2 of Sutton & Barto (2nd ed.), at fixed seeds and with fewer runs than the book's.
 
-What is compared with a number lies within three standard errors of as many runs, and what is said to be
-better is so by as many, run against run of the same seed.
+A value compared with a number agrees within three standard errors for this number of runs. A claim of
+"better" holds by three standard errors too, for pairs of runs with the same seed.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ def _document(runs: int, scenario: str, pulls: int, values: tuple[tuple[str, Any
 
 
 def column(document: dict[str, Any], name: str) -> FloatArray:
-    """One figure of all runs, in the order of the seeds."""
+    """One number of all runs, in the order of the seeds."""
     return np.array([row[name] for row in document["runs"]])
 
 
 def margin(better: FloatArray, worse: FloatArray) -> float:
-    """By how many standard errors the paired differences lie above 0."""
+    """The mean of the paired differences, in standard errors above 0."""
     difference = better - worse
     return float(difference.mean() / (difference.std(ddof=1) / np.sqrt(len(difference))))
 
@@ -97,7 +97,8 @@ def test_figure_2_4_ucb_does_better_than_epsilon_greedy() -> None:
 
 @pytest.mark.exhaustive("trains 2,000 bandits of its own")
 def test_figure_2_4_ucb_spikes_at_the_eleventh_pull() -> None:
-    # All arms tried once and all bounds alike, the eleventh pull is greedy; then that arm's bound is lower
+    # With all arms tried once and all bounds equal, the eleventh pull is greedy. Then that arm's bound is
+    # lower
     paid = of_runs(400, pulls=60, **UCB)["curve"]["return_mean"]
     assert np.mean(paid[:10]) == pytest.approx(0.0, abs=0.07)
     assert max(paid[:30]) == paid[10]

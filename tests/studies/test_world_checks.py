@@ -1,4 +1,4 @@
-"""The check of the world on screen: the command's figures, for what is in force, in a process of its own."""
+"""The world check on screen: the command's numbers for the current settings, in its own process."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from rl_tui.studies.world_check.world_checks import (
 )
 from rl_tui.worlds.editing.edit import read_edits
 
-LONGEST: Final = 120.0  # seconds until a process must have answered
+LONGEST: Final = 120.0  # seconds for a process to answer
 QUICK: Final = "random-walk"
-"""A world in which each policy ends: nothing is tried."""
+"""A world in which each policy ends: the check needs no trials."""
 
 
 def run_of(scenario: str) -> Run:
@@ -76,11 +76,11 @@ def test_it_is_about_the_world_and_the_settings_in_force() -> None:
     assert after[0] < before[0]
 
 
-# In a process of its own
+# In its own process
 
 
 class Beside:
-    """Checks that are worked out in processes, which are noted, with an event for each piece of news."""
+    """Checks in noted background processes, with an event for each piece of news."""
 
     def __init__(self, processes: list[subprocess.Popen[bytes]]) -> None:
         self.processes = processes
@@ -88,7 +88,7 @@ class Beside:
         self.checks = WorldChecks(self.has_news.set, automatic=True)
 
     def until(self, run: Run, holds: Callable[[WorldCheckView], bool]) -> WorldCheckView:
-        """Look at each piece of news until what is known of ``run`` is as wanted."""
+        """Look at each piece of news until the knowledge about ``run`` is as wanted."""
         while True:
             self.has_news.clear()
             view = self.checks.of(run)
@@ -127,7 +127,7 @@ def test_figures_come_before_the_algorithms_are_tried(beside: Beside) -> None:
 @pytest.mark.exhaustive("works out the report of several worlds")
 @pytest.mark.process
 def test_of_many_changes_the_newest_counts_and_not_each_begins_a_process(beside: Beside) -> None:
-    runs = [run_of("cliff") for _ in range(20)]  # each has a world of its own
+    runs = [run_of("cliff") for _ in range(20)]  # each has its own world
     for run in runs:
         assert beside.checks.of(run).report is None
     assert len(beside.processes) == 1

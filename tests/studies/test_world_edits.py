@@ -1,4 +1,4 @@
-"""Edits of the world are part of the run: the same bits, whichever way one came there."""
+"""Edits of the world are part of the run: the same bits on every way to a step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a screen of the playground has to be, whatever the terminal."""
+"""Requirements for a screen of the playground in every terminal."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _COLOURS: Final = re.compile(rb"\x1b\[([0-9;]*)m")
 
 
 def check_playground(screen: str, size: tuple[int, int], step: int) -> None:
-    """Raise where a screen of the student's playground is not as it has to be in a terminal of ``size``."""
+    """Raise if a screen of the student's playground is wrong for a terminal of ``size``."""
     columns, rows = size
     lines = screen.splitlines()
     assert len(lines) == rows, screen
@@ -28,7 +28,7 @@ def check_playground(screen: str, size: tuple[int, int], step: int) -> None:
 
 
 def colour_kinds(written: bytes) -> set[str]:
-    """Return which kinds of colour are asked for: 16, 256, truecolor."""
+    """Return the kinds of colour in use: 16, 256, truecolor."""
     kinds = set()
     for numbers in _COLOURS.findall(written):
         left = [int(number or 0) for number in numbers.split(b";")]

@@ -1,4 +1,4 @@
-"""A terminal that can go away, or stop reading, while a program is on it."""
+"""A terminal that can vanish, or stop reading, while a program runs in it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rl_tui.live.sessions.session import sessions_in
 
 _LOOK_AGAIN: Final = 0.02  # seconds
 _RUN = "; os.execvp(sys.argv[1], sys.argv[1:])"
-# What runs in it has it as its controlling terminal, as in a window: it is told when that is closed
+# It is the controlling terminal of its program, as in a window: closing it sends a signal
 CONTROLLING: Final = (
     sys.executable,
     "-c",
@@ -32,25 +32,25 @@ class LosableTerminal(PseudoTerminal):
     """A pseudo-terminal whose far end may be lost."""
 
     def vanish(self) -> None:
-        """Close the far end, as a window that is closed or a link that breaks does."""
+        """Close the far end, like a closed window or a broken link."""
         nothing = os.open(os.devnull, os.O_RDWR)
         os.dup2(nothing, self._ours)
         os.close(nothing)
 
     def stall(self) -> None:
-        """Fill the way to the far end: from now on nothing is taken until something is read there."""
-        # opened once more, since not to wait would hold for the program too
+        """Fill the way to the far end: it accepts no more until something is read there."""
+        # opened again, because non-blocking mode would apply to the program too
         end = os.open(os.ttyname(self.theirs), os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
         try:
             while True:
-                os.write(end, b"\0" * 256)  # terminals pass it over
+                os.write(end, b"\0" * 256)  # terminals ignore it
         except BlockingIOError:
             return
         finally:
             os.close(end)
 
     def wait_reading(self, condition: Callable[[], bool], what: str) -> None:
-        """Read, and answer, until something holds that need not be seen on the screen, or fail."""
+        """Read and answer until a condition holds that may be invisible on the screen, or fail."""
 
         def holds() -> bool:
             for _ in self.reading(_LOOK_AGAIN):
@@ -60,12 +60,12 @@ class LosableTerminal(PseudoTerminal):
         wait_until(holds, what)
 
     def wait_for_exit(self) -> int:
-        """Return the exit status, without reading what is still written."""
+        """Return the exit status, without reading the remaining output."""
         return self.process.wait(DEADLINE)
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:
-    """Look until ``condition`` holds, or fail."""
+    """Poll until ``condition`` is true, or fail."""
     deadline = time.perf_counter() + DEADLINE
     while not condition():
         assert time.perf_counter() < deadline, what
@@ -73,7 +73,7 @@ def wait_until(condition: Callable[[], bool], what: str) -> None:
 
 
 def is_gone(number: int) -> bool:
-    """Tell whether the process ``number`` has ended, though its parent may not have asked for it."""
+    """Return whether the process ``number`` has ended, even if its parent has not waited for it."""
     try:
         return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
     except (FileNotFoundError, ProcessLookupError):
@@ -81,6 +81,6 @@ def is_gone(number: int) -> bool:
 
 
 def kept_step(folder: Path) -> int:
-    """Return the step to which the only session in ``folder`` has come, 0 without one."""
+    """Return the saved step of the only session in ``folder``, 0 without one."""
     sessions, _ = sessions_in(folder)
     return sessions[0].step if sessions else 0

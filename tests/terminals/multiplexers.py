@@ -33,7 +33,7 @@ maptimeout 0
 altscreen on
 autodetach off
 """
-_SHORT: Final = "/tmp"  # a folder for tests may have a longer name than the 107 bytes of the path of a socket
+_SHORT: Final = "/tmp"  # a folder for tests may be longer than a socket's path, at most 107 bytes
 _LOOK_AGAIN: Final = 0.05  # seconds
 
 
@@ -56,12 +56,12 @@ class Tmux:
 
     @property
     def screen(self) -> str:
-        """What stands in the window, a line a row, without blanks at their ends."""
+        """The text in the window, one line per row, without trailing blanks."""
         return self.coloured.text
 
     @property
     def coloured(self) -> Emulator:
-        """What stands in the window, with its colours."""
+        """The content of the window, with its colours."""
         columns, rows = map(int, self._do("display", "-p", "#{window_width} #{window_height}").split())
         emulator = Emulator(columns, rows)
         lines = self._do("capture-pane", "-p", "-e").splitlines()[:rows]
@@ -71,17 +71,15 @@ class Tmux:
 
     @property
     def modes(self) -> str:
-        """How the window is set: whether it has its alternate screen, a cursor, reports of the mouse."""
+        """The modes of the window: the alternate screen, the cursor, mouse reports."""
         return self._do(
             "display", "-p", "alternate #{alternate_on}, cursor #{cursor_flag}, mouse #{mouse_any_flag}"
         ).strip()
 
     def press(self, keys: str) -> None:
-        """Type ``keys``."""
         self._do("send-keys", "-l", keys)
 
     def resize(self, columns: int, rows: int) -> None:
-        """Make the window another size."""
         self._do("resize-window", "-x", str(columns), "-y", str(rows))
 
     def wait_for(self, pattern: str, seconds: float = DEADLINE) -> None:
@@ -93,7 +91,7 @@ class Tmux:
             time.sleep(_LOOK_AGAIN)
 
     def close(self) -> None:
-        """End the server and all in it."""
+        """End the server and everything in it."""
         self._do("kill-server")
 
     def _do(self, *what: str) -> str:
@@ -108,7 +106,7 @@ class Tmux:
 def in_tmux(
     command: Sequence[str], size: tuple[int, int], environment: Mapping[str, str | None] | None = None
 ) -> Iterator[Tmux]:
-    """Run ``command`` in a tmux of its own."""
+    """Run ``command`` in its own tmux."""
     if shutil.which("tmux") is None:
         pytest.skip("needs tmux: apt-get install tmux")
     with TemporaryDirectory(prefix="rl-tui-", dir=_SHORT) as folder:
@@ -123,7 +121,7 @@ def in_tmux(
 def in_screen(
     command: Sequence[str], size: tuple[int, int], environment: Mapping[str, str | None] | None = None
 ) -> Iterator[PseudoTerminal]:
-    """Run ``command`` in a GNU screen of its own, on a pseudo-terminal; it ends with that at the latest."""
+    """Run ``command`` in its own GNU screen on a pseudo-terminal; it ends with the block at the latest."""
     if shutil.which("screen") is None:
         pytest.skip("needs GNU screen: apt-get install screen")
     with TemporaryDirectory(prefix="rl-tui-", dir=_SHORT) as folder:

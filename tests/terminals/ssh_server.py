@@ -1,4 +1,4 @@
-"""An OpenSSH server on this machine that is thrown away after use, and how to log in to it."""
+"""A temporary OpenSSH server on this machine, and the command to log in to it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PRIVILEGE_SEPARATION: Final = Path("/run/sshd")  # a server that runs as root i
 
 
 def why_not() -> str:
-    """Return what is missing for a server, empty if nothing is."""
+    """Return what is missing for a server; empty if nothing is missing."""
     if _server() is None or shutil.which("ssh") is None:
         return "needs sshd and ssh: apt-get install openssh-server openssh-client"
     if os.getuid() == 0 and not _PRIVILEGE_SEPARATION.is_dir():
@@ -34,7 +34,7 @@ def why_not() -> str:
 
 
 def _terminals_have_their_group() -> bool:
-    """Tell whether a new terminal is as sshd wants it, which only root could change."""
+    """Return whether a new terminal has the group that sshd needs, which only root could change."""
     ours, theirs = os.openpty()
     try:
         group = os.fstat(theirs).st_gid
@@ -51,9 +51,9 @@ def _server() -> str | None:
 
 
 class SshServer:
-    """Serves on a free port of the loopback interface, from ``folder`` alone, with keys of its own.
+    """Serves on a free port of the loopback interface, only from ``folder``, with keys of its own.
 
-    Whoever logs in has ``environment`` there. ``rules`` are more lines of its configuration.
+    Each login has ``environment``. ``rules`` are more lines of its configuration.
     """
 
     def __init__(self, folder: Path, environment: Mapping[str, str], rules: str = "") -> None:
@@ -82,7 +82,7 @@ class SshServer:
     def __enter__(self) -> SshServer:
         deadline = time.perf_counter() + DEADLINE
         while not self._start(deadline):
-            assert "in use" in self.log, self.log  # somebody else took the port, and may answer there
+            assert "in use" in self.log, self.log  # another program took the port, and may answer there
         return self
 
     def __exit__(
@@ -92,7 +92,7 @@ class SshServer:
         self._process.wait(DEADLINE)
 
     def _start(self, deadline: float) -> bool:
-        """Start it on a port that is free now, and wait until it listens there or has ended."""
+        """Start it on a free port, and wait until it listens there or has ended."""
         with socket.socket() as chosen:
             chosen.bind(("127.0.0.1", 0))
             self.port = chosen.getsockname()[1]
@@ -111,15 +111,15 @@ class SshServer:
 
     @property
     def log(self) -> str:
-        """What the server has to say."""
+        """The log of the server."""
         return (self._folder / "log").read_text(encoding="utf-8", errors="replace")
 
     def login(self, *options: str) -> list[str]:
-        """Return the command that logs in, up to the name of the host; what is to be run there follows."""
+        """Return the login command up to the host name. Append the remote command to it."""
         return ["ssh", *self._settings, "-p", str(self.port), *options, f"{getpass.getuser()}@127.0.0.1"]
 
     def transfer(self, program: str, *options: str) -> list[str]:
-        """Return the command with which ``program`` (sftp, scp) logs in, without any file."""
+        """Return the login command of ``program`` (sftp, scp), without any file."""
         return [program, *self._settings, "-P", str(self.port), *options]
 
     @property

@@ -1,4 +1,4 @@
-"""More is typed than anybody can type, and the program is told to end in the middle of it."""
+"""More input than a person can type, and a request to end in the middle of it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from losable_terminal import CONTROLLING, LosableTerminal, kept_step
 from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
 FLOOD = "\0" * 60_000
-MOST_GROWTH = 40  # megabytes; what each key costs until it is done comes to more if all of these are kept
+MOST_GROWTH = 40  # megabytes; keeping every pending key takes more
 NOTHING_ELSE_HAPPENS = (
     sys.executable,
     "-c",
@@ -43,19 +43,19 @@ def type_all(terminal: PseudoTerminal, keys: str) -> None:
 
 
 def unread(terminal: PseudoTerminal) -> int:
-    """Return how many bytes the program has not read yet."""
+    """Return the number of bytes that the program has not read yet."""
     answer = fcntl.ioctl(terminal.theirs, termios.FIONREAD, bytes(4))
     return int(struct.unpack("i", answer)[0])
 
 
 def step_shown(terminal: PseudoTerminal) -> int | None:
-    """Return the step on the screen, None while the screen is the shell's."""
+    """Return the step on the screen, or None while the shell has the screen."""
     found = re.search(r"step\s+(\d+)", terminal.screen)
     return int(found[1]) if found else None
 
 
 def megabytes(terminal: PseudoTerminal) -> int:
-    """Return how much memory the program takes."""
+    """Return the memory of the program in megabytes."""
     pages = int(Path(f"/proc/{terminal.process.pid}/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") >> 20
 
@@ -67,7 +67,7 @@ def test_a_flood_of_keys_takes_no_memory_and_keeps_no_signal_waiting(number: sig
     with PseudoTerminal([*RL_TUI, "play", "student"]) as terminal:
         terminal.wait_for("paused")
         terminal.press(" " + "+" * 9)
-        terminal.wait_for(r"step\s+[\d,.]+ ?[MG]|step\s+\d+,\d{3},\d{3}")  # all libraries are there
+        terminal.wait_for(r"step\s+[\d,.]+ ?[MG]|step\s+\d+,\d{3},\d{3}")  # all libraries are loaded
         before = megabytes(terminal)
         type_all(terminal, FLOOD)
         assert megabytes(terminal) - before < MOST_GROWTH
@@ -97,14 +97,14 @@ def test_stop_and_go_on_at_once_leaves_it_going(tmp_path: Path) -> None:
         for delay in (0.0, 0.002, 0.005, 0.01, 0.03):
             before = step_shown(terminal)
             terminal.process.send_signal(signal.SIGTSTP)
-            time.sleep(delay)  # until it has heard of it, and not yet stopped: whenever that is
+            time.sleep(delay)  # until the signal has arrived, but perhaps not the stop: at any moment
             terminal.process.send_signal(signal.SIGCONT)
             pressed = 0
             while step_shown(terminal) in (before, None):  # a key is lost while the terminal changes its mode
                 terminal.press("s")
                 next(terminal.reading(0.1), None)
                 pressed += 1
-                if pressed % 50 == 0:  # it may have been told to go on between its last look and the stop
+                if pressed % 50 == 0:  # the SIGCONT may have arrived between its last look and its stop
                     terminal.process.send_signal(signal.SIGCONT)
         terminal.press("qq")
         assert terminal.wait_for_end() == 0

@@ -1,4 +1,4 @@
-"""Which characters the environment of a terminal asks for."""
+"""The characters that the environment of a terminal requests."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rl_tui.screen.theme.glyphs import encoding_of
 @pytest.mark.parametrize(
     ("environ", "utf8_mode", "encoding"),
     [
-        ({"LANG": "C", "LC_CTYPE": "C.UTF-8"}, True, "ascii"),  # what Python makes of LANG=C
+        ({"LANG": "C", "LC_CTYPE": "C.UTF-8"}, True, "ascii"),  # Python's reading of LANG=C
         ({"LC_ALL": "C"}, True, "ascii"),
         ({"LC_ALL": "POSIX", "LANG": "en_GB.UTF-8"}, True, "ascii"),
         ({"LANG": "C", "LC_CTYPE": "C.UTF-8"}, False, "UTF-8"),
@@ -18,7 +18,7 @@ from rl_tui.screen.theme.glyphs import encoding_of
         ({"LC_ALL": "C.UTF-8", "LANG": "C"}, False, "UTF-8"),
         ({"LANG": "de_DE.ISO-8859-15@euro"}, False, "ISO-8859-15"),
         ({"LANG": "en_GB"}, False, "latin-1"),
-        ({"LC_CTYPE": "C.UTF-8"}, True, "latin-1"),  # nothing was said of it
+        ({"LC_CTYPE": "C.UTF-8"}, True, "latin-1"),  # without any setting
         ({}, False, "latin-1"),
     ],
 )

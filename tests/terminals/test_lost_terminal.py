@@ -1,4 +1,4 @@
-"""A terminal that is gone, that does not read, and a program that is told to end or fails on it."""
+"""A terminal that is gone or does not read, and a program that is ended or fails in it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FAILING = (
 
 @contextmanager
 def student(folder: Path, *before: str, command: tuple[str, ...] = RL_TUI) -> Iterator[LosableTerminal]:
-    """Start the program in the way that ``before`` says, and take some steps."""
+    """Start the program by the command ``before``, and take some steps."""
     environment = {"RL_TUI_SESSIONS_DIR": str(folder)}
     with LosableTerminal([*before, *command, "play", "student"], environment) as terminal:
         terminal.wait_for("paused")
@@ -64,7 +64,7 @@ def test_a_terminal_that_does_not_read_holds_up_nothing_not_even_the_end(tmp_pat
         terminal.press("+ ")
         wait_until(lambda: kept_step(tmp_path) > 60, "it takes keys, goes on and is kept")
         terminal.press("?")
-        terminal.wait_for("Words  Pages")  # read again: what was asked for last is there
+        terminal.wait_for("Words  Pages")  # read again: the latest request is there
         terminal.stall()
         terminal.process.send_signal(signal.SIGQUIT)
         assert terminal.wait_for_exit() == 128 + signal.SIGQUIT

@@ -1,4 +1,4 @@
-"""Where nothing can be drawn, one sentence says so, and the exit status is 2."""
+"""Without a usable terminal, the program prints one sentence and exits with status 2."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Terminals of any size, at the start and later: some are no larger than a cell, some seem endless."""
+"""Terminals of any size, at the start and later: as small as a cell, or practically endless."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ WORDS = "no more than"
 
 
 class Told(PseudoTerminal):
-    """A terminal that says it is of another size than it is."""
+    """A terminal that reports a false size."""
 
     def say_size(self, columns: int, rows: int) -> None:
-        """Say so, and let the program know as a terminal does."""
+        """Report this size, and send the program the signal of a terminal."""
         fcntl.ioctl(self.theirs, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         self.process.send_signal(signal.SIGWINCH)
 

@@ -1,4 +1,4 @@
-"""Over a real SSH connection: everything arrives, and a connection that breaks leaves nothing behind."""
+"""Over a real SSH connection: everything arrives, and a broken connection leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from ssh_server import DEADLINE, SshServer
 
 pytestmark = pytest.mark.skipif(bool(ssh_server.why_not()), reason=ssh_server.why_not())
 
-# ssh closes what it inherits, from which the pseudo-terminal knows that a program runs
+# ssh closes inherited descriptors, by which the pseudo-terminal notices a running program
 KEPT_OPEN = ("sh", "-c", '"$@"; exit $?', "sh")
 INHERITED = ("PYTHONPATH", "RL_TUI_CACHE_DIR")
 
 
 def environment(sessions: Path) -> dict[str, str]:
-    """Return the variables that the program finds on the server."""
+    """Return the program's environment variables on the server."""
     kept = {name: os.environ[name] for name in INHERITED if name in os.environ}
     return {**kept, "RL_TUI_SESSIONS_DIR": str(sessions), "LC_ALL": "C.UTF-8"}
 
 
 def classroom() -> str:
-    """Return the rules by which whoever logs in gets the program, and nothing else."""
+    """Return rules that give every login the program, and nothing else."""
     return f"""
         Match User {getpass.getuser()}
             ForceCommand {shlex.join(RL_TUI)}
@@ -59,7 +59,7 @@ def serving(folder: Path, rules: str = "") -> Iterator[SshServer]:
 
 @contextmanager
 def student(server: SshServer, folder: Path) -> Iterator[LosableTerminal]:
-    """Log in and play; the program's number and that of the process which serves it are in ``folder``."""
+    """Log in and play. ``folder`` holds the process ids of the program and of its server process."""
     numbers = f"echo $$ > {folder}/program; echo $PPID > {folder}/server"
     program = shlex.join([*RL_TUI, "play", "student"])
     client = [*CONTROLLING, *KEPT_OPEN, *server.login("-tt"), f"{numbers}; exec {program}"]
@@ -74,7 +74,7 @@ def number_in(file: Path) -> int:
 
 def test_it_trains_steps_and_quits_over_ssh(tmp_path: Path) -> None:
     with serving(tmp_path) as server, student(server, tmp_path) as terminal:
-        assert b"38;5;" in terminal.written  # 256 colours: COLORTERM does not travel
+        assert b"38;5;" in terminal.written  # 256 colours: ssh does not send COLORTERM
         terminal.press("sss")
         terminal.wait_for(r"step\s+3\b")
         terminal.press("1s")  # to the first slider
@@ -85,7 +85,7 @@ def test_it_trains_steps_and_quits_over_ssh(tmp_path: Path) -> None:
         terminal.wait_for("Words  Pages")
         terminal.press("\x1b")
         terminal.resize(60, 17)
-        terminal.wait_for("is 60×17")  # too small, says the program
+        terminal.wait_for("is 60×17")  # the program reports that it is too small
         terminal.resize(80, 24)
         terminal.wait_for("paused")
         terminal.press(" " + "+" * 9)
@@ -137,7 +137,7 @@ def test_from_the_classroom_recipe_there_is_no_way_out(tmp_path: Path) -> None:
 
 
 def refused(command: list[str], sent: bytes = b"") -> str:
-    """Run ``command``, which must fail and get nothing; return the reason given."""
+    """Run ``command``, which must fail without output and return the reason."""
     result = subprocess.run(command, input=sent, capture_output=True, timeout=DEADLINE, check=False)
     assert result.returncode != 0
     assert result.stdout.replace(b"sftp> pwd\n", b"") == b""

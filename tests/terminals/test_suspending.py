@@ -1,4 +1,4 @@
-"""Going to the shell and coming back, and being stopped from outside."""
+"""Going to the shell and back, and stops from outside."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from pseudo_terminal import RL_TUI
 
 STEPS = 3
 CTRL_Z = "\x1a"
-TAKEN = b"\x1b[?1049h"  # the screen that a program has for itself, empty to begin with
+TAKEN = b"\x1b[?1049h"  # the alternate screen, empty at first
 PROMPT = "now_yours:"
-# Older ones stand on the screen too, and show as soon as the program has left it; but what is typed before it
-# has also given back how lines are typed never ends for the shell
+# Older prompts are on the screen too, and show as soon as the program has left it. A line typed before the
+# program restores the line mode never ends for the shell
 ASKS = rf"{PROMPT}\s*\Z"
 STOPPED = rf"(?s)Stopped.*{ASKS}"
 SHELL = ("bash", "--norc", "--noprofile", "--noediting", "-i")
@@ -31,7 +31,7 @@ needs_bash = pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash
 
 @contextmanager
 def shell(folder: Path, command: str = PLAY) -> Iterator[LosableTerminal]:
-    """Start the program from a shell that knows jobs, and take some steps."""
+    """Start the program from a shell with job control, and take some steps."""
     environment = {"RL_TUI_SESSIONS_DIR": str(folder), "PS1": PROMPT}
     with LosableTerminal([*CONTROLLING, *SHELL], environment, (100, 30)) as terminal:
         terminal.wait_for(ASKS)
@@ -51,13 +51,13 @@ def take_steps(terminal: LosableTerminal) -> None:
 
 
 def takes_lines(terminal: LosableTerminal) -> bool:
-    """Tell whether the terminal is as a shell wants it."""
+    """Return whether the terminal is in the mode of a shell."""
     return bool(terminal.attributes[3] & termios.ICANON and terminal.attributes[3] & termios.ECHO)
 
 
 @needs_bash
 def test_ctrl_z_goes_to_the_shell_and_fg_comes_back(tmp_path: Path) -> None:
-    # started by another program, which has to stop with it
+    # started by another program, which must stop with it
     with shell(tmp_path, f"sh -c {shlex.quote(PLAY + '; true')}") as terminal:
         changed = terminal.modes_left_changed
         terminal.press(CTRL_Z)
@@ -87,7 +87,7 @@ def test_it_can_be_stopped_from_outside_but_by_ctrl_z_only_where_there_is_a_shel
         take_steps(terminal)
         terminal.press(CTRL_Z)
         terminal.wait_for("no shell")
-        for number in (signal.SIGTSTP, signal.SIGSTOP):  # the last is one that nothing can prepare for
+        for number in (signal.SIGTSTP, signal.SIGSTOP):  # no program can prepare for the last one
             stop(terminal, number)
             if number is signal.SIGTSTP:
                 assert terminal.attributes == terminal.attributes_before
@@ -106,7 +106,7 @@ def test_it_can_be_stopped_from_outside_but_by_ctrl_z_only_where_there_is_a_shel
 
 @pytest.mark.exhaustive("suspends in many ways")
 def test_what_only_started_it_is_no_shell_to_go_to(tmp_path: Path) -> None:
-    command = [*CONTROLLING, "sh", "-c", f"{PLAY}; exit $?"]  # as sshd does where the shell stays
+    command = [*CONTROLLING, "sh", "-c", f"{PLAY}; exit $?"]  # like sshd if the shell stays
     with LosableTerminal(command, {"RL_TUI_SESSIONS_DIR": str(tmp_path)}) as terminal:
         take_steps(terminal)
         terminal.press(CTRL_Z)
@@ -116,7 +116,7 @@ def test_what_only_started_it_is_no_shell_to_go_to(tmp_path: Path) -> None:
 
 
 def stop(terminal: LosableTerminal, number: int) -> None:
-    """Have the program stopped, and wait until it is."""
+    """Stop the program, and wait until it has stopped."""
     terminal.process.send_signal(number)
     terminal.wait_reading(
         lambda: os.waitid(os.P_PID, terminal.process.pid, os.WSTOPPED | os.WNOHANG) is not None, "it stops"

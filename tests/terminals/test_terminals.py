@@ -1,4 +1,4 @@
-"""The real program in terminals of every kind: each shows all of it, in the colours and characters it has."""
+"""The real program in terminals of every kind: each shows everything, with its own colours and characters."""
 
 from __future__ import annotations
 
@@ -16,16 +16,14 @@ from pseudo_terminal import RL_TUI, PseudoTerminal
 
 PLAY: Final = (*RL_TUI, "play", "student")
 EXACT: Final = r"optimal +7\.5"
-FLIP: Final = (
-    r"γ discount +━+┃"  # its mark on the slider of γ: worked out beside, and known after the optimum
-)
+FLIP: Final = r"γ discount +━+┃"  # its mark on the slider of γ, computed in the background after the optimum
 SIZES: Final = ((80, 24), (100, 30), (120, 40), (200, 60))
 ODD_SIZES: Final = ((60, 18), (61, 19), (79, 23), (81, 25), (300, 80))
 STEPS: Final = 5
-BEGIN: Final = "s" * STEPS + "wh"  # shows the answer, which the student hides
+BEGIN: Final = "s" * STEPS + "wh"  # shows the exact values, which the student hides
 REDRAW: Final = "\x0c"  # ctrl+l
 ESCAPE: Final = "\x1b[27u"
-DIALOGS: Final = {  # keys, and what then stands on the screen
+DIALOGS: Final = {  # keys, then the expected text on the screen
     "?": "Words  Pages",
     "ao": "All settings",
     "u": "Run until",
@@ -62,7 +60,7 @@ def wait_for_playground(terminal: PseudoTerminal) -> None:
     try:
         terminal.wait_until(is_there)
     except AssertionError:
-        check_playground(terminal.screen, size, STEPS)  # says what is wrong with it
+        check_playground(terminal.screen, size, STEPS)  # reports an error in it
         raise
 
 
@@ -84,7 +82,7 @@ def leave(terminal: PseudoTerminal) -> None:
 
 @pytest.fixture(scope="module")
 def fresh(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[int, int], str]:
-    """The screens of two programs that were started at these sizes and never resized, nothing kept before."""
+    """The screens of two programs, started at these sizes, never resized, and without saved sessions."""
     screens = {}
     for size in ((80, 24), (120, 40)):
         kept = {"RL_TUI_SESSIONS_DIR": str(tmp_path_factory.mktemp("sessions"))}
@@ -92,7 +90,7 @@ def fresh(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[int, int], str
             begin(terminal)
             terminal.wait_for(EXACT)
             terminal.wait_for(FLIP)
-            terminal.blank()  # of a screen that comes in several frames all has come then
+            terminal.blank()  # a screen of several frames is complete then
             terminal.press(REDRAW)
             terminal.wait_for(EXACT)
             terminal.wait_for(FLIP)

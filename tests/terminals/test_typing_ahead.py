@@ -1,4 +1,4 @@
-"""Keys that arrive all at once do what they do one after the other."""
+"""Keys that arrive all at once have the same effects as single keys."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ pytest.importorskip("pty", reason="there are no pseudo-terminals here")
 
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
-ESCAPE = "\x1b[27u"  # as terminals send it that were asked to tell it from the start of a sequence
+ESCAPE = "\x1b[27u"  # in the form of terminals that report the start of a sequence
 PALETTE = "\x10"  # ctrl+p
 
 
@@ -24,7 +24,7 @@ def test_no_key_is_lost_while_a_dialog_or_a_screen_opens() -> None:
         terminal.wait_for(r"step +0\b")
         terminal.press("?" + ESCAPE + "s")
         terminal.wait_for(r"step +1\b")
-        terminal.press("?\x1bs")  # an old terminal sends alt+s alike
+        terminal.press("?\x1bs")  # an old terminal sends the same for alt+s
         terminal.wait_for(r"step +2\b")
         terminal.press("?\x1bb")
         terminal.wait_for(r"step +1\b")
@@ -36,7 +36,7 @@ def test_no_key_is_lost_while_a_dialog_or_a_screen_opens() -> None:
         terminal.wait_for(r"Bernoulli bandit  .* paused")
         terminal.press("w[w[")
         terminal.wait_for(r"FrozenLake 4×4 slippery  .* paused")
-        terminal.press("rsq\x7f7\r")  # q is typed into the line, not the end of the program
+        terminal.press("rsq\x7f7\r")  # q goes into the prompt and does not quit
         terminal.wait_for("seed 7")
-        terminal.press("?\x1b[200~\x1brs\x1b[201~\x1bq")  # what is pasted is no key
+        terminal.press("?\x1b[200~\x1brs\x1b[201~\x1bq")  # pasted text is not a key
         assert terminal.wait_for_end() == 0

@@ -1,4 +1,4 @@
-"""A slow and plain model of maps, one cell and one outcome at a time, to hold the tables against."""
+"""A slow and plain model of maps, one cell and one outcome at a time, to compare with the tables."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ BUILT_IN = {
 
 
 class GridModel:
-    """A map, ``lines``, with its ``legend`` and the other keys of a [grid] table as ``rules``."""
+    """A map of ``lines`` with its ``legend``, and the other keys of a [grid] table as ``rules``."""
 
     def __init__(self, lines, legend=None, **rules):
         self.lines, self.rules = lines, rules
@@ -131,7 +131,7 @@ class GridModel:
         return self.number(landed), reward, self.is_terminal(landed)
 
     def reached(self):
-        """The cells in which something can be done and that an episode can come to."""
+        """The non-terminal cells that an episode can reach."""
         reached, to_visit = set(self.starts), list(self.starts)
         while to_visit:
             cell = to_visit.pop()

@@ -1,4 +1,4 @@
-"""Maps of a hundred thousand cells and more: the same rules, whole arrays instead of single cells."""
+"""Maps of a hundred thousand cells and more: the same rules, on whole arrays."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_a_big_maze_keeps_only_what_can_be_reached():
 
 
 def test_a_long_corridor_is_followed_to_its_end():
-    """Every other row is a wall with one gap, at alternating ends: the way is as long as the map is large."""
+    """Every other row is a wall with one gap, at alternating ends, which gives the longest path."""
     rows = []
     for row in range(301):
         if row % 2 == 0:

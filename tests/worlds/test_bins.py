@@ -1,4 +1,4 @@
-"""Real numbers cut into states: where the edges lie, what the states are called, what is refused."""
+"""Real numbers divided into states: their edges, their names, and refusals."""
 
 from __future__ import annotations
 

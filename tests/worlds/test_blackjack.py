@@ -1,4 +1,4 @@
-"""The exact table of blackjack against Gymnasium's own game, and against the book's figure 5.2."""
+"""The exact table of blackjack, compared with Gymnasium's own game and the book's figure 5.2."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ RULES = [{}, {"sab": False, "natural": True}, {"sab": False, "natural": False}]
 
 @pytest.fixture(autouse=True)
 def quick_cards(monkeypatch):
-    """Draw from the same deck, a dozen times as fast as numpy chooses from a list."""
+    """Draw from the same deck, twelve times faster than numpy's choice from a list."""
     assert game.deck == [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10]
     monkeypatch.setattr(game, "draw_card", lambda generator: game.deck[int(generator.integers(13))])
 
@@ -41,7 +41,7 @@ def name_of(environment, observation) -> str:
 
 
 def steps(kwargs, episodes: int, seed: int) -> Iterator[tuple[str, int, str, float]]:
-    """Play at random; yield state, action, where it led (the ends by their reward) and the reward."""
+    """Play at random and yield state, action, next state (for ends: their reward) and reward."""
     environment = gymnasium.make("Blackjack-v1", disable_env_checker=True, **kwargs)
     generator = np.random.default_rng(seed)
     observation, _ = environment.reset(seed=seed)
@@ -60,7 +60,7 @@ def steps(kwargs, episodes: int, seed: int) -> Iterator[tuple[str, int, str, flo
 
 
 def unlikely(counts: np.ndarray, expected: np.ndarray) -> float:
-    """Return the probability of a χ² as large as that of these counts; rare cells are put together."""
+    """Return the probability of a χ² at least as large as for these counts. Rare cells are combined."""
     rare = expected < 5.0
     if rare.any():
         counts = np.append(counts[~rare], counts[rare].sum())
@@ -111,7 +111,7 @@ def test_sizes():
 
 @pytest.mark.parametrize(("showing", "bust"), [(6, 0.4231), (10, 0.2121), (1, 0.1153)])
 def test_how_often_the_dealer_goes_bust(showing, bust):
-    """Known for an infinite deck and a dealer who stands on soft 17, to four digits."""
+    """The known value, to four digits, for an infinite deck and a dealer who stands on soft 17."""
     ends = dealer_showing(showing)
     assert sum(ends.values()) == pytest.approx(1.0)
     assert sum(p for hand, p in ends.items() if hand.sum > 21) == pytest.approx(bust, abs=1e-4)
@@ -150,7 +150,7 @@ def test_the_optimal_policy_is_that_of_figure_5_2():
 
 @pytest.mark.parametrize(("kwargs", "value"), zip(RULES, [-0.043113, -0.025729, -0.046556], strict=True))
 def test_what_a_game_is_worth(kwargs, value):
-    """Our own figure to six digits, and nothing that 2,000 games of the optimal policy contradict."""
+    """Our own number to six digits, consistent with 2,000 games of the optimal policy."""
     mdp = table(**kwargs)
     solution = solve(mdp, 1.0)
     assert solution.value_at_start == pytest.approx(value, abs=1e-6)

@@ -1,4 +1,4 @@
-"""Which scenarios there are and how they are found."""
+"""The list of scenarios, and the search in it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.scenario import read_scenario
 from rl_tui.worlds.files.shipped import shipped_folder
 
-# In which order lessons build on one another
+# The order in which lessons build on one another
 LESSONS = [
     *("frozenlake", "student", "frozenlake-slippery", "bandit", "random-walk", "cliff", "windy", "max-bias"),
     *("maze", "book", "karpathy", "bridge", "discount", "taxi", "blackjack", "cartpole", "mountain-car"),
@@ -50,7 +50,7 @@ def test_every_shipped_one_teaches_something(name):
 
 
 def labels(grid: Grid) -> tuple[int, object, object] | None:
-    """How long labels of rows are, which parts have titles, and what rows and columns are."""
+    """The length of row labels, the parts with titles, and the meaning of rows and columns."""
     axes = grid.axes
     return None if axes is None else (max(map(len, axes.rows)), axes.titles, axes.names)
 

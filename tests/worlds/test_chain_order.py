@@ -1,4 +1,4 @@
-"""Which worlds are chains, and the order of their states."""
+"""The worlds that are chains, and the order of their states."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rl_tui.worlds.sections.chain import Move, chain_order
 
 
 def walk(action: str = "walk", states: int = 5) -> list[Move]:
-    """Each inner state leads to both neighbours; the numbers of the ends are the greatest."""
+    """Each inner state leads to both neighbours. The ends have the largest numbers."""
     row = [states - 2, *range(states - 2), states - 1]
     return [
         Move(row[place], action, {row[place - 1]: 0.5, row[place + 1]: 0.5}) for place in range(1, states - 1)
@@ -16,7 +16,7 @@ def walk(action: str = "walk", states: int = 5) -> list[Move]:
 
 
 def choices(states: int = 5) -> list[Move]:
-    """Left and right mostly do what they say, towards smaller and greater numbers."""
+    """Left and right mostly lead to smaller and larger numbers."""
     return [
         Move(state, action, {state - 1: 0.9 - 0.8 * goes_right, state + 1: 0.1 + 0.8 * goes_right})
         for state in range(1, states - 1)
@@ -45,7 +45,7 @@ def test_a_chain_needs_no_terminal_states_and_may_stay_where_it_is() -> None:
 @pytest.mark.parametrize(
     "moves",
     [
-        [*walk(), Move(0, "rest", {0: 1.0})],  # a row of boxes has no room for names
+        [*walk(), Move(0, "rest", {0: 1.0})],  # a row of boxes has no space for names
         [*walk(), Move(0, "walk", {2: 1.0})],
         [*walk(), Move(3, "walk", {4: 1.0})],
         [Move(0, "walk", {3: 1.0}), Move(1, "walk", {2: 1.0}), Move(2, "walk", {4: 1.0})],

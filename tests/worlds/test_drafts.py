@@ -1,4 +1,4 @@
-"""Drafts: what a person draws of a world begins as the world itself, and is saved as it is."""
+"""Drafts: an edit begins with the current world, and is saved exactly as drawn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every fault of a [grid] table gives one clear line, and all of them are told at once."""
+"""Every error in a [grid] table gives one clear line, and all errors are reported at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Maps of the literature: what is known of them must come out."""
+"""Maps of the literature have their known values."""
 
 from __future__ import annotations
 

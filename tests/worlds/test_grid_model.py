@@ -1,4 +1,4 @@
-"""Tables of maps against a plain model that goes from cell to cell."""
+"""Tables of maps, compared with a plain model that works cell by cell."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LETTERS = "....S#HG<>^vAXCT"
 
 @st.composite
 def random_grids(draw):
-    """The raw table of a small map with all that a map can have."""
+    """The raw table of a small map with every feature of maps."""
     rows, columns = draw(st.integers(1, 5)), draw(st.integers(1, 5))
     cells = [[draw(st.sampled_from(LETTERS)) for _ in range(columns)] for _ in range(rows)]
     places = draw(st.permutations([(row, column) for row in range(rows) for column in range(columns)]))
@@ -61,7 +61,7 @@ def random_grids(draw):
 
 
 def seen_from_outside(mdp, pair):
-    """(happened, next number, reward, terminated) → probability, as the model tells it."""
+    """(happened, next number, reward, terminated) → probability, from the model."""
     chances = defaultdict(float)
     for o in mdp.outcomes_of(pair):
         key = (

@@ -1,4 +1,4 @@
-"""ctrl+C, and environments that raise what it raises."""
+"""ctrl+C, and environments that raise the same exception."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rl_tui.common.interrupts import INTERRUPTS, is_interrupt, note_interrupts
 
 @pytest.fixture(autouse=True)
 def usual(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Begin with Python's own handler, and end with the one of before."""
+    """Use Python's own handler, and restore the previous one."""
     monkeypatch.setattr(INTERRUPTS, "came", False)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield

@@ -27,7 +27,7 @@ def lakes(request):
 
 
 def expected_of(mdp, pair):
-    """Probability of each (next state, reward, terminated), as outcomes that land alike look from outside."""
+    """Return the probability of each (next state, reward, terminated). Equal outcomes are combined."""
     expected = Counter()
     for o in mdp.outcomes_of(pair):
         expected[int(mdp.next_state[o]), float(mdp.reward[o]), bool(mdp.terminated[o])] += mdp.probability[o]

@@ -1,4 +1,4 @@
-"""What is too large is refused by one line that tells the limit, whatever it would have taken."""
+"""Oversized input is refused by one line with the limit, however large it would become."""
 
 # ruff: noqa: E501
 
@@ -20,8 +20,8 @@ from rl_tui.worlds.files.scenario import read_scenario
 BINS = '[gymnasium]\nid = "CartPole-v1"\nbins = '
 LAKE = '[gymnasium]\nid = "FrozenLake-v1"\nkwargs = '
 TRANSITION = '{{ state = "s{0}", action = "a{1}", reward = 1, to = "s{2}" }}'
-GENEROUS = 20.0  # seconds; what is refused late takes minutes
-SPARE = 1_500  # MB; what is refused late takes tens of thousands
+GENEROUS = 20.0  # seconds; a late refusal takes minutes
+SPARE = 1_500  # MB; a late refusal takes tens of thousands
 
 
 def transitions(*places: tuple[int, int, int]) -> str:
@@ -91,7 +91,7 @@ TOO_LARGE = {
 
 
 def refusal(text: str, folder) -> ScenarioError:
-    """Return why ``text`` is refused, having seen that it is refused at once."""
+    """Return the refusal of ``text``, which must come at once."""
     path = folder / "mine.toml"
     path.write_text(text, encoding="utf-8")
     begin, memory = time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
@@ -111,7 +111,7 @@ def test_is_refused_with_its_limit(name, tmp_path):
 
 
 def test_of_very_many_faults_the_first_are_told(tmp_path):
-    """None of the names is compared with all of the others, which would take hours."""
+    """Names are not compared with all others, which would take hours."""
     text = transitions(*((n // 10, n % 10, 100_000 + n) for n in range(5_000)))
     error = refusal(text.replace("[mdp]", "[mdp]\nplace = { s0 = [0, 0] }"), tmp_path)
     assert len(error.faults) == MOST_FAULTS + 1
@@ -144,7 +144,7 @@ def test_large_maps_and_tables_pass(tmp_path):
 
 
 class Vast(gymnasium.Env):
-    """An environment of a space as large as told."""
+    """An environment with a space of the given size."""
 
     def __init__(self, space: str) -> None:
         self.observation_space, self.action_space = SPACES[space]

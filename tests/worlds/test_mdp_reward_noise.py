@@ -1,4 +1,4 @@
-"""Noise on the rewards of an [mdp] table, and what another seed changes."""
+"""Noise on the rewards of an [mdp] table, and the effects of another seed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Modules that ids of environments want imported."""
+"""Modules that ids of environments import."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ TEXT = f'[gymnasium]\nid = "{MODULE}:ForeignLake-v0"\n'
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where the module lies, which is found but not allowed yet."""
+    """The folder of a module that can be found but is not allowed yet."""
     (tmp_path / f"{MODULE}.py").write_text(CODE)
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(modules, "ALLOWED", set())

@@ -1,4 +1,4 @@
-"""States that look alike to the agent: what is seen, what may follow, and how such a world is stepped."""
+"""States with equal observations: the observation, its successors, and stepping in such a world."""
 
 from __future__ import annotations
 

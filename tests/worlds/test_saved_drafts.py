@@ -1,4 +1,4 @@
-"""What was drawn, as the text of its file: only what says something else differs."""
+"""The file of an edited world differs from the original only in the edits."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ ODD = {
     "blanks in heads": HEAD + "[ grid ]\nmap='''\nS..\n.#G\n'''\n[ grid . legend ]\nG={kind='goal'}\n",
     "mixed line ends": "[grid]\r\nmap = '''\nS..\n.#G\n'''\n[defaults] # end\r\nalpha = 1",
 }
-"""What people and other programs write."""
+"""Files in the style of people and other programs."""
 GRIDS |= ODD
 CHAIN = """[mdp]
 start = "A" # here
@@ -108,7 +108,7 @@ def drawn(text: str, edits: str = "") -> Draft:
 
 
 def changed_lines(old: str, new: str) -> tuple[list[str], list[str]]:
-    """Return the lines that are gone, and those that are new."""
+    """Return the removed lines and the new ones."""
     lines = list(unified_diff(old.splitlines(), new.splitlines(), n=0, lineterm=""))[2:]
     return [each[1:] for each in lines if each[0] == "-"], [each[1:] for each in lines if each[0] == "+"]
 
@@ -158,7 +158,7 @@ def test_a_cell_is_one_line(scenario: Scenario) -> None:
 def test_a_cell_is_changed_in_the_style_of_the_file(text: str) -> None:
     draft = drawn(text, "world.cell[0,1]=H")
     new = saved_text(text, draft)
-    if text != ODD["continued"]:  # a string that goes on behind a backslash becomes a plain one
+    if text != ODD["continued"]:  # a string continued after a backslash becomes a plain one
         assert [len(each) for each in changed_lines(text, new)] == [1, 1]
     assert comments(new) == comments(text)
     assert is_same_world(new, draft)

@@ -34,12 +34,12 @@ LEAST_PLAUSIBLE = 0.001
 
 @pytest.fixture(autouse=True)
 def _advice_is_given(monkeypatch):
-    """Gymnasium warns, which fails a test; others may have silenced it."""
+    """Enable Gymnasium's warnings, which fail a test, even if something silenced them."""
     monkeypatch.setattr(gymnasium.logger, "min_level", gymnasium.logger.WARN)
 
 
 def outcomes(mdp, pair):
-    """Probability of each (next state, reward, terminated), as outcomes that land alike look from outside."""
+    """Return the probability of each (next state, reward, terminated). Equal outcomes are combined."""
     expected = Counter()
     for o in mdp.outcomes_of(pair):
         expected[int(mdp.next_state[o]), float(mdp.reward[o]), bool(mdp.terminated[o])] += mdp.probability[o]
@@ -47,7 +47,7 @@ def outcomes(mdp, pair):
 
 
 def episode_of(environment, seed, steps=60):
-    """What ``steps`` steps bring, over episodes."""
+    """Return the results of ``steps`` steps, over episodes."""
     seen = [environment.reset(seed=seed)[0]]
     for step in range(steps):
         state, reward, terminated, truncated, _ = environment.step(step % environment.action_space.n)
@@ -206,7 +206,7 @@ def test_a_world_without_a_table_tells_which_actions_are_legal(tmp_path):
     assert "prob" not in found[0]
     pot = next(seed for seed in range(10) if environment.reset(seed=seed)[0] == 3)
     environment.reset(seed=pot)
-    assert environment.step(2)[:2] == (3, -1.0)  # not legal: it waits
+    assert environment.step(2)[:2] == (3, -1.0)  # unavailable: it waits
 
 
 def test_the_table_is_made_once():

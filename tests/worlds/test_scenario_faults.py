@@ -1,4 +1,4 @@
-"""Every fault of a scenario file gives one clear line: where, what was found, what was expected."""
+"""Every error in a scenario file gives one clear line: its place, the value found, the value expected."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sound scenario files: what their worlds are."""
+"""Valid scenario files, and their worlds."""
 
 from __future__ import annotations
 

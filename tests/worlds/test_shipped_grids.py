@@ -1,4 +1,4 @@
-"""The shipped maps, tables and chains hold the values that the literature and plain counting give them."""
+"""The shipped maps, tables and chains have the values of the literature and of plain counting."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_nothing_is_gained_on_the_left_of_max_bias() -> None:
 
 
 def on_the_map(name: str, gamma: float) -> list[list[float | None]]:
-    """Return V* of the cells, row by row; None for walls and where nothing can be done."""
+    """Return V* of the cells, row by row; None for walls and for cells without actions."""
     world = built(name)
     grid = world.drawing
     values = values_of(world, gamma)

@@ -1,4 +1,4 @@
-"""Environments without a table: how they are asked, and what they do when they break."""
+"""Environments without a table: their calls and their failures."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rl_tui.worlds.sections.schema import WorldRefusedError
 
 
 class Scripted(gymnasium.Env[Any, Any]):
-    """An environment that answers what its arguments tell; an exception among them is raised."""
+    """An environment that answers with its arguments, one by one; exceptions among them are raised."""
 
     closed = 0
 
@@ -56,14 +56,14 @@ class Scripted(gymnasium.Env[Any, Any]):
 
 
 class UnwritableError(Exception):
-    """An exception, or an observation, of which no text can be made."""
+    """An exception, or an observation, that cannot be converted to text."""
 
     def __str__(self):
         raise RuntimeError("no text")
 
 
 class Printing(Scripted):
-    """Says on stdout whatever happens to it."""
+    """Prints every call on stdout."""
 
     def __init__(self, **kwargs):
         super().__init__(answer=(0, 0.0, True, False, {}), **kwargs)
@@ -222,7 +222,7 @@ def test_a_fault_at_the_start_is_one_clear_line():
 
 
 def test_ctrl_c_is_no_fault_of_the_environment():
-    """The main thread alone is told of it; where another one raises that, nobody has pressed anything."""
+    """Only the main thread receives ctrl+C. If another thread raises it, no key was pressed."""
     ours = environment(answer=KeyboardInterrupt())
     ours.reset(0)
     with pytest.raises(KeyboardInterrupt):
@@ -258,7 +258,7 @@ def test_what_an_environment_prints_is_no_result(capsys):
 
 
 def test_streams_that_were_exchanged_meanwhile_stay(monkeypatch):
-    """Whoever drives the terminal may take it back while an environment is still at work."""
+    """The driver of the terminal may take it back while an environment is still at work."""
     monkeypatch.setattr("sys.stdout", io.StringIO())
     with ENVIRONMENT_CALL:
         assert sys.stdout is sys.stderr
@@ -270,7 +270,7 @@ def test_streams_that_were_exchanged_meanwhile_stay(monkeypatch):
 
 
 def test_an_environment_may_be_closed_while_another_is_asked(monkeypatch):
-    """Nobody knows when the one that nobody holds any more is found, and no lock may wait for itself."""
+    """Garbage collection may close an unused environment at any time, and no lock may wait for itself."""
     before = io.StringIO()
     monkeypatch.setattr("sys.stdout", before)
     for lock in (env_call._LOCK, ENVIRONMENT_CALL):

@@ -1,4 +1,4 @@
-"""Environments without a table: their states, the names of these, and how they are drawn."""
+"""Environments without a table: their states, state names, and drawings."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ ARRAYS = [field.name for field in dataclasses.fields(TabularMDP) if field.type.e
 
 
 def corridor(**changes):
-    """Three cells: left stays or goes back, right goes on; the third ends the episode."""
+    """Three cells: left stays or goes back, right goes on. The third ends the episode."""
     arguments = {
         "state_names": ["a", "b", "end", "island"],
         "action_names": ["left", "right"],

@@ -1,4 +1,4 @@
-"""What new scenarios begin as: files without a fault, and mazes and lakes that can be solved."""
+"""Templates of new scenarios: valid files, with mazes and lakes that can be solved."""
 
 from __future__ import annotations
 

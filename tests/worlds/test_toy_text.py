@@ -1,4 +1,4 @@
-"""What is read from Gymnasium's own tables: sizes, names, drawing, slips."""
+"""Facts from Gymnasium's own tables: sizes, names, drawing, slips."""
 
 from __future__ import annotations
 
@@ -198,7 +198,7 @@ def test_impossible_chances_are_refused_and_not_stepped():
 
 
 class Counting(gymnasium.Env):
-    """A discrete environment; what it lacks or has is set by the test."""
+    """A discrete environment. Tests set its attributes."""
 
     closed = 0
 
@@ -223,7 +223,7 @@ def counting():
 
 
 def table_with(*entries):
-    """Two states and actions; ``entries`` are what happens in state 1 for action 0."""
+    """Return a table of two states and actions. ``entries`` are the outcomes of action 0 in state 1."""
     return {s: {a: list(entries) if (s, a) == (1, 0) else [SOUND] for a in (0, 1)} for s in (0, 1)}
 
 

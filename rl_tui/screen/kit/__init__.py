@@ -1,1 +1,1 @@
-"""What every panel is made of."""
+"""Base classes and shared parts of all panels."""

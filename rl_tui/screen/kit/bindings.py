@@ -1,4 +1,4 @@
-"""The keys of panels and lists, and how texts name keys."""
+"""Key bindings of panels and lists, and how texts name keys."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ARTICLE: Final = "a"
 
 
 def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: A002
-    """Return a binding that no footer shows, named after ``id``; k and j do what up and down do."""
+    """Return a hidden binding named after ``id``, with k and j as up and down."""
     for key, letter in (("up", "k"), ("down", "j")):
         keys = ",".join((*keys.split(","), letter)) if key in keys.split(",") else keys
     name = id.partition(".")[2].replace("_", " ").capitalize()
@@ -34,7 +34,7 @@ def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: 
 
 
 class RowList(OptionList):
-    """A list in which j and k move as the arrows do."""
+    """A list in which j and k also move the cursor."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("j", "cursor_down", "list.down", "Go to the next row."),
@@ -43,7 +43,7 @@ class RowList(OptionList):
 
 
 class ListInput(Input):
-    """A line to type into; keys that move go to the list of the screen."""
+    """A text input that passes movement keys to the list."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("up", "move('cursor_up')", "typed.up", "Go to the row before."),
@@ -58,12 +58,12 @@ class ListInput(Input):
 
 
 def key_of_hint(written: str) -> str | None:
-    """Return the key that a hint writes as ``esc`` or ``v``; None where that is no one key."""
+    """Return the Textual key for a hint such as ``esc``, or None."""
     return _NAMES.get(written, written if len(written) == 1 else None)
 
 
 def keys_of(focused: Widget | None) -> frozenset[str]:
-    """Return the keys that the widget in focus takes for itself; none without one."""
+    """Return the keys that the focused widget handles itself."""
     return frozenset() if focused is None else _keys_of_class(type(focused))
 
 
@@ -74,7 +74,7 @@ def _keys_of_class(kind: type[Widget]) -> frozenset[str]:
 
 
 def as_sentence(text: str) -> str:
-    """Return ``text`` with a capital letter and a full stop; a key or a path stays as it is."""
+    """Return ``text`` as a sentence. Keys and paths stay unchanged."""
     first, _, _ = text.partition(" ")
     if (first == _ARTICLE or key_of_hint(first) is None) and not first.startswith(_COMMANDS):
         text = f"{text[:1].upper()}{text[1:]}"

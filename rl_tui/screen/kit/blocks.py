@@ -1,4 +1,4 @@
-"""Blocks, of which panels of text are made: a panel says what stands there, a block how it is fitted in."""
+"""Blocks of text that fit their content into a given width."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ from rl_tui.screen.theme.look import Look
 
 
 class Block(Protocol):
-    """Some lines of a panel."""
+    """A group of lines in a panel."""
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return it in lines, of at most ``width`` cells where it can be made to fit."""
+        """Return lines that fit ``width`` cells if possible."""
 
 
 def lines_of(blocks: Iterable[Block], width: int, look: Look) -> list[Line]:
-    """Return ``blocks`` below one another."""
+    """Return the lines of all ``blocks`` in order."""
     return [line for block in blocks for line in block.lines(width, look)]
 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A paragraph, or a function that makes it for a width, behind ``first`` and then ``rest``."""
+    """A paragraph, or a function of the width that makes one."""
 
     text: str | Callable[[int], str]
     style: Style
@@ -45,41 +45,38 @@ class Text:
     rest: str = " "
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return it wrapped; no line for no text."""
+        """Return the wrapped text."""
         text = self.text if isinstance(self.text, str) else self.text(width)
         return wrapped(text, width, self.style, look, self.first, self.rest) if text else ()
 
 
 class Row:
-    """One line: the first of ``forms``, the longest first, that fits; else ``instead``, or the last form."""
+    """One line: the first of ``forms`` that fits, else ``instead``, else the last form."""
 
     def __init__(self, *forms: Line, instead: Sequence[Block] = ()) -> None:
         self._forms = forms
         self._instead = instead
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the line."""
+        """Return the line, or the lines of ``instead``."""
         line = first_that_fits(self._forms, width, look)
         if self._instead and length(spelled(line, look)) > width:
             return lines_of(self._instead, width, look)
         return [line]
 
 
-BLANK = Row([])  # a blank line
+BLANK = Row([])
 
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """Groups of pieces, none of which is broken, in as many lines as they take.
-
-    Blanks before a group go where a line begins. All lines but the first have an ``indent``.
-    """
+    """Unbreakable groups of pieces, wrapped over lines."""
 
     groups: Iterable[Line]
     indent: int = 1
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the lines."""
+        """Return the lines, without blanks at their start."""
         lines: list[list[Piece]] = []
         used = 0
         for group in filter(None, self.groups):
@@ -97,7 +94,7 @@ class Flow:
 
 @dataclass(frozen=True, slots=True)
 class Labelled:
-    """A block beside its label of ``cells``; below it where there are fewer than ``beside_from`` in all."""
+    """A block beside its label, or below it in less than ``beside_from`` cells."""
 
     label: str
     style: Style
@@ -120,7 +117,7 @@ class Labelled:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """Blocks below a heading, with the longest of ``remarks`` that fits; at least ``rows`` lines."""
+    """Blocks below a heading with one of ``remarks``, padded to ``rows`` lines."""
 
     heading: str
     blocks: Sequence[Block] = ()
@@ -128,7 +125,7 @@ class Section:
     remarks: Sequence[str] = ()
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return heading and blocks."""
+        """Return the heading with its rule, then the blocks."""
         palette = look.palette
         head = Piece(f" {self.heading} ", palette.strong)
         forms = [[head, Piece(f" {remark} ", palette.text)] for remark in self.remarks if remark]
@@ -139,7 +136,7 @@ class Section:
 
 
 def stacked(sections: Sequence[Section], width: int, height: int, look: Look) -> list[Line]:
-    """Return ``sections`` below one another, a blank line between them where ``height`` has room for it."""
+    """Return the lines of ``sections``, spaced if ``height`` allows."""
     parts = [section.lines(width, look) for section in sections]
     is_roomy = sum(map(len, parts)) + len(parts) - 1 <= height
     lines: list[Line] = []
@@ -149,10 +146,9 @@ def stacked(sections: Sequence[Section], width: int, height: int, look: Look) ->
 
 
 class Column(NamedTuple):
-    """A column of a table: its head and the cell of each row, None for the head once more.
+    """A table column with one cell per row. A cell None repeats the head.
 
-    It has at least ``width`` cells behind ``gap`` blanks, and may be shortened to ``least``, None: not at
-    all.
+    It has at least ``width`` cells after ``gap`` blanks, and can shrink to ``least``.
     """
 
     head: str
@@ -164,12 +160,12 @@ class Column(NamedTuple):
     least: int | None = None
 
     def longest(self, look: Look) -> int:
-        """Return the cells of the longest of its texts, the head aside."""
+        """Return the width of the longest cell."""
         texts = (cell.text if isinstance(cell, Piece) else cell for cell in self.cells if cell is not None)
         return max((cell_len(to_ascii(text, look.glyphs)) for text in texts), default=0)
 
     def pieces(self, look: Look) -> list[Piece]:
-        """Return head and cells, as they are spelled."""
+        """Return the head and the cells as displayed."""
         head = Piece(self.head, look.palette.dim)
         cells = (
             head if c is None else c if isinstance(c, Piece) else Piece(c, self.style) for c in self.cells
@@ -178,16 +174,15 @@ class Column(NamedTuple):
 
 
 Columns = Sequence[Column]
-Size = tuple[int, int]  # columns and rows
+Size = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows in columns, in the first of ``forms``, the best first, that leaves ``margin`` cells free.
+    """A table in the first of ``forms`` that leaves ``margin`` cells free.
 
-    If none fits and the table ``is_stacked``, each cell has a line. The chart of a row fills what the columns
-    leave behind the first one, with fewer than ``least_chart`` cells a line of its own. Blocks ``below`` a
-    row have all the width.
+    If none fits, an ``is_stacked`` table puts each cell on its own line. Charts narrower than ``least_chart``
+    get their own line.
     """
 
     forms: Iterable[Columns]
@@ -203,14 +198,14 @@ class Table:
         return self.placed(width, look)[0]
 
     def placed(self, width: int, look: Look) -> tuple[list[Line], list[int]]:
-        """Return the head and the rows, and the line of each row."""
+        """Return the lines, and the line of each row."""
         columns, widths, fits = self._chosen(width, look)
         pieces = [column.pieces(look) for column in columns]
         aligned = [
             [_aligned(piece, column, cells, look) for piece in texts]
             for column, cells, texts in zip(columns, widths, pieces, strict=True)
         ]
-        head_and_rows: list[Line] = [[*row] for row in zip(*aligned, strict=True)]  # nothing without columns
+        head_and_rows: list[Line] = [[*row] for row in zip(*aligned, strict=True)]  # empty without columns
         is_stacked = self.is_stacked and not fits
         room = width - sum(widths) - sum(column.gap for column in columns) - 1
         if self.charts and room >= self.least_chart and not is_stacked:
@@ -238,7 +233,7 @@ class Table:
         wanted: list[int] = []
         least: list[int] = []
         room = 0
-        known: dict[int, tuple[object, int]] = {}  # forms mostly have cells in common
+        known: dict[int, tuple[object, int]] = {}  # forms often share cells
         for columns in self.forms:
             for each in columns:
                 if id(each.cells) not in known:
@@ -280,7 +275,7 @@ def _stacked(
 
 
 class Laid(NamedTuple):
-    """Lines, the line of each row of the table, and how many are left over."""
+    """Lines, the line of each table row, and the number of free lines."""
 
     lines: list[Line]
     places: Sequence[int]
@@ -295,9 +290,9 @@ def laid(
     size: Size,
     look: Look,
 ) -> Laid:
-    """Return ``answer``, the first of ``tables``, the best first, that has room, and the ``notes`` that do.
+    """Return ``answer``, the first of ``tables`` that fits, and fitting ``notes``.
 
-    Where the last table is too high too, only the rows around ``cursor`` stay.
+    If no table fits, only the rows around ``cursor`` remain.
     """
     width, height = size
     said = [note.lines(width, look) for note in notes]
@@ -331,7 +326,7 @@ _INDENT: Final = "   "
 
 
 class Term(NamedTuple):
-    """A ``number`` behind an ``operator``, with a ``word`` above it. A bracket that closes has neither."""
+    """A ``number`` after an ``operator``, with a ``word`` above."""
 
     operator: str
     word: str = ""
@@ -341,14 +336,14 @@ class Term(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """``left`` and the ``terms`` that give it, words above numbers; a brace has the ``label``."""
+    """An equation with words above its numbers, and ``label`` at a brace below."""
 
     left: Term
     terms: Sequence[Term]
     label: Piece
 
     def numbers(self, look: Look) -> list[Line]:
-        """Return the numbers that give the left side, none of which is to be broken off its operator."""
+        """Return the numbers of the right side, each with its operator."""
         text = look.palette.text
         first, *others = self.terms
         groups: list[list[Piece]] = [[Piece(first.number, first.style or text)]]
@@ -358,7 +353,7 @@ class Equation:
         return [*groups]
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return words, numbers and brace; too wide for that, several lines of words and numbers."""
+        """Return words, numbers and brace, wrapped without the brace if too wide."""
         terms = [self.left, *self.terms]
         if 1 + sum(_cells(term, look) for term in terms) <= width:
             return [*_pair(terms, " ", look), *self._brace(look)]
@@ -404,7 +399,7 @@ def _broken(terms: Sequence[Term], width: int, look: Look) -> Iterator[Sequence[
 
 def _pair(terms: Sequence[Term], indent: str, look: Look) -> tuple[Line, Line]:
     palette, words, numbers = look.palette, indent, list[Piece]()
-    before = indent  # the text before the next number with a style of its own
+    before = indent  # text before the next styled number
     for place, term in enumerate(terms):
         operator, word, number = (to_ascii(each, look.glyphs) for each in term[:3])
         operator = operator if place else operator.lstrip()

@@ -1,4 +1,4 @@
-"""Charts of a line or two: a bar from 0, and how many seeds spread around their mean."""
+"""Small charts: a bar from 0, and the spread of seeds around their mean."""
 
 from __future__ import annotations
 
@@ -16,10 +16,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A bar from 0 to ``value`` in half characters, ``rows`` high, on an ``axis`` that holds 0.
-
-    A value beyond the axis ends in a sign.
-    """
+    """A bar from 0 to ``value`` on an ``axis`` that contains 0."""
 
     value: float
     axis: tuple[float, float]
@@ -27,7 +24,7 @@ class Bar:
     rows: int = 1
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the bar, as wide as there is room."""
+        """Return the bar across the full width."""
         glyphs, (low, high) = look.glyphs, self.axis
         per_cell, is_left = width / (high - low), self.value < 0.0 or high <= 0.0
         zero = round(-low * per_cell)
@@ -41,11 +38,11 @@ class Bar:
         return [[Piece(f"{text:{width}}", self.style)]] * self.rows
 
 
-_OUTLIER: Final = 8.0  # so many times the next smaller value
+_OUTLIER: Final = 8.0  # times the next smaller value
 
 
 def axis_of(values: Iterable[float]) -> tuple[float, float]:
-    """Return an axis for bars of ``values``, cut where the largest is far beyond the others."""
+    """Return an axis for bars of ``values`` that ignores an extreme outlier."""
     known = [0.0, *values]
     low, high = min(known), max(known)
     sizes = sorted({round(abs(each), 9) for each in known})[-2:]
@@ -55,12 +52,12 @@ def axis_of(values: Iterable[float]) -> tuple[float, float]:
     return (low, high) if low < high else (0.0, 1.0)
 
 
-_HIGHEST: Final = 4  # seeds in one column, or more, fill the row
+_HIGHEST: Final = 4  # seeds in one column that fill the row
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """The ``values`` of seeds, this ``own`` one marked, above their mean ± its error on an axis."""
+    """The ``values`` of seeds, with ``own`` marked, above an axis with mean ± ``error``."""
 
     values: FloatArray
     own: float | None
@@ -71,7 +68,7 @@ class Spread:
     style: Style
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the seeds, and the axis below them with its ends as numbers."""
+        """Return the seeds, and the axis with its ends."""
         glyphs, palette = look.glyphs, look.palette
         left, right = (f"{self.ends[0]} ", f" {self.ends[1]}")
         columns = width - len(left) - len(right)

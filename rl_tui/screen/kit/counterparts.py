@@ -1,4 +1,4 @@
-"""What one world has in common with another one: cells of maps by row and column, all else by name."""
+"""Matching states and pairs of two worlds, by map cell or by name."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Found = TypeVar("Found")
 
 
 def _kept(find: Callable[[World, World], Found]) -> Callable[[World, World], Found]:
-    """Remember what was found of two worlds as long as both are there."""
+    """Cache the result of ``find`` while both worlds exist."""
     known = WeakKeyDictionary[World, WeakKeyDictionary[World, Found]]()
 
     @wraps(find)
@@ -33,7 +33,7 @@ def _kept(find: Callable[[World, World], Found]) -> Callable[[World, World], Fou
 
 
 def are_alike(world: World, other: World) -> bool:
-    """Return whether states, actions and pairs have the same numbers in both."""
+    """Return whether both worlds number states, actions and pairs equally."""
     return world.space is other.space or _have_same_numbers(world, other)
 
 
@@ -51,7 +51,7 @@ def _have_same_numbers(world: World, other: World) -> bool:
 
 @_kept
 def in_common(world: World, other: World) -> Carried:
-    """Return what each state, [S], and each pair, [P], of ``world`` is in ``other``, NEW for nothing."""
+    """Return the matching states [S] and pairs [P] in ``other``, or NEW."""
     if not are_same_size(world, other):
         space = world.space
         return Carried(np.full(space.states, NEW), np.full(space.pairs, NEW))
@@ -60,7 +60,7 @@ def in_common(world: World, other: World) -> Carried:
 
 
 def are_same_size(world: World, other: World) -> bool:
-    """Return whether both are maps of the same size, bandits of as many arms, or graphs."""
+    """Return whether both are equally large maps or bandits, or both graphs."""
     one, two = world.drawing, other.drawing
     if isinstance(one, Grid) and isinstance(two, Grid):
         return (one.rows, one.columns) == (two.rows, two.columns)
@@ -77,17 +77,17 @@ def _state_keys(world: World) -> IntArray | Sequence[Hashable]:
 
 
 def state_in(state: int, world: World, other: World) -> int | None:
-    """Return what ``state`` of ``world`` is in ``other``; None for nothing."""
+    """Return the state of ``other`` that matches, or None."""
     return state if are_alike(world, other) else _number(in_common(world, other).states[state])
 
 
 def pair_in(pair: int, world: World, other: World) -> int | None:
-    """Return what ``pair`` of ``world`` is in ``other``; None for nothing."""
+    """Return the pair of ``other`` that matches, or None."""
     return pair if are_alike(world, other) else _number(in_common(world, other).pairs[pair])
 
 
 def pairs_in(pairs: range, world: World, other: World) -> range:
-    """Return what ``pairs``, one or all those of a state, of ``world`` are in ``other``."""
+    """Return the matching pairs for one pair, or for all of a state."""
     if not pairs or are_alike(world, other):
         return pairs
     if len(pairs) == 1 and (pair := pair_in(pairs.start, world, other)) is not None:

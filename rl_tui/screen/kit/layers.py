@@ -1,4 +1,4 @@
-"""The layers that world and table show: which there are, and their numbers, of pairs [P] or states [S]."""
+"""The layers of world and table: numbers per pair [P] or state [S]."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 
 class Layer(StrEnum):
-    """What world and table show, in the order in which one follows the other."""
+    """The layers of world and table, in the order of their key."""
 
     Q = "Q"
     OPTIMAL = "Q*"
@@ -33,11 +33,11 @@ class Layer(StrEnum):
 
 EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
 WORLD_LAYERS: Final = (*EXACT_LAYERS, Layer.VISITS)
-"""Layers whose numbers a world shows in place of V; the table has more."""
+"""Layers that replace V in the world."""
 ACTION_LAYERS: Final = (Layer.Q, Layer.OPTIMAL)
-"""Layers in which the cells of a map may show the number of every action."""
+"""Layers in which map cells can show every action."""
 WORDS: Final = {Layer.OPTIMAL: "exact value", Layer.ERROR: "error", Layer.VISITS: "visits"}
-"""What the numbers of a layer are called, those of all others ``value``."""
+"""Names for the numbers of a layer, by default ``value``."""
 
 Exact = tuple[FloatArray, BoolArray]
 
@@ -45,7 +45,7 @@ Exact = tuple[FloatArray, BoolArray]
 
 
 def exact_q(snapshot: Snapshot) -> Exact | None:
-    """Return Q* and its greedy pairs, [P] each, of a bandit the true means; None while unknown or hidden."""
+    """Return Q* and its greedy pairs, [P] each, or None if unknown or hidden."""
     if is_secret(snapshot):
         return None
     if isinstance(snapshot.world.drawing, Arms):
@@ -57,23 +57,23 @@ def exact_q(snapshot: Snapshot) -> Exact | None:
 
 
 def hides_exact(snapshot: Snapshot) -> bool:
-    """Return whether there is or will be an exact answer, and it is hidden."""
+    """Return whether exact values exist, or will, but are hidden."""
     return is_secret(snapshot) and not snapshot.exact_answer.refused
 
 
 def veils_exact(snapshot: Snapshot) -> bool:
-    """Return whether the layer Q* has ``···`` in place of numbers that a key shows; not of a bandit."""
+    """Return whether ``···`` stands for Q* that a key can reveal."""
     has_key = hides_exact(snapshot) and not keeps_back(snapshot, "answer")
     return has_key and not isinstance(snapshot.world.drawing, Arms)
 
 
 def veiled(glyphs: Glyphs) -> str:
-    """Return what is written in place of a number that is hidden."""
+    """Return the placeholder for a hidden number."""
     return "..." if glyphs.name == "ascii" else "···"
 
 
 def shown_exact(snapshot: Snapshot) -> Exact | None:
-    """Return :func:`exact_q`, or NaN for every pair where the layer Q* has ``···``."""
+    """Return :func:`exact_q`, or NaN behind ``···``."""
     if veils_exact(snapshot):
         pairs = snapshot.world.space.pairs
         return np.full(pairs, np.nan), np.zeros(pairs, np.bool_)
@@ -81,7 +81,7 @@ def shown_exact(snapshot: Snapshot) -> Exact | None:
 
 
 def other_lane(snapshot: Snapshot) -> LaneView | None:
-    """Return the run beside the one shown; None without one, or where its table is too large or another."""
+    """Return the second visible run if its table is comparable."""
     group, beside = snapshot.run_group, snapshot.beside
     other = group.lanes[group.beside] if group.lanes and group.beside is not None else None
     if other is None or (beside is not None and not are_alike(snapshot.world, beside.world)):
@@ -93,14 +93,14 @@ def other_lane(snapshot: Snapshot) -> LaneView | None:
 
 
 def world_layer(snapshot: Snapshot, layer: Layer) -> Layer:
-    """Return the layer that a world shows for ``layer``: that one, or Q if it has no numbers for it."""
+    """Return the layer that a world shows for ``layer``, Q by default."""
     if isinstance(snapshot.world.drawing, Arms) or layer not in WORLD_LAYERS:
         return Layer.Q
     return Layer.Q if layer in EXACT_LAYERS and shown_exact(snapshot) is None else layer
 
 
 def as_layer(snapshot: Snapshot, layer: Layer) -> Snapshot:
-    """Return ``snapshot`` with the numbers of ``layer`` in place of V; Q* has its own actions."""
+    """Return ``snapshot`` with the numbers of ``layer`` in place of V."""
     if layer in (Layer.Q, Layer.LANDSCAPE):
         return snapshot
     exact, beside = shown_exact(snapshot), snapshot.beside
@@ -143,7 +143,7 @@ def _compared(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> AgentVie
 
 
 def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
-    """Return the numbers that the scale of ``layer`` must hold, of both runs in view; errors are of pairs."""
+    """Return the numbers that the scale of ``layer`` covers in both runs."""
     if layer is Layer.ERROR:
         return finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
     return known_v(as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot)

@@ -1,4 +1,4 @@
-"""The numbers of both lanes in view: they have one form, and tints between the same ends."""
+"""Numbers of both visible runs, for a common format and colour scale."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.world import World
 
-_EXITS: Final = WeakKeyDictionary[World, BoolArray]()  # worked out once a world
+_EXITS: Final = WeakKeyDictionary[World, BoolArray]()  # computed once per world
 
 
 def lanes_in_view(snapshot: Snapshot) -> tuple[Snapshot, ...]:
-    """Return ``snapshot`` and that of the lane beside it, if there is one."""
+    """Return ``snapshot`` and the second visible run, if any."""
     return (snapshot,) if snapshot.beside is None else (snapshot, snapshot.beside)
 
 
 def all_q(snapshot: Snapshot) -> FloatArray:
-    """Return the finite Q of all pairs; of a large world those that the snapshot holds."""
+    """Return the finite Q of all copied pairs."""
     return finite(np.concatenate([_q(lane) for lane in lanes_in_view(snapshot)]))
 
 
 def all_v(snapshot: Snapshot) -> FloatArray:
-    """Return the finite V of all states with actions; of a large world those that the snapshot holds."""
+    """Return the finite V of all copied states with actions."""
     return finite(np.concatenate([_v(lane)[0] for lane in lanes_in_view(snapshot)]))
 
 
 def known_v(snapshot: Snapshot) -> FloatArray:
-    """Return the finite V of the states about which something was learned, of a bandit the pulled arms.
+    """Return the finite V of learned states, or estimates of pulled arms.
 
-    Exits of a map show what they pay, and are left out.
+    Exits of a map are left out, because they show their reward.
     """
     if isinstance(snapshot.world.drawing, Arms):
         arms = [lane.agent.q[lane.agent.visits > 0] for lane in lanes_in_view(snapshot)]
@@ -43,18 +43,18 @@ def known_v(snapshot: Snapshot) -> FloatArray:
 
 
 def best_of_states(space: FiniteSpace, values: FloatArray) -> FloatArray:
-    """Return the greatest of ``values``, [P], for each state with actions; NaN if any of its values is."""
+    """Return the maximum of ``values`` [P] per state with actions."""
     first = space.first_pair[:-1][np.diff(space.first_pair) > 0]
     return np.asarray(np.maximum.reduceat(values, first)) if len(first) else np.empty(0)
 
 
 def finite(values: FloatArray) -> FloatArray:
-    """Return those of ``values`` that are numbers."""
+    """Return the finite ``values``."""
     return values[np.isfinite(values)]
 
 
 def ends(values: FloatArray) -> tuple[float, float]:
-    """Return the least and the greatest of finite ``values``; zeros where there is none."""
+    """Return minimum and maximum of finite ``values``, or zeros."""
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 
 
@@ -64,7 +64,7 @@ def _q(lane: Snapshot) -> FloatArray:
 
 
 def held_pairs(space: FiniteSpace, part: CopiedPart | None) -> tuple[IntArray, IntArray | slice, IntArray]:
-    """Return the states with actions that are held, their pairs, and where those of each state begin."""
+    """Return copied states, their pairs, and the first index of each state."""
     if part is None:
         states = np.flatnonzero(np.diff(space.first_pair))
         return states, slice(None), space.first_pair[states]
@@ -75,7 +75,7 @@ def held_pairs(space: FiniteSpace, part: CopiedPart | None) -> tuple[IntArray, I
 
 
 def _v(lane: Snapshot) -> tuple[FloatArray, BoolArray]:
-    """Return V of each state with actions that is held, and whether something is known about it."""
+    """Return V of each copied state, and whether anything was learned there."""
     agent = lane.agent
     states, pairs, first = held_pairs(lane.world.space, agent.part)
     if not len(first):

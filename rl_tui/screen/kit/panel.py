@@ -1,4 +1,4 @@
-"""The base of all panels: what the board asks of a panel, its legend, and drawing from a snapshot."""
+"""Base classes of all panels, with their border and legend."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ AGENT: Final = "agent"
 MAY_NEVER_END: Final = "may never end"
 _GAP: Final = "  "
 _BETWEEN: Final = " · "
-_CLOSER: Final = ", "  # where all signs fit so
+_CLOSER: Final = ", "  # used if all signs then fit
 _MOST_KEPT: Final = 64  # the same legend is drawn in every frame
 
 
 class LegendSign(NamedTuple):
-    """A ``sign`` as it is drawn, its ``meaning`` in a word or two, and ``in_full`` where there is room."""
+    """A ``sign``, its short ``meaning``, and a longer one ``in_full``."""
 
     sign: str
     meaning: str
@@ -51,18 +51,18 @@ Legend = tuple[LegendSign, ...]
 
 
 def agent_meaning(snapshot: Snapshot) -> str:
-    """Return what the sign of the agent means; a planner is nowhere, but has backed up a state."""
+    """Return the meaning of the agent sign, for a planner the last backup."""
     return "backed up" if snapshot.agent.row.planner else AGENT
 
 
 def no_value_sign(look: Look) -> LegendSign:
-    """Return how a state or pair is marked that has no value, since its policy may never end from there."""
+    """Return the legend entry of values missing because a policy may never end."""
     return LegendSign(numbers.missing(look.glyphs), "none", look.palette.text, f"no value: {MAY_NEVER_END}")
 
 
 @lru_cache(_MOST_KEPT)
 def legend_rows(signs: Legend, width: int, most: int, look: Look) -> tuple[Strip, ...]:
-    """Return ``signs`` in as many rows of ``width`` cells as they take, ``most`` of them."""
+    """Return the legend in up to ``most`` rows of ``width`` cells."""
     lines = _lines(_in_full(signs), width, look)
     if len(lines) > most:
         lines = _lines(signs, width, look)
@@ -86,7 +86,7 @@ def _lines(signs: Legend, width: int, look: Look) -> list[list[Piece]]:
 
 @lru_cache(_MOST_KEPT)
 def legend_text(signs: Legend, room: int, look: Look) -> str:
-    """Return as many of ``signs``, the first before the others, as ``room`` cells of a border hold."""
+    """Return the first ``signs`` that fit ``room`` cells of a border."""
     entries = _entries(_in_full(signs), look)
     if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room:
         entries = _entries(signs, look)
@@ -108,10 +108,10 @@ def _entries(signs: Legend, look: Look) -> list[str]:
 # The panel
 
 
-BORDER_ENDS: Final = 1  # a blank between a title and the rule behind it
-_TITLE_GAP: Final = "  "  # between a title and its caption
+BORDER_ENDS: Final = 1  # one blank between the title and the border line
+_TITLE_GAP: Final = "  "
 _WHEEL_ROWS: Final = 3
-_EDGES: Final = {  # by the name of a border in a style sheet: its rule, its upper and its lower corners
+_EDGES: Final = {  # border name in the style sheet: line, upper and lower corners
     "solid": ("─", "┌┐", "└┘"),
     "heavy": ("━", "┏┓", "┗┛"),
     "round": ("─", "╭╮", "╰╯"),
@@ -124,7 +124,7 @@ _HINT: Final = re.compile(r"(\S+): ?.*?(?=\s+\S+: |\s+[·–-]\s|$)")
 
 
 def key_at(hints: str, column: int) -> str | None:
-    """Return the key, as Textual calls it, whose hint (``esc: close``) stands in ``column`` of ``hints``."""
+    """Return the key whose hint (``esc: close``) is at ``column``, or None."""
     for hint in _HINT.finditer(hints):
         if hint.start() <= column < hint.end():
             return key_of_hint(hint[1])
@@ -132,9 +132,9 @@ def key_at(hints: str, column: int) -> str | None:
 
 
 def key_hints(*keys: Sequence[str]) -> Iterator[str]:
-    """Yield the lower border, the longest form first: a key with shorter words, then without the first key.
+    """Yield texts for the lower border, from longest to shortest.
 
-    Each of ``keys`` has its hint in one or more forms, the longest first.
+    Each of ``keys`` lists its forms, longest first. Last keys shrink first, then the first keys go.
     """
     left = [list(forms) for forms in keys if forms]
     while left:
@@ -144,7 +144,7 @@ def key_hints(*keys: Sequence[str]) -> Iterator[str]:
 
 
 def is_same(one: object, other: object) -> bool:
-    """Return whether both have the same value, part by part; a world is the same as itself only."""
+    """Return whether values are equal part by part, worlds by identity."""
     if one is other:
         return True
     if type(one) is not type(other) or isinstance(one, World):
@@ -159,10 +159,10 @@ def is_same(one: object, other: object) -> bool:
 
 
 class BoardPanel(Widget):
-    """What the board asks of each of its panels.
+    """A panel as the board sees it.
 
-    ``caption`` and legend are shown while it ``is_explained``. ``is_led`` says that the same panel of the run
-    beside this one decides which part is in view, ``is_spotlit`` that a lesson points here.
+    ``is_explained`` shows caption and legend. ``is_led``: the other run's panel chooses the visible part.
+    ``is_spotlit``: a lesson points here.
     """
 
     snapshot: Snapshot | None = None
@@ -171,44 +171,44 @@ class BoardPanel(Widget):
     is_explained: bool = False
     is_spotlit: bool = False
     drawn_from: object = None
-    """What :meth:`depends_on` was for the last snapshot; None has the next one drawn."""
-    head = ""  # the text above the panel: its title, then its caption
-    foot = ""  # the text in the row below the panel: mostly its keys
+    """The last result of :meth:`depends_on`. None forces a redraw."""
+    head = ""  # title and caption above the panel
+    foot = ""  # text below the panel, mostly keys
     _border_look: Look | None = None
     _heading: Sequence[Segment] = ()
     _keys: Sequence[Segment] = ()
-    _ground: Style | None = None  # while lines are rendered: Textual works it out anew each time it is asked
+    _ground: Style | None = None  # cached during rendering, because Textual recomputes it on every access
     _edges: tuple[tuple[object, Strip], ...] = ((None, Strip([])), (None, Strip([])))
 
     @property
     def stance(self) -> object:
-        """What the same panels of two lanes have in common: cursor, part in view, scale."""
+        """State shared with the other run's panel: cursor, visible part, scale."""
         return None
 
     @property
     def is_complete(self) -> bool:
-        """Whether the newest snapshot has all that is in view: what was asked for comes with a later one."""
+        """Whether the newest snapshot contains all visible data."""
         return True
 
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return all that is seen of ``snapshot``: it is drawn again only if that changes. None: always."""
+        """Return everything visible, to redraw on changes. None: always redraw."""
         return None
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``, unless all that is seen of it is drawn already."""
+        """Store ``snapshot``, and redraw on visible changes."""
         self.snapshot, before = snapshot, self.drawn_from
         self.drawn_from = self.depends_on(snapshot)
         if self.drawn_from is None or not is_same(self.drawn_from, before):
             self.redraw()
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take the stance of ``twin``, the same panel of another lane; seen when it is drawn."""
+        """Take the stance of ``twin``, the other run's panel, without redrawing."""
 
     def redraw(self) -> None:
-        """Draw again, where anything was drawn."""
+        """Draw the last snapshot again."""
 
     def write_border(self, head: str, foot: str, look: Look) -> None:
-        """Write ``head``, a title and a caption, above the panel, and ``foot`` below it."""
+        """Write ``head`` above the panel and ``foot`` below it."""
         head = f"{look.glyphs.cursor} {head}" if self.is_spotlit else head
         texts = separated(head, look.glyphs), separated(foot, look.glyphs)
         if texts == (self.head, self.foot) and look is self._border_look:
@@ -225,7 +225,7 @@ class BoardPanel(Widget):
         self.refresh(Region(-x, -y, width, 1), Region(-x, height - 1 - y, width, 1))
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """Return the lines to paint: the heading, the picture, and the keys."""
+        """Return the visible lines with their borders."""
         self._ground = self.rich_style
         strips = super().render_lines(crop)
         styles, bottom = self.styles, self.outer_size.height
@@ -238,13 +238,12 @@ class BoardPanel(Widget):
         return strips
 
     def _edge(self, border: tuple[str, Color], row: int, text: Sequence[Segment]) -> Strip:
-        """Return the upper (0) or lower (1) edge with its ``text``; only a dialog has corners."""
         made_of = border, text, self.outer_size.width, self._ground, bool(self.styles.border_right[0])
         if self._edges[row][0] != made_of:
             edge = made_of, self._new_edge(border, row, text)
             self._edges = (edge, self._edges[1]) if row == 0 else (self._edges[0], edge)
         strip = self._edges[row][1]
-        for each in self.get_line_filters():  # of a terminal without colours, say
+        for each in self.get_line_filters():  # such as the filter of a terminal without colours
             strip = strip.apply_filter(each, self.background_colors[1])
         return strip
 
@@ -262,15 +261,15 @@ class BoardPanel(Widget):
 
 
 class Panel(BoardPanel):
-    """Draws each snapshot anew and refreshes only the rows that came out different.
+    """A panel that redraws each snapshot and refreshes changed rows.
 
-    Subclasses implement :meth:`picture`, which sets ``heading``, ``footing`` and ``free_rows``, the number of
-    empty rows at the bottom. There the :meth:`legend` stands, otherwise on the border.
+    Subclasses implement :meth:`picture`, which sets ``heading``, ``footing`` and ``free_rows``. The
+    :meth:`legend` fills these rows at the bottom, or the border.
     """
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
-        self.look = look  # the characters and colours it is drawn with; a change is seen after :meth:`redraw`
+        self.look = look  # call :meth:`redraw` after a change
         self.heading = ""
         self.footing = ""
         self.free_rows = 0
@@ -280,25 +279,25 @@ class Panel(BoardPanel):
         self._drawn_size = Size(0, 0)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return ``height`` strips of ``width`` cells (at least 1); None is before the first snapshot."""
+        """Return ``height`` strips of ``width`` cells, both ≥ 1."""
         raise NotImplementedError
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs that the picture of ``snapshot`` may have, those that matter most first."""
+        """Return the possible signs, most important first."""
         return ()
 
     def captioned(self, title: str, caption: str = "") -> tuple[str, ...]:
-        """Return ``title`` with ``caption``, else with the panel's, where that is shown; else nothing."""
+        """Return ``title`` with its caption, if captions are shown."""
         caption = caption or self.caption
         return (f"{title} · {caption}",) if self.is_explained and caption else ()
 
     def fitting(self, titles: Iterable[str], width: int) -> str:
-        """Return the first of ``titles`` that the border around ``width`` cells holds; empty if none does."""
+        """Return the first of ``titles`` that fits the border, or nothing."""
         room = width - BORDER_ENDS - (len(f"{self.look.glyphs.cursor} ") if self.is_spotlit else 0)
         return next((each for each in titles if cell_len(separated(each, self.look.glyphs)) <= room), "")
 
     def redraw(self) -> None:
-        """Draw again, and refresh the rows that came out different."""
+        """Draw again and refresh the changed rows."""
         before, size_before = self._rows, self._drawn_size
         self._draw()
         footing = " · ".join(filter(None, (self._border_legend, self.footing)))
@@ -311,7 +310,7 @@ class Panel(BoardPanel):
             self.refresh(*(Region(0, y, self._drawn_size.width, 1) for y in changed))
 
     def on_resize(self) -> None:
-        """Fit the picture and the titles to the new size."""
+        """Fit picture and titles to the new size."""
         self.redraw()
 
     def render_line(self, y: int) -> Strip:
@@ -323,7 +322,7 @@ class Panel(BoardPanel):
         return self._rows[y].apply_style(self._ground or self.rich_style)
 
     def on_click(self, event: events.Click) -> None:
-        """Press the key whose name was clicked on the lower border."""
+        """Press the key that was clicked on the lower border."""
         column = self.footing_column(event)
         key = None if column is None else key_at(separated(self.footing, self.look.glyphs), column)
         if key is not None:
@@ -331,7 +330,7 @@ class Panel(BoardPanel):
             self.app.simulate_key(key)
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
-        """Scroll by so many rows, where there is more than fits."""
+        """Scroll by ``rows`` if the panel can scroll."""
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
         """Scroll down."""
@@ -342,7 +341,7 @@ class Panel(BoardPanel):
         self.turn_wheel(-_WHEEL_ROWS, event)
 
     def footing_column(self, event: events.MouseEvent) -> int | None:
-        """Return which character of what stands on the lower border ``event`` points at, None if none."""
+        """Return the footing column at ``event``, or None."""
         text = separated(self.footing, self.look.glyphs)
         frame = len("╰─ ") if self.styles.border_right[0] else 0
         column = event.x - frame - self.foot.rfind(text)
@@ -367,7 +366,7 @@ class Panel(BoardPanel):
             self._border_legend = legend_text(signs, size.width - BORDER_ENDS - taken, self.look)
 
     def _always_free(self, snapshot: Snapshot) -> int:
-        """Return how many rows were free in every picture of this size: a legend must not jump."""
+        """Return the fewest free rows so far, so that the legend does not jump."""
         known = self._least_free
         if known is not None and known[0] is snapshot.world and known[1] == self._drawn_size:
             least = min(known[2], self.free_rows)

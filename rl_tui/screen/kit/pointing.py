@@ -1,4 +1,4 @@
-"""What is pointed at: a cursor shows in other panels where it is, and a handle follows the pointer."""
+"""Messages about pointer and cursors, and a draggable widget."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ NOWHERE: Final = range(0)
 
 
 class Touched(Message):
-    """Something was pointed at, drawn or pressed that a mode may have a use for."""
+    """A person pointed, drew or pressed, for a mode to handle."""
 
 
 @dataclass
 class Pointed(Touched):
-    """The cursor of ``panel`` was moved to ``pairs``, those of a state or one; none without a cursor."""
+    """The cursor of ``panel`` moved to ``pairs``, empty without a cursor."""
 
     panel: Widget
     pairs: range
@@ -26,14 +26,14 @@ class Pointed(Touched):
 
 @dataclass
 class Moved(Message):
-    """A person brought another part or another layer into view in ``panel``, without a cursor."""
+    """A person changed part or layer in ``panel`` without a cursor."""
 
     panel: Widget
 
 
 @dataclass
 class PartPointed(Touched):
-    """The place under the cursor was clicked again, in its middle (None) or ``step`` from there."""
+    """The cell under the cursor was clicked again, ``step`` from its middle."""
 
     panel: Widget
     step: tuple[int, int] | None
@@ -41,7 +41,7 @@ class PartPointed(Touched):
 
 @dataclass
 class PointerStroke(Touched):
-    """The pointer was pressed in ``view``, drawn over these ``places``, at least one, and let go."""
+    """The pointer was drawn over ``places`` of ``view``."""
 
     view: Widget
     places: tuple[int, ...]
@@ -49,7 +49,7 @@ class PointerStroke(Touched):
 
 @dataclass
 class Wheeled(Touched):
-    """The wheel was turned over a ``place`` of ``view`` that is drawn on: by ±1, or by ±0.1 with shift."""
+    """The wheel turned over ``place`` of ``view`` by ±1, with shift ±0.1."""
 
     view: Widget
     place: int
@@ -57,31 +57,34 @@ class Wheeled(Touched):
 
 
 class Draggable(Widget):
-    """A widget that can be dragged along its row. Subclasses call ``take_hold`` and define ``drag_to``."""
+    """A widget with a handle that moves along its row.
+
+    Subclasses define ``drag_to`` and call ``take_hold``.
+    """
 
     is_held = False
 
     def drag_to(self, column: int) -> None:
-        """Let the handle go to ``column``, which may lie past either end."""
+        """Move the handle to ``column``, possibly past an end."""
         raise NotImplementedError
 
     def take_hold(self, column: int) -> None:
-        """Let the handle jump to ``column`` and follow the pointer until the button is let go."""
+        """Move the handle to ``column``, then follow the pointer."""
         self.is_held = True
         self.capture_mouse()
         self.drag_to(column)
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Follow the pointer while the handle is held, past the ends too."""
+        """Move the held handle with the pointer."""
         if self.is_held:
             self.drag_to(event.get_content_offset_capture(self).x)
 
     def on_mouse_up(self) -> None:
-        """Let the handle go."""
+        """Release the handle."""
         if self.is_held:
             self.is_held = False
             self.release_mouse()
 
     def on_mouse_release(self) -> None:
-        """Let the handle go where another widget took the mouse."""
+        """Release the handle if another widget takes the mouse."""
         self.is_held = False

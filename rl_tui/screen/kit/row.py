@@ -1,4 +1,4 @@
-"""What the table of panels is made of: a row each, with its key, its place and its words."""
+"""Rows of the panel table: key, place and texts of a panel."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ CAPTION: Final = "caption"
 
 @dataclass(frozen=True, slots=True)
 class OpeningKey:
-    """The key that opens a panel and closes it again, with the fields of its action."""
+    """The key that opens and closes a panel."""
 
     key: str
     label: str
@@ -46,12 +46,11 @@ class OpeningKey:
 
 @dataclass(frozen=True, slots=True)
 class PanelRow:
-    """One panel: the class ``widget``, ``module:Class``, its texts, and when it is there.
+    """One panel: its class (``module:Class``), texts and availability.
 
-    A panel with an ``opened_by`` is closed at first; open, it stands beside the world, or below with at least
-    ``wide_rows``. ``terms`` are ids of the glossary. ``is_twofold``: each of two runs has one.
-    ``not_for_program`` says why a watched program, in ``{file}``, has nothing to show here, and ``lacks`` the
-    same of a snapshot, as a clause. ``shows`` is what a page of a lesson may keep back of it.
+    ``opened_by``: closed at first, opens next to the world, or below it in ``wide_rows``. ``terms``: glossary
+    ids. ``is_twofold``: one per run. ``not_for_program`` and ``lacks``: clauses that say why a program or
+    snapshot has nothing to show. ``shows``: contents that lessons can hide.
     """
 
     id: str
@@ -72,7 +71,7 @@ class PanelRow:
     lacks: Callable[[Snapshot], str] = lambda _: ""
 
     def make(self, look: Look, panel_id: str | None = None) -> BoardPanel:
-        """Return the panel, hidden if a key opens it; ``panel_id`` is its id, None: that of the row."""
+        """Return a new panel, hidden if a key opens it."""
         panel: BoardPanel = pkgutil.resolve_name(self.widget)(
             look, id=panel_id or self.id, classes="panel" if self.has_border else None
         )
@@ -83,5 +82,5 @@ class PanelRow:
 
 
 def beside(panel: str) -> str:
-    """Return the id of the panel that shows of a second lane what ``panel`` shows of the first."""
+    """Return the id of the second run's ``panel``."""
     return f"{panel}-beside"

@@ -1,4 +1,4 @@
-"""What does not fit: which part of it is in view, and panels that keys and the wheel scroll."""
+"""Scrolling, and a panel of rows that scrolls."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from rl_tui.screen.kit.blocks import Block, lines_of
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.theme.look import Look
 
-# Which part is in view
+# The visible part
 
 
 class Scrolled(Message):
-    """A panel shows another part of a large world than before: the next snapshot has to have it."""
+    """The next snapshot must contain another part of a large world."""
 
 
 def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
-    """Return the first of ``shown`` lines out of ``total``, near ``first``, that has ``place`` in view.
+    """Return the first visible line such that ``place`` is visible.
 
-    It stays while ``place`` is one line off the edge, else ``place`` comes to the middle.
+    It stays ``first`` unless ``place`` is too near to an edge. Then the view centres on it.
     """
     if place is not None:
         margin = 1 if shown > 2 else 0
@@ -38,12 +38,12 @@ def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
 
 
 def scrolled_to(first: int, place: int, shown: int) -> int:
-    """Return the first of ``shown`` lines, as near to ``first`` as has ``place`` in view."""
+    """Return the first line nearest to ``first`` that shows ``place``."""
     return max(place - shown + 1, min(first, place))
 
 
 def scroll_bar(first: int, shown: int, total: int, height: int, look: Look) -> list[Segment]:
-    """Return a bar of ``height`` cells: of ``total`` lines, ``shown`` are in view from ``first`` on."""
+    """Return a scroll bar of ``height`` cells."""
     length = max(1, height * shown // total)
     start = round((height - length) * first / max(1, total - shown))
     dim, glyphs = look.palette.dim, look.glyphs
@@ -58,7 +58,7 @@ _MOST_LEFT_OUT: Final = 2
 
 
 def scroll_bindings(panel: str) -> list[BindingType]:
-    """Return the keys that scroll ``panel``, whose ids begin with that name."""
+    """Return the scroll keys of ``panel``."""
     return [
         binding("up", "scroll_rows(-1)", f"{panel}.up", "Scroll up"),
         binding("down", "scroll_rows(1)", f"{panel}.down", "Scroll down"),
@@ -67,7 +67,7 @@ def scroll_bindings(panel: str) -> list[BindingType]:
 
 
 def page_bindings(panel: str) -> list[BindingType]:
-    """Return those of them that leave up and down to a cursor."""
+    """Return the scroll keys without up and down, for cursors."""
     return [
         binding("pageup", "scroll_pages(-1)", f"{panel}.page_up", "A page up"),
         binding("pagedown", "scroll_pages(1)", f"{panel}.page_down", "A page down"),
@@ -77,10 +77,10 @@ def page_bindings(panel: str) -> list[BindingType]:
 
 
 class ScrolledPanel(Panel, can_focus=True):
-    """Shows as many of its rows as there is room for, with a bar at the right where there are more.
+    """A panel that scrolls its rows, with a bar at the right.
 
-    Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`; those with keys of their own
-    also :meth:`keys` or :meth:`hints`.
+    Subclasses set ``title``, implement :meth:`blocks` or :meth:`rows`, and override :meth:`keys` or
+    :meth:`hints` for their own keys.
     """
 
     title: ClassVar[str]
@@ -95,7 +95,7 @@ class ScrolledPanel(Panel, can_focus=True):
         self._has_bar = False
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return all rows, of ``width`` cells each; ``height`` of them are in view."""
+        """Return all rows of ``width`` cells."""
         lines: list[Line] = []
         for left_out in range(_MOST_LEFT_OUT + 1):
             lines = lines_of(self.blocks(snapshot, left_out), width, self.look)
@@ -110,22 +110,22 @@ class ScrolledPanel(Panel, can_focus=True):
         return strips_of(lines, width, len(lines), self.look)
 
     def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterable[Block]:
-        """Return what stands in it; ``left_out``, 0 to 2, says how much where there are not rows for all."""
+        """Return the contents. ``left_out`` (0 to 2) omits more and more."""
         raise NotImplementedError
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the keys for the lower border besides those that scroll, the longest form first."""
+        """Return forms of the other keys on the lower border."""
         return ("esc: close",)
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
-        """Return all keys for the lower border, the longest form first."""
+        """Return forms of all keys on the lower border."""
         keys = self.keys(snapshot)
         if not is_scrolled:
             return keys
         return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the rows in view."""
+        """Return the visible rows."""
         self.heading = self.fitting((*self.captioned(self.title), self.title), width)
         rows, is_scrolled = self._fitted(snapshot, width, height)
         self._rows_in_all, self._rows_in_view = len(rows), height
@@ -147,15 +147,15 @@ class ScrolledPanel(Panel, can_focus=True):
         return rows, has_bar
 
     def action_scroll_rows(self, rows: int) -> None:
-        """Scroll by so many rows."""
+        """Scroll by ``rows``."""
         self._scroll(rows)
 
     def action_scroll_pages(self, pages: int) -> None:
-        """Scroll by so many pages, a row less each, so that nothing is skipped."""
+        """Scroll by ``pages`` with one row of overlap."""
         self._scroll(pages * max(1, self._rows_in_view - 1))
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
-        """Scroll by so many rows."""
+        """Scroll by ``rows``."""
         event.stop()
         self._scroll(rows)
 

@@ -1,4 +1,4 @@
-"""What panels and dialogs ask about a snapshot: a new run, steps too fast to show, the episode under way."""
+"""Questions that panels and dialogs ask about a snapshot."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ ANSWER_KEY: Final = f"{SHOWN_BY_KEY} the exact values"
 ANSWER_KEPT: Final = "the lesson keeps it back for now"
 
 _MOST_JUDGED: Final = 2_500  # pairs
-_FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
+_FASTEST_FOLLOWED: Final = 30.0  # steps per second: faster single steps would only flicker
 
 
 def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
-    """Return whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane."""
+    """Return whether a new run began, not only another moment or run shown."""
     if before is None or before.run_group.shown != now.run_group.shown:
         return False
     first, was = now.timeline.branches[0], before.timeline.branches[0]
@@ -36,7 +36,7 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
 
 
 def why_over(snapshot: Snapshot) -> str:
-    """Return why the run takes no further step, and what to do; empty where it takes one."""
+    """Return why the run is over, and what to do."""
     message = snapshot.playback.message
     match snapshot.playback.phase:
         case Phase.SPENT if snapshot.program is None:
@@ -51,33 +51,33 @@ def why_over(snapshot: Snapshot) -> str:
 
 
 def is_secret(snapshot: Snapshot) -> bool:
-    """Return whether all that gives the exact answer away must be hidden; a spent budget shows it."""
+    """Return whether everything that reveals the exact values must be hidden."""
     is_open = snapshot.playback.phase is Phase.SPENT and not keeps_back(snapshot, "answer")
     return snapshot.answers.is_hidden and not is_open
 
 
 def keeps_back(snapshot: Snapshot, what: str) -> bool:
-    """Return whether a lesson keeps ``what`` back, one of those that a page may hide."""
+    """Return whether a lesson page hides ``what``."""
     return what in snapshot.answers.kept_back
 
 
 def answer_key(snapshot: Snapshot) -> str:
-    """Return what stands in place of whatever is hidden while :func:`is_secret` holds."""
+    """Return the text in place of hidden contents."""
     return ANSWER_KEPT if keeps_back(snapshot, "answer") else ANSWER_KEY
 
 
 def shown_by(snapshot: Snapshot, them: str = "it") -> str:
-    """Return what shows something that is hidden while :func:`is_secret` holds, or that it has to wait."""
+    """Return how to reveal ``them``, or that the lesson hides them."""
     return f"the lesson keeps {them} back" if keeps_back(snapshot, "answer") else f"{SHOWN_BY_KEY} {them}"
 
 
 def has_estimates(snapshot: Snapshot) -> bool:
-    """Return whether estimates are known: of a program in which no table was found by its steps none are."""
+    """Return whether estimates are known. A program may have no table."""
     return snapshot.program is None or snapshot.program.table is not None or not snapshot.counters.step
 
 
 def as_learned(snapshot: Snapshot) -> Snapshot:
-    """Return ``snapshot`` as world and table show it: a program without a table has estimated nothing."""
+    """Return ``snapshot`` for world and table, with unknown Q as NaN."""
     if has_estimates(snapshot):
         return snapshot
     unknown = np.full_like(snapshot.agent.q, np.nan)
@@ -85,17 +85,17 @@ def as_learned(snapshot: Snapshot) -> Snapshot:
 
 
 def hides_means(snapshot: Snapshot) -> bool:
-    """Return whether the true means of arms, which are the model of a bandit, must be hidden."""
+    """Return whether true means of a bandit are hidden."""
     return is_secret(snapshot) and isinstance(snapshot.world.drawing, Arms)
 
 
 def hides_greedy(snapshot: Snapshot) -> bool:
-    """Return whether exact returns of current policies must be hidden: the greedy one may be optimal."""
+    """Return whether returns of current policies are hidden: greedy may be optimal."""
     return hides_means(snapshot) or (is_secret(snapshot) and keeps_back(snapshot, "answer"))
 
 
 def current_study(snapshot: Snapshot) -> SeedStudy | None:
-    """Return what many seeds say of the runs as they are; None where that is not known."""
+    """Return the many-seeds study of the current runs, or None."""
     study = snapshot.study
     runs = len(snapshot.run_group.lanes) or 1
     if study is None or study.is_outdated or study.seeds < 2 or len(study.lanes) != runs:
@@ -104,31 +104,31 @@ def current_study(snapshot: Snapshot) -> SeedStudy | None:
 
 
 def shown_lane(study: SeedStudy, snapshot: Snapshot) -> int:
-    """Return which lane of ``study`` is on screen now, from 0; where they are others, the one that was."""
+    """Return the index of the shown run in ``study``."""
     is_same = len(snapshot.run_group.lanes or (0,)) == len(study.lanes)
     return snapshot.run_group.shown if is_same else study.shown
 
 
 def episodes_reached(snapshot: Snapshot) -> tuple[int, ...]:
-    """Return how many episodes each run on screen has finished."""
+    """Return the finished episodes of each run."""
     return tuple(lane.episodes for lane in snapshot.run_group.lanes) or (snapshot.counters.episodes,)
 
 
 def recent_name(*episodes: int) -> str:
-    """Return what a mean of the last 100 ``episodes`` is called: ``last 48``, ``last 27–35``."""
+    """Return the name of a mean: ``last 48``, ``last 27–35``."""
     counts = sorted({min(each, RECENT) for each in episodes if each}) or [RECENT]
     return f"last {'–'.join(map(str, dict.fromkeys((counts[0], counts[-1]))))}"
 
 
 def lacks_exact(snapshot: Snapshot) -> bool:
-    """Return whether the exact answer, or what it earns, is still being worked out."""
+    """Return whether exact values are still being computed."""
     return not snapshot.exact_answer.is_whole
 
 
 def valued_states(snapshot: Snapshot) -> tuple[int, int] | None:
-    """Return of how many states V is another than at the start, and of how many it could be.
+    """Return how many states have changed their V, and how many have actions.
 
-    None of a large world, of which a part is known.
+    None for a large world, which is only partly known.
     """
     agent, first = snapshot.agent, snapshot.world.space.first_pair
     if agent.part is not None:
@@ -139,9 +139,9 @@ def valued_states(snapshot: Snapshot) -> tuple[int, int] | None:
 
 
 def has_optimal_policy(snapshot: Snapshot) -> bool:
-    """Return whether a greedy policy was learned that is optimal, where that may be told.
+    """Return whether the agent has learned an optimal policy.
 
-    Nothing is claimed where there is no choice, and of worlds too large to look at in every frame.
+    False if hidden, without choices, or in worlds too large to test in every frame.
     """
     world, optimum, agent = snapshot.world, snapshot.exact_answer.solution, snapshot.agent
     counted = valued_states(snapshot) if world.space.pairs <= _MOST_JUDGED else None
@@ -153,18 +153,18 @@ def has_optimal_policy(snapshot: Snapshot) -> bool:
 
 
 def passes_too_fast(snapshot: Snapshot) -> bool:
-    """Return whether steps follow one another too fast to be shown one by one."""
+    """Return whether steps are too fast to show one by one."""
     too_fast = snapshot.playback.speed is None or snapshot.playback.speed > _FASTEST_FOLLOWED
     return too_fast and snapshot.playback.phase is Phase.RUNNING
 
 
 def followed_step(snapshot: Snapshot) -> LastStep | None:
-    """Return the last step where steps are slow enough to be shown one by one."""
+    """Return the last step, or None if too fast to show."""
     return None if passes_too_fast(snapshot) else snapshot.counters.last_step
 
 
 def figure_setting(snapshot: Snapshot, glyphs: Glyphs) -> FigureSetting:
-    """Return what is said with every figure of ``snapshot``: γ, time limit, steps and episodes so far."""
+    """Return the settings stated with every figure."""
     return FigureSetting(
         gamma=numbers.brief(snapshot.agent.hyperparameters.gamma, glyphs),
         time_limit=snapshot.world.space.time_limit,
@@ -176,7 +176,7 @@ def figure_setting(snapshot: Snapshot, glyphs: Glyphs) -> FigureSetting:
 
 
 def episode_shown(snapshot: Snapshot) -> int:
-    """Return the number, from 1, of the episode, or sweep, under way; at its last step still the same."""
+    """Return the number of the current episode or sweep, from 1."""
     counters, last = snapshot.counters, snapshot.counters.last_step
     if last is None or not counters.has_just_ended or last.planned != snapshot.agent.row.planner:
         return episodes_begun(snapshot)
@@ -184,12 +184,12 @@ def episode_shown(snapshot: Snapshot) -> int:
 
 
 def episodes_begun(snapshot: Snapshot) -> int:
-    """Return how many episodes, or sweeps, have begun: where one ends the next begins, unless all is over."""
+    """Return the number of episodes or sweeps begun."""
     return snapshot.counters.episodes + (snapshot.playback.phase not in (Phase.SPENT, Phase.DONE))
 
 
 class RewardRange(NamedTuple):
-    """The least and the greatest mean reward, and the greatest standard deviation."""
+    """The range of mean rewards, and the largest standard deviation."""
 
     low: float
     high: float
@@ -201,7 +201,7 @@ class RewardRange(NamedTuple):
         return self.low >= 0.0 or self.high <= 0.0
 
 
-@lru_cache(maxsize=1)  # one world is on screen; no other is kept alive
+@lru_cache(maxsize=1)  # only one world is on screen: keep no other alive
 def reward_range(mdp: TabularMDP) -> RewardRange:
-    """Return the range of the rewards of ``mdp``, which has at least one outcome."""
+    """Return the reward range of ``mdp``."""
     return RewardRange(float(mdp.reward.min()), float(mdp.reward.max()), float(mdp.reward_std.max()))

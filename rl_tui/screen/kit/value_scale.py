@@ -1,4 +1,4 @@
-"""The scale of all tints, equal for map and table: in the layer Q it is the scale of the known V."""
+"""Colour scales of map and table. The layer Q uses the known V."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import Palette
 from rl_tui.worlds.mdp.space import FloatArray
 
-_LEAST_TO_CUT: Final = 8  # values; the ends of fewer say nothing of outliers
-_TAIL: Final = 16  # values, of which one at each end may be an outlier
+_LEAST_TO_CUT: Final = 8  # values: fewer cannot show outliers
+_TAIL: Final = 16  # one in this many values at each end may be an outlier
 _FAR: Final = 4.0  # times the range without the tails
-_BOTH_SIGNS: Final = 0.1  # of the larger end that the other one must reach
-_NEAR_ZERO: Final = 0.5  # of the greatest value: a scale that begins below that begins at 0
+_BOTH_SIGNS: Final = 0.1  # share of the larger end that the other end must reach
+_NEAR_ZERO: Final = 0.5  # share of the maximum: a scale starts at 0 if its minimum is below
 
 
 class Ramp(Enum):
-    """The colours of a scale: those of values, of errors around a grey 0, or the greys of visits."""
+    """Colour ramps: for values, for errors around 0, and for visits."""
 
     VALUES = auto()
     ERRORS = auto()
@@ -34,14 +34,14 @@ class Ramp(Enum):
 
 
 RAMPS: Final = {Layer.ERROR: Ramp.ERRORS, Layer.LANES: Ramp.ERRORS, Layer.VISITS: Ramp.VISITS}
-"""The colours of layers; all others have those of values."""
+"""Colour ramps of layers, by default ``VALUES``."""
 
 
 @dataclass(frozen=True, slots=True)
 class ValueScale:
-    """The numbers between which tints change; both signs matter if it ``is_signed``.
+    """The range of numbers over which colours change.
 
-    ``ends`` have the tints of the ends, and numbers beyond have them too. Visits go by their logarithm.
+    ``is_signed``: both signs matter. Visits use a logarithmic scale.
     """
 
     low: float = 0.0
@@ -58,13 +58,13 @@ class ValueScale:
         object.__setattr__(self, "ends", (-most, most) if is_signed else (self.low, self.high))
 
     def tints(self, palette: Palette) -> tuple[Style, ...]:
-        """Return the tints from the least to the greatest number."""
+        """Return the colours from smallest to largest number."""
         if self.ramp is Ramp.VISITS:
             return palette.visits
         return palette.signed if self.is_signed else palette.values
 
     def style(self, x: float, palette: Palette) -> Style:
-        """Return the tint of ``x``; of NaN that of no value."""
+        """Return the colour of ``x``, plain for NaN."""
         if x != x:
             return palette.text
         low, high = self.ends
@@ -75,7 +75,7 @@ class ValueScale:
         return palette.value((x - low) / (high - low) if high > low else 0.0)
 
     def side(self, x: float) -> int:
-        """Return −1 where ``x`` lies below the scale, 1 where above, else 0."""
+        """Return −1 below the scale, 1 above, else 0."""
         low, high = self.ends
         if low <= x <= high:
             return 0
@@ -84,10 +84,10 @@ class ValueScale:
 
 
 def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | None:
-    """Return the scale of finite ``values``, robust to outliers; None where there are none.
+    """Return a scale of finite ``values``, robust to outliers, or None.
 
-    It ends at the middle 7/8 where the rest is more than four times as far apart, unless that ends at 0. It
-    begins at 0 where the least value is below half of the greatest. Visits are not cut.
+    It covers the middle 7/8 if the full range is over four times as wide, and starts at 0 if the minimum is
+    below half of the maximum. Visits are not cut.
     """
     if not len(values):
         return None
@@ -99,30 +99,30 @@ def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | No
         parts = np.partition(values, (tail, len(values) - 1 - tail))
         below, above = float(parts[tail]), float(parts[len(values) - 1 - tail])
         if high - low > _FAR * (above - below) > 0.0:
-            low, high = below or low, above or high  # where most are 0, other numbers of a sign are few
+            low, high = below or low, above or high  # cut at 0, the few other numbers would have no colour
     if low == high:
         return ValueScale(min(low, 0.0), max(high, 0.0), ramp)
     return ValueScale(0.0 if 0.0 <= low < _NEAR_ZERO * high else low, high, ramp)
 
 
 class SteadyScale:
-    """The current scale of each layer; it only gets wider during a run, so that tints do not flicker."""
+    """The scales of layers. They only widen, so that colours do not flicker."""
 
     def __init__(self) -> None:
         self._scales: dict[Layer, ValueScale] = {}
         self._is_study = False
 
     def clear(self) -> None:
-        """Forget all scales: another run begins."""
+        """Forget all scales for a new run."""
         self._scales.clear()
 
     @property
     def of_v(self) -> ValueScale:
-        """The scale of V. Every call of :meth:`of` brings it up to date."""
+        """The scale of V, updated by :meth:`of`."""
         return self._scales.get(Layer.Q, ValueScale())
 
     def of(self, snapshot: Snapshot, layer: Layer = Layer.Q) -> ValueScale:
-        """Return the scale of ``layer`` for both runs in view; that of a landscape is that of Q."""
+        """Return the scale of ``layer`` for both visible runs."""
         if layer not in (Layer.Q, Layer.LANDSCAPE):
             self.of(snapshot)
         layer = Layer.Q if layer is Layer.LANDSCAPE else layer
@@ -142,11 +142,11 @@ class SteadyScale:
 # A scale as text
 
 
-_END: Final = 4  # characters of the value of an end
+_END: Final = 4  # characters of an end value
 
 
 def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piece, ...]:
-    """Return the ends of ``scale`` with ``every`` second tint, say, between them; nothing if all is 0."""
+    """Return the ends of ``scale`` with every ``every``-th colour between."""
     low, high = scale.ends
     if high <= low:
         return ()

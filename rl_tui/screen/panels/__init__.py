@@ -1,1 +1,1 @@
-"""The panels of the playground, one a folder."""
+"""The panels of the playground."""

@@ -1,6 +1,6 @@
-"""The bars of a bandit's arms on one axis: from 0 to the estimate, with its standard error.
+"""Bars of a bandit's arms with standard errors.
 
-The axis always holds 0 and only ever widens, in round steps, so that the bars stay calm.
+Their axis contains 0 and widens in round steps, so that the bars stay calm.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _STEPS: Final = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 
 
 class ArmsScale(NamedTuple):
-    """The ends of an axis that holds 0: low ≤ 0 ≤ high."""
+    """The ends of an axis that contains 0: low ≤ 0 ≤ high."""
 
     low: float
     high: float
@@ -40,7 +40,7 @@ NO_SCALE: Final = ArmsScale(0.0, 0.0)
 
 
 def grown(scale: ArmsScale, values: Iterable[float]) -> ArmsScale:
-    """Return ``scale``, widened to the next round ends that hold all finite ``values``."""
+    """Return ``scale``, widened to round ends around all finite ``values``."""
     low, high = scale
     for value in values:
         if math.isfinite(value):
@@ -50,12 +50,12 @@ def grown(scale: ArmsScale, values: Iterable[float]) -> ArmsScale:
 
 
 def shown_scale(scale: ArmsScale) -> ArmsScale:
-    """Return what is drawn: −1 … 1 while there is no value yet."""
+    """Return the scale to draw, −1 … 1 without values."""
     return scale if scale.low < scale.high else ArmsScale(-1.0, 1.0)
 
 
 def round_up(value: float) -> float:
-    """Return the least of 1, 2, 3, 4, 5, 6, 8 times a power of ten that is not below ``value`` (> 0)."""
+    """Return the next of 1, 2, 3, 4, 5, 6, 8 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     # 3 × 0.1 is not 0.3
     ends = (float(f"{step * power:.3g}") for step in _STEPS)
@@ -63,7 +63,7 @@ def round_up(value: float) -> float:
 
 
 def ticks(scale: ArmsScale, most: int) -> list[float]:
-    """Return round values at even distances inside the scale, 0 among them, at most about ``most``."""
+    """Return about ``most`` round values on the scale, including 0."""
     span = scale.high - scale.low
     step = round_step(span / max(1, most - 1))
     first, last = math.ceil(scale.low / step - 1e-9), math.floor(scale.high / step + 1e-9)
@@ -71,31 +71,28 @@ def ticks(scale: ArmsScale, most: int) -> list[float]:
 
 
 def bound_text(value: float, glyphs: Glyphs) -> str:
-    """Return a round value in the fewest characters, with its sign if negative."""
+    """Return a round value in the fewest characters."""
     return f"{value:.6g}".replace("-", glyphs.minus) if value else "0"
 
 
 # The bars
 
 
-NOT_PULLED: Final = ("not pulled yet", "not pulled")  # the longest first
+NOT_PULLED: Final = ("not pulled yet", "not pulled")  # longest first
 _MOST_NAME: Final = 12
 _LEAST_PLOT: Final = 10
-_VALUES_FROM: Final = 56  # from this width on estimate and pulls are written beside the bars
-_SHARES_FROM: Final = 84  # and the share of all pulls
+_VALUES_FROM: Final = 56  # from this width on, estimate and pulls are written beside the bars
+_SHARES_FROM: Final = 84  # from this width on, also the share of all pulls
 _VALUE: Final = 6  # cells of an estimate
 _PULLS: Final = 8
 _SHARE: Final = 7
 _LEAST_VALUE: Final = 3
-_MOST_ROWS: Final = 3  # of an arm
-_DEPTH: Final = 0.55  # how much of its colour a bar has that is not the best
+_MOST_ROWS: Final = 3  # rows per arm
+_DEPTH: Final = 0.55  # colour strength of all bars but the best
 
 
 class Arm(NamedTuple):
-    """One arm. ``error`` is None before its first pull, ``mean`` None while the truth is hidden.
-
-    ``cursor`` marks the arm the cursor stands on, ``stops`` a breakpoint.
-    """
+    """One arm. ``error`` is None before its first pull, ``mean`` while hidden."""
 
     name: str
     estimate: float
@@ -109,7 +106,7 @@ class Arm(NamedTuple):
     stops: bool = False
 
     def extent(self) -> Iterator[float]:
-        """Yield the values that the scale has to hold."""
+        """Yield the values that the scale must contain."""
         if self.error is not None:
             yield self.estimate - self.error
             yield self.estimate + self.error
@@ -118,8 +115,6 @@ class Arm(NamedTuple):
 
 
 class _Plot(NamedTuple):
-    """The columns of the bars: ``left`` … ``left + width − 1`` stand for the ends of ``scale``."""
-
     left: int
     width: int
     scale: ArmsScale
@@ -131,7 +126,7 @@ class _Plot(NamedTuple):
 
 
 def rows_an_arm(arms: int, height: int) -> int:
-    """Return as many rows, 3 at most, as every arm can have with one for the axis below."""
+    """Return the rows per arm (1 to 3), with one for the axis."""
     return max(1, min(_MOST_ROWS, (height - 1) // arms))
 
 
@@ -141,17 +136,17 @@ def true_mean_glyph(look: Look) -> str:
 
 
 def names_width(arms: Sequence[Arm], look: Look) -> int:
-    """Return the cells that the names of ``arms`` take."""
+    """Return the width of the names of ``arms``."""
     return min(_MOST_NAME, max((cell_len(to_ascii(arm.name, look.glyphs)) for arm in arms), default=0))
 
 
 def value_width(width: int, names: int) -> int:
-    """Return the cells that an estimate gets in a panel of ``width`` cells with ``names`` cells of names."""
+    """Return the width of an estimate."""
     return _VALUE if width >= _VALUES_FROM else max(_LEAST_VALUE, min(_VALUE, width - names - 3))
 
 
 def _beside(width: int) -> int:
-    """Return the columns right of the bars, for numbers or the sign of the best arm."""
+    """Return the columns right of the bars."""
     if width < _VALUES_FROM:
         return 2
     return 2 + _VALUE + _PULLS + (_SHARE if width >= _SHARES_FROM else 0)
@@ -160,11 +155,10 @@ def _beside(width: int) -> int:
 def draw_arms(
     canvas: Canvas, arms: Sequence[Arm], scale: ArmsScale, look: Look, each: int, names: int, form: NumberForm
 ) -> None:
-    """Draw the bars of ``arms``, ``each`` rows an arm, and below them the axis where a row is left.
+    """Draw the bars of ``arms`` and, if a row is left, the axis.
 
-    A row: ▸ where greedy, ◉ where pulled last, the name, a breakpoint, the bar; the best arm has a ★ at the
-    end once the truth is shown. Names get ``names`` cells; estimates are in ``form``. Of three rows the last
-    is blank, of two the second.
+    Each has ``each`` rows: ▸ if greedy, ◉ if pulled last, the name in ``names`` cells, a breakpoint, the bar,
+    and ★ on the revealed best arm.
     """
     glyphs, palette, width, height = look.glyphs, look.palette, canvas.width, canvas.height
     left = 2 + names + 1
@@ -223,7 +217,6 @@ def _draw_bar(canvas: Canvas, rows: range, arm: Arm, plot: _Plot, look: Look) ->
 
 @lru_cache(8)
 def _bar_ground(greedy: bool, palette: Palette) -> Style:
-    """Return ink on the ground of a bar, the greedy one's in the colour of what looks best."""
     colour, page = (palette.best if greedy else palette.press).color, palette.page.color
     if colour is None or page is None:
         return palette.text
@@ -247,7 +240,6 @@ def _draw_numbers(
 
 
 def _draw_not_pulled(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None:
-    """Say so where the true mean is not: before or behind its mark, nothing where there is no room."""
     end = plot.left + plot.width
     mark = end + 1 if arm.mean is None else plot.column(arm.mean)
     for text in NOT_PULLED:

@@ -1,7 +1,4 @@
-"""The arms of a bandit: what is known of each, and the panel with their bars.
-
-True means and the best arm are drawn only where they are not hidden.
-"""
+"""The World panel of a bandit, without hidden means and best arm."""
 
 from __future__ import annotations
 
@@ -45,17 +42,19 @@ HEADING: Final = "Arms · Q ± standard error"
 
 
 class ArmsView(WorldView):
-    """The arms of a bandit, from top to bottom; more of them than rows scroll.
-
-    What the agent has not learned, the true means and the best arm, is drawn only where it is not hidden.
-    """
+    """The arms of a bandit from top to bottom."""
 
     scale = NO_SCALE
     _top = 0
     _shown = _each = 1
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
-        """Take ``world`` for the one that is drawn: its arms have means of their own."""
+        """Switch to ``world``.
+
+        Raises:
+            TypeError: The world has no arms or no transition table.
+
+        """
         if not isinstance(world.drawing, Arms) or world.mdp is None:
             raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
         super().enter(world, goes_on=goes_on)
@@ -63,14 +62,14 @@ class ArmsView(WorldView):
         self.heading = HEADING
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``. The scale only ever widens, until another run starts."""
+        """Draw ``snapshot``. The scale only widens during a run."""
         if is_new_run(self.snapshot, snapshot):
             self.scale = NO_SCALE
             self.number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
+        """Return the bars of the visible arms, and the axis."""
         means = None if is_secret(snapshot) else true_means_now(self._mdp, snapshot)
         drawn = drawn_pairs(self._mdp, snapshot)
         arms = tuple(
@@ -89,7 +88,7 @@ class ArmsView(WorldView):
         self._shown, self._each = shown, each
         hidden = len(arms) - shown
         parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
-        if len(arms) * each >= height:  # no row is left for the axis
+        if len(arms) * each >= height:  # no row left for the axis
             parts.append(self._ends(scale))
         if not is_secret(snapshot):
             parts.append(f"{true_mean_glyph(self.look)} true mean  {self.look.glyphs.best_arm} best arm")
@@ -108,7 +107,7 @@ class ArmsView(WorldView):
             LegendSign(true_mean_glyph(self.look), "true mean", palette.optimum),
             LegendSign(glyphs.best_arm, "best arm", palette.optimum),
         )
-        # elsewhere the border says so; while the world is drawn, it says what the keys do
+        # the border normally shows these, but while drawing it shows keys
         shows_truth = self.is_drawn_on and self.snapshot is not None and not is_secret(self.snapshot)
         return (
             *(truth if shows_truth else ()),
@@ -120,18 +119,18 @@ class ArmsView(WorldView):
 
     @property
     def stance(self) -> object:
-        """The cursor, the arms in view and the scale."""
+        """The cursor, the visible arms and the scale."""
         return self.cursor, self._top, self.scale
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take the stance of the bandit ``twin``; the scale holds both."""
+        """Take the stance of ``twin``, with a common scale."""
         super().align_with(twin)
         if isinstance(twin, ArmsView):
             self._top = twin._top if self.takes_stance_of(twin) else self._top
             self.scale = grown(self.scale, twin.scale)
 
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
-        """Return where an arm is once others were added or taken away; None where it is gone."""
+        """Return the place of an arm after an edit, or None."""
         old, new = before.editor.base, now.editor.base
         if isinstance(old, ArmsDraft) and isinstance(new, ArmsDraft):
             arm = old.arm_ids[place]
@@ -139,46 +138,46 @@ class ArmsView(WorldView):
         return self.place_in(place, before.world, now.world)
 
     def place_in(self, place: int, world: World, other: World) -> int | None:
-        """Return the arm of ``other`` that has the number of an arm of ``world``."""
+        """Return the arm of ``other`` with the same number, or None."""
         return place if place < other.space.pairs else None
 
     def agent_place(self, snapshot: Snapshot) -> int:
-        """Return the arm pulled last, the first before any pull."""
+        """Return the arm pulled last, at first the first arm."""
         last = snapshot.counters.last_step
         return last.pair if last is not None and not last.planned else 0
 
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the arm so many rows below."""
+        """Return the arm ``rows`` below."""
         return max(0, min(place + rows, self.world.space.pairs - 1))
 
     def place_at(self, x: int, y: int) -> int | None:
-        """Return the arm whose bar is drawn in row ``y``."""
+        """Return the arm in row ``y``, or None."""
         place = y // self._each
         return self._top + place if place < self._shown else None
 
     def state_at(self, place: int) -> int | None:
-        """Return nothing: an arm is a pair."""
+        """Return None, because an arm is a pair."""
         return None
 
     def name_at(self, place: int) -> str:
-        """Return which arm it is."""
+        """Return the name of the arm."""
         return pair_in_words(self.world, place, self.look.glyphs)
 
     def pairs_at(self, place: int) -> range:
-        """Return the pair that an arm is."""
+        """Return the pair of the arm."""
         return range(place, place + 1)
 
     def place_of(self, pair: int) -> int:
-        """Return the arm that is ``pair``."""
+        """Return the arm of ``pair``."""
         return pair
 
     @property
     def page_size(self) -> tuple[int, int]:
-        """As many arms as are in view."""
+        """The number of visible arms."""
         return self._shown, 1
 
     def keep_in_view(self, place: int) -> None:
-        """Scroll so far that an arm is seen."""
+        """Scroll until the arm is visible."""
         self._top = scrolled_to(self._top, place, self._shown)
 
     def pan(self, rows: int, columns: int) -> None:
@@ -195,17 +194,17 @@ class ArmsView(WorldView):
 
 
 def true_means_now(mdp: TabularMDP, snapshot: Snapshot) -> FloatArray | None:
-    """Return the true mean q*(a) of each pair at this step, [P]; None where it has drifted out of sight."""
+    """Return the true mean q*(a) of each pair at this step, [P], or None."""
     if mdp.drift_std > 0.0 and snapshot.counters.step > 0:
         return None if snapshot.exact_answer.solution is None else snapshot.exact_answer.solution.q
     return true_means(mdp)
 
 
 def noise_of_rewards(mdp: TabularMDP, q: FloatArray) -> FloatArray:
-    """Return the standard deviation of one reward of each pair, [P], as far as the agent can know it.
+    """Return the standard deviation of a reward per pair, [P], as the agent knows it.
 
-    That is the noise that the scenario states. Where rewards are either of two numbers it depends on the
-    hidden mean, in whose place the estimate is taken: √((q − low)(high − q)).
+    Rewards of two values depend on the hidden mean. There the estimate replaces the mean: √((q − low)(high −
+    q)).
     """
     values = np.unique(mdp.reward)
     if len(values) != 2 or mdp.reward_std.any() or len(mdp.reward) == mdp.pairs:
@@ -217,11 +216,11 @@ def noise_of_rewards(mdp: TabularMDP, q: FloatArray) -> FloatArray:
 
 
 def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
-    """Return the standard deviation that the noise of ``pulls`` (≥ 1) rewards leaves in an estimate.
+    """Return the standard deviation that ``pulls`` (≥ 1) rewards leave in an estimate.
 
-    ``noise`` is σ of one reward, which the scenario states openly. A sample average leaves σ/√N. A constant
-    step size weighs the rewards by α(1 − α)^(N−i) (equation 2.6), which leaves
-    σ·√(α/(2 − α)·(1 − (1 − α)^2N)); what Q₀ still weighs, (1 − α)^N, is bias and not counted here.
+    ``noise`` is σ of one reward. A sample average leaves σ/√N. A constant step size weights rewards by α(1 −
+    α)^(N−i) (equation 2.6), which leaves σ·√(α/(2 − α)·(1 − (1 − α)^2N)). The remaining weight of Q₀, (1 −
+    α)^N, is bias and not counted.
     """
     if alpha == SAMPLE_AVERAGE:
         return noise / math.sqrt(pulls)
@@ -230,7 +229,7 @@ def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
 
 
 def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tuple[Arm, ...]:
-    """Return what is known about each arm; true means only where ``means`` are given."""
+    """Return the known facts about each arm."""
     q, visits = snapshot.agent.q.tolist(), snapshot.agent.visits.tolist()
     noise, values = noise_of_rewards(mdp, snapshot.agent.q), snapshot.agent.hyperparameters
     alpha: StepSize = SAMPLE_AVERAGE if values.sample_average else values.alpha

@@ -1,7 +1,6 @@
-"""Pictures of bodies, a cart with its pole and a car on its hill, and maps with all that is around them.
+"""Pictures of a cart with its pole and of a car on its hill.
 
-The agent sees no more than the bin of each number. So the picture of a cart or a car shows the middle of its
-bin; the heading of the bins below says so.
+The agent sees only bins, so a picture shows the middle of a bin.
 """
 
 from __future__ import annotations
@@ -23,23 +22,23 @@ if TYPE_CHECKING:
     from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.theme.look import Look
 
-# Bodies: a cart with its pole, and a car on its hill
+# Bodies
 
 
 UNSEEN: Final = "cart position not seen"
-_TRACK: Final = 2.4  # the cart leaves the track beyond that
+_TRACK: Final = 2.4  # the cart leaves the track beyond this
 _WIDE: Final = 40  # columns from which the cart has its full width
-_HIGH: Final = 7  # rows from which cart and car have two
+_HIGH: Final = 7  # rows from which cart and car are two rows high
 _FALLS: Final = 12.0  # degrees at which an episode ends
-_DRAWN: Final = 30.0  # degrees a pole leans in the picture just before it falls
-_THICK: Final = 3  # half columns of a pole
+_DRAWN: Final = 30.0  # degrees of lean in the picture just before the pole falls
+_THICK: Final = 3  # half columns of the pole
 _HILL: Final = (-1.2, 0.6)  # positions of the car
 _FLAG: Final = 0.5
 _EIGHTHS: Final = "▁▂▃▄▅▆▇█"
 
 
 class Pose(NamedTuple):
-    """The ``numbers`` of a body, and the name of the last action, empty before the first one."""
+    """The ``numbers`` of a body and the last action."""
 
     kind: BodyKind
     numbers: tuple[float, ...]
@@ -48,7 +47,7 @@ class Pose(NamedTuple):
 
 @lru_cache(512)
 def body_strips(pose: Pose, width: int, height: int, look: Look) -> tuple[Strip, ...]:
-    """Return the picture of ``pose`` in width × height cells."""
+    """Return the picture of ``pose`` in ``width`` × ``height`` cells."""
     canvas = Canvas(width, height, look.palette.text)
     draw = _draw_cart if pose.kind is BodyKind.CART_POLE else _draw_hill
     draw(canvas, pose, look)
@@ -56,11 +55,10 @@ def body_strips(pose: Pose, width: int, height: int, look: Look) -> tuple[Strip,
 
 
 def _draw_cart(canvas: Canvas, pose: Pose, look: Look) -> None:
-    """Draw a cart on its track; its pole leans between two dotted lines, at which it has fallen."""
     glyphs, palette = look.glyphs, look.palette
     position, _, angle, _ = pose.numbers
     ground, half = canvas.height - 1, 4 if canvas.width >= _WIDE else 2
-    top = ground - (2 if canvas.height >= _HIGH else 1)  # of the cart
+    top = ground - (2 if canvas.height >= _HIGH else 1)  # row of the top of the cart
     middle = canvas.width // 2
     canvas.put(0, ground, glyphs.thin * canvas.width, palette.dim)
     if not math.isnan(position):
@@ -85,7 +83,6 @@ def _draw_cart(canvas: Canvas, pose: Pose, look: Look) -> None:
 
 
 def _write_readings(canvas: Canvas, pose: Pose, room: int, rows: int, look: Look) -> None:
-    """Write at the left what is known of cart and pole, as far as there is ``room``."""
     position, _, angle, turning = pose.numbers
     degree = "°" if look.glyphs.braille else " deg"
     texts = (
@@ -98,14 +95,14 @@ def _write_readings(canvas: Canvas, pose: Pose, room: int, rows: int, look: Look
 
 
 def _angles(name: str, value: float, unit: str, decimals: int, room: int, look: Look) -> str:
-    """Return an angle as its bin is called and in degrees, or in these alone, or nothing."""
+    """Return an angle in radians and degrees, else in degrees, else nothing."""
     degrees = _number(name, math.degrees(value), unit, decimals, look)
     both = f"{_number(name, value, '', 2, look)} ={degrees.removeprefix(name)}" if degrees else ""
     return next((form for form in (both, degrees) if len(form) <= room), "")
 
 
 def _leaning(degrees: float) -> float:
-    """Return by how much a pole is drawn to lean, in radians: more than it does, so that it is seen."""
+    """Return the drawn lean of a pole, exaggerated to be visible."""
     return math.radians(max(-60.0, min(60.0, degrees * _DRAWN / _FALLS)))
 
 
@@ -117,7 +114,7 @@ def _draw_limit(canvas: Canvas, middle: int, rows: int, side: int, look: Look) -
 
 def _draw_pole(canvas: Canvas, middle: int, rows: int, angle: float, look: Look) -> None:
     lean = _leaning(math.degrees(angle))
-    filled = np.zeros((2 * rows, 2 * canvas.width), dtype=np.int64)  # quarters of characters
+    filled = np.zeros((2 * rows, 2 * canvas.width), dtype=np.int64)  # quarter characters
     for half_row in range(2 * rows):
         up = 2 * rows - half_row - 0.5
         left = round(2 * middle + 1 - _THICK / 2 + 2 * math.tan(lean) * up)
@@ -130,7 +127,6 @@ def _draw_pole(canvas: Canvas, middle: int, rows: int, angle: float, look: Look)
 
 
 def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
-    """Draw a car on its hill, over the axis of its position; its numbers are above them."""
     glyphs, palette = look.glyphs, look.palette
     position, velocity = pose.numbers
     low, high = _HILL
@@ -155,7 +151,7 @@ def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
     if not math.isnan(position):
         x, y = max(2, min(canvas.width - 3, column_of(position))), row_above(position)
         _draw_car(canvas, x, y, car_rows, look)
-        _draw_push(canvas, x, -1, y - car_rows, pose.action, look)  # above it, where no hill is
+        _draw_push(canvas, x, -1, y - car_rows, pose.action, look)  # above the car, clear of the hill
     place, speed = _number("position", position, "", 2, look), _number("velocity", velocity, "", 3, look)
     texts = [text for text in (place, speed) if text]
     canvas.put(0, 0, "   ".join(texts if len("   ".join(texts)) <= canvas.width else texts[:1]), palette.text)
@@ -171,7 +167,6 @@ def _draw_ground(canvas: Canvas, x: int, level: int, look: Look) -> None:
 
 
 def _draw_axis(canvas: Canvas, look: Look) -> None:
-    """Write the ends of the positions on the ground."""
     ink, ground = look.palette.dim, look.palette.rule.color
     style = ink + Style(bgcolor=ground) if look.palette.tints and look.glyphs.braille else ink
     left, right = (f"{end}".replace("-", look.glyphs.minus) for end in _HILL)
@@ -205,13 +200,13 @@ def _number(name: str, value: float, unit: str, decimals: int, look: Look) -> st
     return f"{name} {value:+.{decimals}f}{unit}".replace("-", look.glyphs.minus)
 
 
-# The map with both
+# The map with its margins
 
 
 def surrounded(
     strips: list[Strip], snapshot: Snapshot, part: LabelledPart, margins: Margins, width: int, look: Look
 ) -> list[Strip]:
-    """Return ``strips`` of ``part`` of the map of ``snapshot`` in its margins, ``width`` cells wide."""
+    """Return ``strips`` of the map with its margins."""
     grid, space = snapshot.world.drawing, snapshot.world.space
     assert isinstance(grid, Grid)
     if grid.axes is not None:

@@ -1,4 +1,4 @@
-"""How a bandit's budget is being spent: pulls, winnings and, once it may be known, regret."""
+"""The budget of a bandit: pulls, winnings and, unless hidden, regret."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ BEST_ARM_PULLED: Final = "best arm pulled"
 _LABEL: Final = 11
 _FIGURE: Final = 8
 _ROWS_OF_TWO: Final = 6
-_LANE: Final = 21  # its number and name
-_MANY: Final = 100.0  # from here on the sum of so many rewards is shown in whole numbers
+_LANE: Final = 21  # cells of number and name
+_MANY: Final = 100.0  # sums from here on have no decimals
 
 
 class BudgetPanel(Panel):
-    """Pulls and winnings; regret and the share of the best arm unless hidden."""
+    """Pulls and winnings, and unless hidden, regret and share of the best arm."""
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the picture of the figures of ``snapshot``."""
+        """Return the numbers of ``snapshot`` as rows."""
         self.heading = self.fitting((*self.captioned("Budget"), "Budget"), width)
         blocks = budget_blocks(snapshot, self.look)
         if snapshot is not None and snapshot.beside is not None and height >= _ROWS_OF_TWO:
@@ -41,7 +41,7 @@ class BudgetPanel(Panel):
 
 
 def budget_blocks(snapshot: Snapshot | None, look: Look) -> Iterator[Block]:
-    """Yield what there is to know; what the agent cannot know only where it is not hidden."""
+    """Yield the numbers of one run."""
     if snapshot is None or snapshot.results.bandit is None:
         why = WAITING if snapshot is None else "this world has no budget"
         yield Row([Piece(f" {why}", look.palette.dim)])
@@ -54,7 +54,7 @@ def budget_blocks(snapshot: Snapshot | None, look: Look) -> Iterator[Block]:
 
 
 def pair_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
-    """Yield the figures of two lanes, of which that of ``snapshot`` is marked; those at the right may go."""
+    """Yield the numbers of two runs, the controlled one marked."""
     palette, glyphs, known = look.palette, look.glyphs, not is_secret(snapshot)
     lanes = [(lane, lane.results.bandit) for lane in sides(snapshot)]
     found = [(lane.run_group, figures) for lane, figures in lanes if figures is not None]
@@ -137,12 +137,12 @@ def _share(figures: BanditFigures) -> str:
 
 
 def sum_decimals(sums: Iterable[float]) -> int:
-    """Return the decimals of sums of rewards beside one another: none where one is 100 or more, else one."""
+    """Return the decimals of sums of rewards: 0 from 100 on."""
     return 0 if max(map(abs, sums)) >= _MANY else 1
 
 
 def sum_text(x: float, decimals: int, look: Look) -> str:
-    """Return a sum of rewards with commas and so many decimals; 0 as it is."""
+    """Return a sum of rewards with thousands separators."""
     if x == 0.0:
         return "0"
     text = f"{abs(x):,.{decimals}f}" if abs(x) < 1e9 else numbers.value(abs(x), _FIGURE, look.glyphs)

@@ -1,4 +1,4 @@
-"""The caption: one sentence that says what is happening to what is learned."""
+"""The caption: one sentence on what is learned just now."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from rl_tui.worlds.drawing import Arms
 
 
 class CaptionLine(StatusLine):
-    """Says in one row what is learned just now; where it ``replaces_header``, why nothing goes on too."""
+    """One row on what is learned, or with ``replaces_header`` why the run waits."""
 
     replaces_header = is_in_view = False
 
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return nothing that changes while it is out of view: what it says is dear to find out."""
+        """Return a constant while invisible, because captions are expensive."""
         return None if self.is_in_view else ()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the row, and blank ones below it."""
+        """Return the row, padded with blank rows."""
         look, line = self.look, None
         if self.replaces_header:
             line = waiting_line(snapshot, look, width, unanswered=self.unanswered, scenario=self.title)
@@ -33,7 +33,7 @@ class CaptionLine(StatusLine):
 
 
 def caption(snapshot: Snapshot) -> str:
-    """Return what is happening to what is learned in ``snapshot``, as a sentence."""
+    """Return a sentence on what happens to the estimates."""
     if not snapshot.counters.step:
         return "Nothing is learned yet: no step was taken."
     if not has_estimates(snapshot):
@@ -44,7 +44,7 @@ def caption(snapshot: Snapshot) -> str:
         return "Optimal policy found: no other policy is better."
     counted = valued_states(snapshot)
     if counted is None:
-        return "Values spread over the map."  # of which a part is known here
+        return "Values spread over the map."  # only a part of the values is known
     with_value, states = counted
     agent = snapshot.agent
     if not with_value and (agent.q == agent.hyperparameters.initial_q).all():

@@ -1,4 +1,4 @@
-"""The panels of the playground, a row each: board, places, keys, palette and help derive from this table."""
+"""The table of all panels, for board, keys, palette and help."""
 
 from __future__ import annotations
 

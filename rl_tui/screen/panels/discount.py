@@ -1,8 +1,4 @@
-"""The panel of flip points: every γ at which the optimal actions change.
-
-A chart of Q*(γ) of one state is drawn above the list of flip points. Enter moves γ to the other side of
-the chosen one.
-"""
+"""The panel of flip points: a chart of Q*(γ) above their list."""
 
 from __future__ import annotations
 
@@ -51,25 +47,25 @@ if TYPE_CHECKING:
 
 _LEAST_DECIMALS: Final = 4
 _MOST_DECIMALS: Final = 12
-_LARGE: Final = 1e7  # from here on a return is written with an exponent
+_LARGE: Final = 1e7  # returns from here on have an exponent
 _MOST_STATES: Final = 12
 _SIGNS: Final = 3  # columns before γ
 _GAP: Final = "  "
 
 
 class FlipForm(NamedTuple):
-    """How γ and returns are written, the same for all flips of a list."""
+    """Number formats of γ and returns for all flips."""
 
     gamma_decimals: int
     return_decimals: int
     verb: str = "earns "
 
     def gamma(self, flip: Flip, look: Look) -> str:
-        """Return the γ of ``flip``."""
+        """Return γ as text."""
         return numbers.fixed(flip.gamma, self.gamma_decimals, look.glyphs, leading_zero=False)
 
     def returns(self, flip: Flip, look: Look) -> str:
-        """Return what the optimal policy earns below and above ``flip``: different texts where it differs."""
+        """Return the optimal returns below and above ``flip`` as text."""
         known = [each for each in flip.expected_return if each is not None]
         is_equal = len(known) < 2 or abs(known[0] - known[1]) < numbers.NEGLIGIBLE
         decimals = self.return_decimals
@@ -92,9 +88,9 @@ _FORMS: Final = (
 
 
 def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
-    """Return the longest form in which ``width`` cells hold γ and returns of each of ``flips``.
+    """Return the longest form of all ``flips`` that fits ``width`` cells.
 
-    It tells every γ from the next, and has no more decimals than there are.
+    It distinguishes every γ without superfluous decimals.
     """
     gammas = [flip.gamma for flip in flips]
     returns = [each for flip in flips for each in flip.expected_return if each is not None]
@@ -129,7 +125,7 @@ def _return_text(value: float | None, decimals: int, look: Look) -> str:
 def flip_lines(
     flip: Flip, state: int, world: World, look: Look, width: int, form: FlipForm, *, is_chosen: bool
 ) -> list[Line]:
-    """Return the lines of one flip: γ and returns, then what turns, that in ``state`` first."""
+    """Return the lines of one flip, changes in ``state`` first."""
     palette, glyphs = look.palette, look.glyphs
     is_here = any(turn.state == state for turn in flip.turns)
     signs = flip_sign(flip, look) + (glyphs.change_mark if is_here else " ")
@@ -147,7 +143,7 @@ def flip_lines(
 
 
 def turns_in_words(turns: Sequence[Turn], state: int, world: World, look: Look) -> Iterator[str]:
-    """Yield ``states 0, 2: ← to ↑``, a text for each change of actions, that in ``state`` first."""
+    """Yield texts like ``states 0, 2: ← to ↑``, one per change of actions."""
 
     def changes(turn: Turn) -> tuple[str, str]:
         return _actions(turn.before, world, look), _actions(turn.after, world, look)
@@ -181,14 +177,14 @@ HIDDEN: Final = "flip points are hidden: "
 PENDING: Final = "computing in the background …"
 NO_FLIPS: Final = "no flip point: the same actions are optimal at every γ"
 _TITLE: Final = "Flip points"
-_CHART_SHARE: Final = 0.55  # of the rows, where the list has more than it has room for
+_CHART_SHARE: Final = 0.55  # share of the rows, if the list does not fit
 _CHART_ROWS: Final = 6
-_LIST_ROWS: Final = 2  # what the list has at the least, where that leaves a chart
+_LIST_ROWS: Final = 2  # least rows of the list, if a chart still fits
 _RANKED: Final = "worst to best"
 
 
 class _Drawn(NamedTuple):
-    """Chart and list, how many rows at the bottom are free, and which flips are listed, if not all."""
+    """Chart and list, free rows, and the range of listed flips."""
 
     strips: list[Strip]
     free_rows: int
@@ -196,10 +192,9 @@ class _Drawn(NamedTuple):
 
 
 class DiscountPanel(Panel, can_focus=True):
-    """A chart of Q*(γ) over a list of flips; the arrow keys choose one, enter sets γ beyond it.
+    """A chart of Q*(γ) of one state above a list of flips.
 
-    It is about the state that the cursor of world or table points at, else that of the agent; where steps
-    pass too fast, about the start.
+    The state is under the cursor, else the agent's, or the start while steps pass too fast.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -209,7 +204,7 @@ class DiscountPanel(Panel, can_focus=True):
         binding("enter", "go_beyond", "discount.go_beyond", "Set γ on the other side of the flip"),
     ]
     _pointed = NOWHERE
-    _chosen: float | None = None  # the γ of a flip
+    _chosen: float | None = None  # γ of a flip
     _is_ranked = False
     _kept: tuple[object, _Drawn] | None = None
 
@@ -220,19 +215,19 @@ class DiscountPanel(Panel, can_focus=True):
         gamma: float
 
     def point_at(self, pairs: range) -> None:
-        """Be about the state of ``pairs``; none: about that of the agent."""
+        """Show the state of ``pairs``, by default the agent's."""
         if pairs != self._pointed:
             self._pointed = pairs
             self.redraw()
 
     @property
     def chosen(self) -> Flip | None:
-        """The flip that was chosen, None where none was, and while the answer is hidden."""
+        """The chosen flip, or None."""
         flips = () if self.snapshot is None else _shown_flips(self.snapshot)
         return next((flip for flip in flips if flip.gamma == self._chosen), None)
 
     def action_choose(self, by: int) -> None:
-        """Choose the next flip; the first time the one next to the current γ."""
+        """Choose the next flip, at first the one nearest to γ."""
         if self.snapshot is None or not (flips := _shown_flips(self.snapshot)):
             return
         gammas = [flip.gamma for flip in flips]
@@ -244,12 +239,12 @@ class DiscountPanel(Panel, can_focus=True):
         self.redraw()
 
     def action_turn_layer(self) -> None:
-        """Show Q* or, at each γ, where each action stands between the worst and the best."""
+        """Switch between Q* and ranks of actions."""
         self._is_ranked = not self._is_ranked
         self.redraw()
 
     def action_go_beyond(self) -> None:
-        """Ask for a γ on that side of the chosen flip on which the one in force is not."""
+        """Request a γ beyond the chosen flip."""
         flip = self.chosen
         if flip is not None and self.snapshot is not None:
             is_below = self.snapshot.agent.hyperparameters.gamma <= flip.gamma
@@ -276,7 +271,7 @@ class DiscountPanel(Panel, can_focus=True):
         )
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the chart above the list, or why there is none."""
+        """Return the chart above the list, or a reason."""
         self.heading, self.footing, self.free_rows = _TITLE, self.fitting(("esc: close",), width), 0
         palette = self.look.palette
         text = "" if snapshot is None else said_instead(snapshot)
@@ -314,9 +309,9 @@ class DiscountPanel(Panel, can_focus=True):
         )
 
     def _drawn(self, snapshot: Snapshot, state: int, width: int, height: int) -> _Drawn:
-        """Return the chart above the list; it takes milliseconds, and depends on little of the snapshot.
+        """Return the chart above the list, which takes milliseconds.
 
-        The flip that is chosen comes before the legend, and that before other flips.
+        The chosen flip has priority over the legend, and the legend over other flips.
         """
         answer, look, chosen = snapshot.answers.flips, self.look, self.chosen
         assert answer.curves is not None
@@ -360,7 +355,7 @@ class DiscountPanel(Panel, can_focus=True):
 
 
 def why_empty(snapshot: Snapshot) -> str:
-    """Return why there will be no flips to draw, as far as that is known before they are asked for."""
+    """Return why the panel will stay empty, as far as known."""
     from rl_tui.runs.answers.flip_answers import at_once
 
     answer, mdp = snapshot.answers.flips, snapshot.world.mdp
@@ -373,7 +368,7 @@ def why_empty(snapshot: Snapshot) -> str:
 
 
 def said_instead(snapshot: Snapshot) -> str:
-    """Return what is said where nothing can be drawn; empty where something can."""
+    """Return the text in place of a chart."""
     answer = snapshot.answers.flips
     if reason := why_empty(snapshot):
         return reason
@@ -406,7 +401,7 @@ def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, wid
 
 
 def _in_view(blocks: Sequence[Sequence[Line]], focused: int, rows: int) -> range:
-    """Return which blocks, as many whole ones as fit into ``rows``, are around the one ``focused``."""
+    """Return the whole blocks around ``focused`` that fit ``rows``."""
     first, behind = focused, focused + 1
     free = rows - len(blocks[focused])
     grows = True
@@ -428,7 +423,6 @@ def _range_in_words(view: range, all_of_them: int) -> str:
 
 
 def _keys(flips: Sequence[Flip], *, is_ranked: bool, may_set: bool) -> Iterator[str]:
-    """Yield the keys, the longest form first; beside somebody's program enter does not set γ."""
     return key_hints(
         ("↑ ↓: flip point", "↑ ↓: flip") if flips else (),
         ("enter: γ beyond it", "enter: beyond", "enter: γ") if flips and may_set else (),

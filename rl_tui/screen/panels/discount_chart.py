@@ -1,4 +1,4 @@
-"""Q*(γ) of every action of one state, from γ = 0 to 1, with the γ at which the optimal actions change."""
+"""A chart of Q*(γ) for all actions of one state, with flip points."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
 
 LEAST_WIDTH: Final = 18
 LEAST_HEIGHT: Final = 4
-_ROOMY: Final = 36  # columns with labels a fifth apart; with fewer there are three
-_SIGNS_APART: Final = 12  # columns from one sign on a line to the next
-_SIGN_FREE: Final = 2  # columns at the end without one, which would read as part of the name beside it
-_NAMES_SHARE: Final = 0.4  # of the columns, what names have if that is enough for all of each
+_ROOMY: Final = 36  # columns from which labels are a fifth apart: narrower charts have three
+_SIGNS_APART: Final = 12  # columns between two signs on a line
+_SIGN_FREE: Final = 2  # columns without a sign at the end, where it would look like part of the name
+_NAMES_SHARE: Final = 0.4  # share of the columns, for names if they fit completely
 
 
 @dataclass(frozen=True, slots=True)
 class ActionLine:
-    """Q*(γ) of one action: its ``name``, the ``sign`` that stands for it in one cell, and its values, [G]."""
+    """Q*(γ) of one action: ``name``, one-cell ``sign``, and values, [G]."""
 
     name: str
     sign: str
@@ -48,7 +48,7 @@ class ActionLine:
 
 
 def action_lines(world: World, curves: OptimalValueCurves, state: int, look: Look) -> list[ActionLine]:
-    """Return the lines of the actions of ``state``, in the order in which actions are shown."""
+    """Return the lines of the actions of ``state``."""
     pairs = shown_pairs(world, world.space.pairs_of(state))
     names = [
         to_ascii(action_name(world, int(world.space.pair_action[pair]), look.glyphs), look.glyphs)
@@ -69,10 +69,9 @@ def action_lines(world: World, curves: OptimalValueCurves, state: int, look: Loo
 
 
 def ranked(lines: Sequence[ActionLine]) -> list[ActionLine]:
-    """Return ``lines`` with 1 for the best action at each γ, 0 for the worst and the others in proportion.
+    """Return ``lines`` rescaled at each γ: best action 1, worst 0.
 
-    Where all are as good there is no value, so that a line has a gap there. So crossings are seen also where
-    values are close together.
+    This shows crossings of close values. Gaps mean that all are equal.
     """
     values = np.array([line.values for line in lines])
     low, high = values.min(axis=0), values.max(axis=0)
@@ -91,9 +90,9 @@ def draw_values(
     width: int,
     height: int,
 ) -> list[Strip]:
-    """Return ``height`` strips of ``width`` cells: ``lines`` over ``gammas``, [G], and ``flips``.
+    """Return strips with ``lines`` over ``gammas`` [G] and ``flips``.
 
-    ``gamma`` is in force. What turns in ``state`` is marked on the line of its value; ``chosen`` stands out.
+    Flips in ``state`` are marked on its lines. The current ``gamma`` and the ``chosen`` flip are highlighted.
     """
     canvas = Canvas(width, height, look.palette.text)
     if width < LEAST_WIDTH or height < LEAST_HEIGHT or not lines:
@@ -148,19 +147,19 @@ def _draw_marks(
 
 
 def flip_sign(flip: Flip, look: Look) -> str:
-    """Return what stands for ``flip``, here and on the slider of γ."""
+    """Return the sign of ``flip``, also for the slider."""
     return look.glyphs.flip if flip.turns_the_way else look.glyphs.side_flip
 
 
 def flip_style(flip: Flip, look: Look) -> Style:
-    """Return how ``flip`` is drawn: those that turn the way from the start stand out."""
+    """Return the style of ``flip``, brighter on the optimal path."""
     return look.palette.best if flip.turns_the_way else look.palette.dim
 
 
 def _draw_lines(
     canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], gammas: FloatArray, look: Look
 ) -> None:
-    dot = 1.0 / (braille.DOTS_ACROSS * plot.columns)  # a value for each: thinner than from lowest to highest
+    dot = 1.0 / (braille.DOTS_ACROSS * plot.columns)  # the width of one dot, so that lines stay thin
     dots = np.arange(0.0, 1.0, dot)
     passes = list[BoolArray]()
     codes = np.zeros((len(lines), plot.rows, plot.columns), dtype=np.int64)
@@ -191,6 +190,5 @@ def _draw_names(canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], look: L
 
 
 def _end(line: ActionLine) -> float:
-    """Return the last value that there is."""
     known = line.values[np.isfinite(line.values)]
     return float(known[-1]) if len(known) else 0.0

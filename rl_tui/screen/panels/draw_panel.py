@@ -1,4 +1,4 @@
-"""The panel of the world editor: what is in hand, tools with their keys, a slider for each number."""
+"""The panel of the world editor: tools with their keys, and sliders."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rl_tui.worlds.drawing import CellKind
 
 
 class Sign(NamedTuple):
-    """How a brush looks on the map: the kind of cell it paints, and the character in it."""
+    """The look of a brush: the kind of cell it paints, and its character."""
 
     kind: CellKind
     character: Callable[[Glyphs], str]
@@ -34,9 +34,9 @@ class Sign(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ToolCell:
-    """One tool: its ``id``, its key as people see it, what it does in a word, its ``sign`` if it is a brush.
+    """One tool: its ``id``, key, a ``word`` for its effect, and the ``sign`` of a brush.
 
-    ``is_on`` says that it is in hand; ``refused`` why it can do nothing now.
+    ``is_on``: current. ``refused``: why it cannot be used now.
     """
 
     id: str
@@ -49,7 +49,7 @@ class ToolCell:
 
 @dataclass(frozen=True, slots=True)
 class SheetLine:
-    """A line that can be chosen by its number, what tools are about: an outcome of a state."""
+    """A line that can be chosen: an outcome of a state."""
 
     text: str
     number: int
@@ -58,7 +58,7 @@ class SheetLine:
 
 @dataclass(frozen=True, slots=True)
 class WorldNumber:
-    """A number of the world that has a slider, and its value; one ``is_short`` makes do with half a row."""
+    """A number of the world with a slider, in half a row if ``is_short``."""
 
     parameter: Parameter
     value: float
@@ -67,9 +67,9 @@ class WorldNumber:
 
 @dataclass(frozen=True, slots=True)
 class ToolSheet:
-    """All of it: first what is ``in_hand``, and ``about`` it and the cursor, in forms, the longest first.
+    """The contents of the panel, from top to bottom.
 
-    Then ``lines``, ``cells`` and ``numbers``; the tools ``of_number`` change the first one. Last, the rest.
+    ``about``: forms of sentences, longest first. ``of_number``: tools that change the first number.
     """
 
     in_hand: ToolCell | None = None
@@ -90,7 +90,7 @@ class ToolPressed(Touched):
 
 @dataclass
 class LinePressed(Touched):
-    """The line of that number was clicked in the panel."""
+    """The line with this number was clicked in the panel."""
 
     line: int
 
@@ -99,12 +99,12 @@ class LinePressed(Touched):
 
 
 _SIGN: Final = 3  # columns
-_MOST_SPARE: Final = 4  # columns between two columns of tools, more than needed
+_MOST_SPARE: Final = 4  # most spare columns between two columns of tools
 _TWO_SLIDERS: Final = 44  # columns for two sliders in a row
 
 
 class ToolList(Widget):
-    """Draws rows of a sheet: what is in hand, sentences about it, lines to choose from, tools in columns."""
+    """The rows of a sheet: current tool, sentences, lines, tools in columns."""
 
     def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
@@ -113,13 +113,13 @@ class ToolList(Widget):
         self._is_roomy = False
 
     def draw_sheet(self, sheet: ToolSheet, *, is_roomy: bool) -> None:
-        """Draw ``sheet``, with a blank row between its parts where it ``is_roomy``."""
+        """Draw ``sheet``, spaced if ``is_roomy``."""
         if (sheet, is_roomy) != (self._sheet, self._is_roomy):
             self._sheet, self._is_roomy = sheet, is_roomy
             self.refresh()
 
     def render_line(self, y: int) -> Strip:
-        """Draw one row."""
+        """Return one row."""
         canvas = Canvas(self.size.width, 1, self.look.palette.text)
         kind, number = self._row(y)
         if kind == "about":
@@ -133,7 +133,7 @@ class ToolList(Widget):
         return canvas.strips()[0].apply_style(self.rich_style)
 
     def on_click(self, event: events.Click) -> None:
-        """Tell which tool or line was clicked."""
+        """Report the clicked tool or line."""
         kind, number = self._row(event.y)
         if kind == "line":
             self.post_message(LinePressed(self._sheet.lines[number].number))
@@ -144,7 +144,6 @@ class ToolList(Widget):
                     self.post_message(ToolPressed(cell.id))
 
     def _put_about(self, canvas: Canvas, number: int) -> None:
-        """Put what is in hand, and what it does; without it the first sentence is what matters."""
         palette, glyphs, held, x = self.look.palette, self.look.glyphs, self._sheet.in_hand, 1
         first, second = (palette.strong, palette.dim) if held is None else (palette.dim, palette.text)
         style = first if number == 0 else second if number == 1 else palette.dim
@@ -179,7 +178,7 @@ class ToolList(Widget):
             canvas.put(x + 2 + cell_len(key), 0, word, palette.text)
 
     def _put_sign(self, canvas: Canvas, x: int, cell: ToolCell, columns: int) -> int:
-        """Put the sign of ``cell`` into so many columns; return how many it takes with the blank behind."""
+        """Put a sign, and return its width with the blank after it."""
         palette, glyphs = self.look.palette, self.look.glyphs
         if cell.sign is not None:
             block = Style(color=palette.wall.bgcolor) if glyphs.name != "ascii" else Style.null()
@@ -195,7 +194,7 @@ class ToolList(Widget):
         return columns + 1
 
     def _cells_in(self, row: int) -> Sequence[ToolCell]:
-        """Return the tools of a row: they stand one below the other, column by column."""
+        """Return the tools of a row, ordered by column."""
         columns = len(_columns(self._sheet.cells, self.size.width, self.look.glyphs))
         return self._sheet.cells[row :: -(-len(self._sheet.cells) // columns)]
 
@@ -210,21 +209,19 @@ class ToolList(Widget):
 
 
 def _parts(sheet: ToolSheet, width: int, glyphs: Glyphs) -> list[tuple[str, int]]:
-    """Return the parts of ``sheet`` that have rows, and how many."""
+    """Return the parts that have rows, with their number of rows."""
     cells = -(-len(sheet.cells) // len(_columns(sheet.cells, width, glyphs)))
     parts = (("about", len(sheet.about)), ("line", len(sheet.lines)), ("tools", cells))
     return [(kind, count) for kind, count in parts if count]
 
 
 def rows_of(sheet: ToolSheet, width: int, glyphs: Glyphs, *, is_roomy: bool) -> int:
-    """Return how many rows ``sheet`` takes in ``width`` columns, without numbers and rest."""
+    """Return the rows of ``sheet`` without numbers and rest."""
     parts = _parts(sheet, width, glyphs)
     return sum(count for _, count in parts) + (len(parts) if is_roomy else 0)
 
 
 class _Room(NamedTuple):
-    """What of a sheet is shown, and the rows of its tools and of its sliders."""
-
     sheet: ToolSheet
     is_roomy: bool
     tools: int
@@ -232,10 +229,9 @@ class _Room(NamedTuple):
 
 
 def fitting(sheet: ToolSheet, width: int, height: int, sliders: int, glyphs: Glyphs) -> _Room:
-    """Return how ``sheet`` fits, with so many rows of ``sliders``.
+    """Return how ``sheet`` fits with ``sliders`` rows of sliders.
 
-    Blank rows go first, then what is about the place under the cursor, then sliders, of which one row stays,
-    then lines, then the tools of the number, which the key line has too.
+    Dropped in order: blank rows, texts about the cell, sliders but one row, lines, tools of the number.
     """
     few = replace(sheet, about=sheet.about[:1])
     for shown, is_roomy in ((sheet, True), (sheet, False), (few, False)):
@@ -252,7 +248,7 @@ def fitting(sheet: ToolSheet, width: int, height: int, sliders: int, glyphs: Gly
 
 
 def _in_view(lines: tuple[SheetLine, ...], most: int, glyphs: Glyphs) -> tuple[SheetLine, ...]:
-    """Return ``lines`` in ``most`` rows: the one that is on, others, and how many are left out."""
+    """Return ``lines`` around the current one, and a count of the rest."""
     if len(lines) <= most:
         return lines
     on = next((number for number, each in enumerate(lines) if each.is_on), 0)
@@ -263,15 +259,15 @@ def _in_view(lines: tuple[SheetLine, ...], most: int, glyphs: Glyphs) -> tuple[S
 
 
 def _columns(cells: Sequence[ToolCell], width: int, glyphs: Glyphs) -> list[tuple[int, int]]:
-    """Return where the columns of ``cells`` begin, and how wide they are: two where they fit, else one."""
-    # One blank before sign, key and word; none before a narrow sign
+    """Return start and width of one or two columns."""
+    # One blank before sign, key and word, none before a narrow sign
     sign = 0 if not _has_signs(cells) else 1 if _sign_columns(width) == 1 else _SIGN + 1
     half = -(-len(cells) // 2)
     first, second = (
         max((cell_len(_text(each, glyphs)) for each in group), default=0) + sign + 2
         for group in (cells[:half], cells[half:])
     )
-    if first + second > width + 1:  # the last one needs no blank behind
+    if first + second > width + 1:  # the last column needs no blank after it
         return [(0, width)]
     first += min(max(0, width - first - second) // 2, _MOST_SPARE)
     return [(0, first), (first, width - first)]
@@ -290,7 +286,7 @@ def _text(cell: ToolCell, glyphs: Glyphs) -> str:
 
 
 class ToolRow(Widget):
-    """A few tools of a sheet, one after the other, as many as fit."""
+    """A few tools in one row, as many as fit."""
 
     def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
@@ -298,14 +294,14 @@ class ToolRow(Widget):
         self._cells: Sequence[ToolCell] = ()
 
     def show(self, cells: Sequence[ToolCell], *, is_apart: bool = False) -> None:
-        """Show ``cells``, below a blank row where they stand apart."""
+        """Show ``cells``, after a blank row if ``is_apart``."""
         self.styles.height = 0 if not cells else 2 if is_apart else 1
         if cells != self._cells:
             self._cells = cells
             self.refresh()
 
     def render_line(self, y: int) -> Strip:
-        """Draw the row."""
+        """Return the row."""
         palette, canvas = self.look.palette, Canvas(self.size.width, 1, self.look.palette.text)
         for x, cell in self._placed() if y == self.size.height - 1 else ():
             key, _, word = _text(cell, self.look.glyphs).partition(" ")
@@ -314,13 +310,12 @@ class ToolRow(Widget):
         return canvas.strips()[0].apply_style(self.rich_style)
 
     def on_click(self, event: events.Click) -> None:
-        """Tell which tool was clicked."""
+        """Report the clicked tool."""
         for x, cell in self._placed() if event.y == self.size.height - 1 else ():
             if x <= event.x < x + cell_len(_text(cell, self.look.glyphs)):
                 self.post_message(ToolPressed(cell.id))
 
     def _placed(self) -> Iterator[tuple[int, ToolCell]]:
-        """Yield where each begins, and the tool; they stand closer where otherwise not all fit."""
         widths = [cell_len(_text(cell, self.look.glyphs)) for cell in self._cells]
         gap = 2 if sum(widths) + 2 * len(widths) <= self.size.width + 1 else 1
         x = 1
@@ -335,9 +330,9 @@ class ToolRow(Widget):
 
 
 class DrawPanel(Container, BoardPanel):
-    """The tools of the kind of world that is drawn, with their keys, and a slider for each number.
+    """Tools of the world editor, and a slider for each number.
 
-    What it shows comes from the mode that is on; clicks and sliders go to it as messages.
+    The active mode sets the contents and receives clicks and changes as messages.
     """
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
@@ -349,18 +344,18 @@ class DrawPanel(Container, BoardPanel):
         self._rest = ToolRow(look)
 
     def compose(self) -> ComposeResult:
-        """Yield tools, sliders, and the row of what else there is."""
+        """Yield tools, sliders, and the row of other tools."""
         yield self._tools
         yield self._of_number
         yield Container(id="world-numbers")
         yield self._rest
 
     def redraw(self) -> None:
-        """Write the border; what there is to draw with comes by :meth:`show_sheet`."""
+        """Write the border. :meth:`show_sheet` sets the contents."""
         self._write_border()
 
     def show_sheet(self, sheet: ToolSheet) -> None:
-        """Show ``sheet``; a slider that is being dragged stays where it is."""
+        """Show ``sheet`` without moving a dragged slider."""
         before, self._sheet = self._sheet, sheet
         self._lay_out()
         if _parameters(before.numbers) != _parameters(sheet.numbers):
@@ -373,16 +368,16 @@ class DrawPanel(Container, BoardPanel):
 
     @property
     def sliders(self) -> Sequence[Slider]:
-        """The sliders, in their order."""
+        """The sliders in order."""
         return tuple(self.query(Slider))
 
     def on_resize(self) -> None:
-        """Fit all to the new size."""
+        """Fit everything to the new size."""
         self._lay_out()
         self._write_border()
 
     def _lay_out(self) -> None:
-        """Give each part its rows; where not all sliders fit, those in view scroll."""
+        """Divide the rows among the parts."""
         width, height = self.size
         if width < 1:
             return

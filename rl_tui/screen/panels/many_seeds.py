@@ -1,6 +1,6 @@
-"""The runs on screen under many seeds: each mean ± its standard error, beside this one seed.
+"""The runs under many seeds: means ± standard errors beside this seed.
 
-With several runs, the paired differences to the run shown are listed too.
+Several runs have paired differences too.
 """
 
 from __future__ import annotations
@@ -66,13 +66,13 @@ ABOVE_BEST: Final = "is above the best arm's mean"
 def remarks(
     study: SeedStudy, snapshot: Snapshot, look: Look, *, secret: bool, has_marks: bool
 ) -> Iterator[Block]:
-    """Yield what is said below the table; ``secret``: a bandit's true means must not show."""
+    """Yield the remarks. ``secret`` hides a bandit's true means."""
     yield Text(_luck(snapshot, look.glyphs, secret=secret), look.palette.text, rest="   ")
     yield Text(_meaning(study, snapshot, look, has_marks=has_marks), look.palette.dim, rest="   ")
 
 
 def how_typical(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
-    """Return how far this seed of the run shown is from the mean, in standard deviations of the seeds."""
+    """Return this seed's distance from the mean in standard deviations."""
     run, last_100 = study.lanes[shown_lane(study, snapshot)], last_100_of(study)
     for figure in (last_100, WINNINGS) if secret else (REGRET, last_100, WINNINGS):
         found = deviation(figure, run)
@@ -89,7 +89,7 @@ def how_typical(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret:
 
 
 def _luck(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
-    """Return why the mean of the last 100 pulls is above the best arm's, or may be while that is hidden."""
+    """Return why recent rewards can exceed the best arm's mean."""
     mdp, recent = snapshot.world.mdp, snapshot.results.return_last_100
     if recent is None or mdp is None or not isinstance(snapshot.world.drawing, Arms):
         return ""
@@ -104,10 +104,10 @@ def _luck(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
 
 
 def _noise(snapshot: Snapshot, glyphs: Glyphs) -> str:
-    """Return how far the mean of the last pulls is off by luck; a number where all arms have one noise."""
+    """Return how far luck moves the mean of the last pulls."""
     pulls = min(RECENT, snapshot.counters.episodes)
     noise = np.unique([] if snapshot.world.mdp is None else snapshot.world.mdp.reward_std)
-    is_known = len(noise) == 1 and float(noise[0]) > 0.0  # or else it would tell which arm is pulled
+    is_known = len(noise) == 1 and float(noise[0]) > 0.0  # otherwise it would reveal which arm is pulled
     off = f" by about {figure_text(float(noise[0]) / math.sqrt(pulls), 2, glyphs)}" if is_known else ""
     return f"a mean of {pulls} noisy rewards is off{off} just by luck"
 
@@ -133,16 +133,15 @@ def _meaning(study: SeedStudy, snapshot: Snapshot, look: Look, *, has_marks: boo
 BRACKETS: Final = f"in brackets: the difference ± {INTERVAL_ERRORS:g} standard errors"
 _BLANKS: Final = ((1, 2), (1, 1), (0, 1))  # before the first column and between columns
 _LEAST_CHART: Final = 30  # cells beside the numbers
-_LEAST_LANE: Final = 8  # cells of the name of a lane, with its number
+_LEAST_LANE: Final = 8  # cells of a run's number and name
 
 
 def seed_table(
     study: SeedStudy, snapshot: Snapshot, figures: Sequence[StudyFigure], look: Look, charted: int
 ) -> Table:
-    """Return this seed beside the mean, a row for each lane below the name of each of ``figures``.
+    """Return this seed beside the mean, a row per run for each of ``figures``.
 
-    A single lane has a row for each figure. The first ``charted`` figures have their seeds as marks. Below
-    the first verdict stands what its brackets are.
+    The first ``charted`` figures show their seeds. The first verdict explains its brackets.
     """
     is_alone, palette = len(study.lanes) == 1, look.palette
     charts: dict[int, Block] = {}
@@ -171,7 +170,7 @@ def seed_table(
     heads = _heads(until_of(study, episodes_reached(snapshot)))
 
     def forms() -> Iterator[Columns]:
-        # figures are named in full only below the longest heads; names of lanes are shortened at last
+        # figures are named in full only below the longest heads, and names of runs are shortened last
         for is_least, in_full in product((False, True), (True, False)):
             called = [figure.in_full if in_full else figure.name for figure in figures]
             least = max(_LEAST_LANE, *map(len, called)) if is_least and not is_alone else None
@@ -189,7 +188,7 @@ def seed_table(
 
 
 def _spreads(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[Spread | None]:
-    """Yield the seeds of each lane on one axis; None where all have the same."""
+    """Yield the seeds of each run on a common axis."""
     seeds = [lane.seeds.get(figure.id, np.empty(0)) for lane in study.lanes]
     every, palette = np.concatenate(seeds), look.palette
     axis = (float(every.min()), float(every.max())) if len(every) else (0.0, 0.0)
@@ -205,7 +204,6 @@ def _spreads(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[Spre
 
 
 def _names(called: Sequence[str], study: SeedStudy, snapshot: Snapshot, look: Look) -> list[Piece | str]:
-    """Return the names of the rows; those of the lanes are left out where they may be others now."""
     if len(study.lanes) == 1:
         return [Piece("", look.palette.strong), *called]
     names = [lane.name for lane in snapshot.run_group.lanes]
@@ -254,10 +252,9 @@ def _verdicts(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[str
 
 
 def _verdict_text(study: SeedStudy, figure: StudyFigure, other: int, look: Look) -> str:
-    """Return ``2 is better: higher by 22.5 ± .6 (20.7 to 24.3), in 64 of 64 seeds``; empty if unknown.
+    """Return ``2 is better: higher by 22.5 ± .6 (20.7 to 24.3), in 64 of 64 seeds``.
 
-    As long as that is not seen it is ``so far 2 is higher by …``. The numbers are worked out from those that
-    are printed.
+    Without enough evidence: ``so far 2 is higher by …``. It uses printed numbers.
     """
     difference, glyphs = study.lanes[other].differences[figure.id], look.glyphs
     verdict = verdict_of(figure, difference)
@@ -294,7 +291,7 @@ _SAYS_WHY: Final = (StudyState.FAILED, StudyState.REFUSED)
 
 
 class ManySeeds(ScrolledPanel):
-    """Each figure of this seed beside its mean over many; with lanes, the paired differences too."""
+    """One seed beside the mean of many, and paired differences of runs."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         *scroll_bindings("many_seeds"),
@@ -303,7 +300,7 @@ class ManySeeds(ScrolledPanel):
     title = "Many seeds"
 
     def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterator[Block]:
-        """Yield what is known so far; of a bandit what the agent cannot know only where it is not hidden."""
+        """Yield the results so far, without hidden ones."""
         study, look = None if snapshot is None else snapshot.study, self.look
         if snapshot is None or study is None:
             yield Text(FIRST_SEEDS, look.palette.dim)
@@ -326,7 +323,7 @@ class ManySeeds(ScrolledPanel):
         yield from remarks(study, snapshot, look, secret=secret, has_marks=charted > 0)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the key that closes it, and enter where there is something to count again."""
+        """Return the keys to close and to count again."""
         is_over = may_count_again(None if snapshot is None else snapshot.study)
         return [*key_hints(("enter: count again", "enter: again") if is_over else (), ("esc: close",))]
 
@@ -349,13 +346,12 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block
 
 @dataclass(frozen=True, slots=True)
 class _Progress:
-    """``64 of 256 seeds · episodes 1–500`` and a bar, or what is left of that."""
+    """``64 of 256 seeds · episodes 1–500`` with a bar."""
 
     study: SeedStudy
     span: str
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the line."""
         palette, glyphs, study = look.palette, look.glyphs, self.study
         is_whole = study.seeds >= study.most
         count = f"{study.seeds}" if is_whole else f"{study.seeds} of {study.most}"
@@ -377,7 +373,6 @@ class _Progress:
 
 
 def _span(study: SeedStudy, snapshot: Snapshot) -> str:
-    """Return how long the run of each seed is, empty where that is not bounded or not known."""
     pulls = isinstance(snapshot.world.drawing, Arms)
     unit, last = ("pull" if pulls else "episode", study.episodes) if study.episodes else ("step", study.steps)
     if not last:

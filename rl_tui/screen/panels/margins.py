@@ -1,4 +1,4 @@
-"""How much room labels and a body take around a map, and the labels themselves."""
+"""The margins around a map for labels and a body."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from rl_tui.worlds.drawing import Axes, Title
 
 _LEAST_BODY: Final = 4  # rows
-_MOST_BODY: Final = 9  # with its heading
-_BODY_SHARE: Final = 3  # it has one row of so many
+_MOST_BODY: Final = 9  # rows, with its heading
+_BODY_SHARE: Final = 3  # a body has this fraction of the rows
 _LEAST_MAP: Final = 5  # rows of a map below a body
-_LEAST_WITH_TITLES: Final = 14  # rows of a map that scrolls, with its labels
+_LEAST_WITH_TITLES: Final = 14  # rows of a scrolling map with labels
 BINS: Final = "Bins"
 ALL_SEEN: Final = "all the agent sees"
 
-# How much room
+# The size of margins
 
 
 class Margins(NamedTuple):
-    """Columns of labels left of a map, and above it the rows of a body and of labels."""
+    """Columns of labels left of a map, rows of body and labels above."""
 
     left: int = 0
     body: int = 0
@@ -38,7 +38,7 @@ class Margins(NamedTuple):
 
     @property
     def names_bins(self) -> bool:
-        """Whether there is a heading that says what the rows and columns below a body are."""
+        """Whether a heading explains the bins below a body."""
         return self.body > 0 and self.labels > 1
 
     @property
@@ -51,7 +51,7 @@ NO_MARGINS: Final = Margins()
 
 
 def wanted_margins(grid: Grid, height: int) -> Margins:
-    """Return the margins that ``grid`` should have in ``height`` rows."""
+    """Return the preferred margins of ``grid``."""
     axes, body = grid.axes, 0
     if grid.body is not None and height >= _LEAST_BODY + _LEAST_MAP:
         body = max(_LEAST_BODY, min(_MOST_BODY, height // _BODY_SHARE))
@@ -64,10 +64,9 @@ def wanted_margins(grid: Grid, height: int) -> Margins:
 
 
 def margins_in(grid: Grid, cell: tuple[int, int], width: int, height: int) -> Margins:
-    """Return the margins of a map of such cells, columns × rows, in width × height characters.
+    """Return the margins of a map with this ``cell`` size.
 
-    They are what the map leaves free. A map that scrolls gives way to its labels, one row of them where it
-    is low, and every map to its body.
+    They use the free space. Scrolling maps make space for labels, all maps for their body.
     """
     wanted = wanted_margins(grid, height)
     across, down = width - grid.columns * cell[0], height - grid.rows * cell[1]
@@ -84,7 +83,7 @@ def margins_in(grid: Grid, cell: tuple[int, int], width: int, height: int) -> Ma
 
 
 class LabelledPart(NamedTuple):
-    """The cells of a map in view, and their size."""
+    """The visible cells of a map, and their size."""
 
     top: int
     left: int
@@ -102,15 +101,15 @@ def labelled(
     state: int,
     look: Look,
 ) -> list[Strip]:
-    """Return ``strips`` of a map with its labels left of it and above it, ``width`` cells each.
+    """Return ``strips`` of a map with its labels.
 
-    Those of the row, the column and the part of ``state`` stand out. Titles of parts are in the walls.
+    The labels of ``state`` are highlighted. Titles of parts are in walls.
     """
     axes, rows = grid.axes, list(strips)
     assert axes is not None
     row, column = divmod(grid.cell_of_state[state], grid.columns)
     if any(title.row == row + 1 and title.is_over(column) for title in axes.titles if any(axes.columns)):
-        row = column = -1  # the cell has a name of its own, below it
+        row = column = -1  # the cell has its own name below
     above = (title for title in reversed(axes.titles) if title.row < row and title.is_over(column))
     own = next(above, None)
     for title in axes.titles:
@@ -133,7 +132,7 @@ def _titled(strip: Strip, title: Title, part: LabelledPart, is_here: bool, look:
 
 
 def _placed(title: Title, part: LabelledPart, look: Look) -> tuple[str, int]:
-    """Return the text of ``title``, none where its columns are too narrow, and the column it begins at."""
+    """Return the text of ``title``, empty if too wide, and its first column."""
     text, room = to_ascii(title.text, look.glyphs), title.columns * part.cell[0]
     x = (title.column - part.left) * part.cell[0] + (room - len(text)) // 2
     return text if len(text) <= room else "", x
@@ -162,7 +161,7 @@ def _heads(
         _put_titles(canvas, axes, part, start, own, look)
         if margins.names_bins and axes.names is not None:
             _put_heading(canvas, axes.names, look)
-    every = 1 + max(map(len, texts), default=0) // wide  # a blank keeps neighbours apart
+    every = 1 + max(map(len, texts), default=0) // wide  # a blank separates neighbours
     place = 0  # within a block
     for column, text in enumerate(texts):
         x = start + column * wide + (wide - (wide > 4) - len(text)) // 2
@@ -183,7 +182,6 @@ def _put_titles(
 
 
 def _put_heading(canvas: Canvas, names: tuple[str, str], look: Look) -> None:
-    """Put what bins are and what rows and columns of them are, with a rule as behind other headings."""
     palette, glyphs = look.palette, look.glyphs
     down, across = names
     both = f"{down} {glyphs.down}  {across} {glyphs.right}"

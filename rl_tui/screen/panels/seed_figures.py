@@ -1,4 +1,4 @@
-"""The figures of a study as texts: which are shown, which way each is better, and with how many decimals."""
+"""The figures of a many-seeds study as texts."""
 
 from __future__ import annotations
 
@@ -17,19 +17,18 @@ from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.studies.many_seeds.figures import Estimate, LaneStudy, PairedDifference, SeedStudy, StudyState
 
 _MOST_DECIMALS: Final = 5
-_LARGEST: Final = 1e7  # from here on numbers are written in short
-_SHORT: Final = 7  # cells of those
-LEAST_SEEDS: Final = 32  # before one of two lanes is called better
+_LARGEST: Final = 1e7  # longer numbers are abbreviated
+_SHORT: Final = 7  # cells of an abbreviated number
+LEAST_SEEDS: Final = 32  # required before one run is called better
 INTERVAL_ERRORS: Final = 3.0
-"""Standard errors on either side of a difference: with 0 beyond them, one of two lanes is called better."""
+"""Standard errors around a difference. One run is better only if 0 is outside."""
 
 
 @dataclass(frozen=True, slots=True)
 class StudyFigure:
-    """One figure of a study: its ``id`` in the document of ``train --runs --json``, and its ``name``.
+    """One figure of a study: its ``id`` in ``train --runs --json``, and its names.
 
-    ``in_full`` is the name where there is room for more. ``is_secret`` says that of a bandit it tells what
-    the agent cannot know.
+    ``is_secret``: it reveals what a bandit's agent cannot know.
     """
 
     id: str
@@ -39,7 +38,7 @@ class StudyFigure:
 
     @property
     def lower_is_better(self) -> bool:
-        """Whether a lower figure is the better one."""
+        """Whether lower is better."""
         return MEASURES[self.id].larger_is_better is False
 
 
@@ -50,11 +49,11 @@ REGRET: Final = StudyFigure("regret", "regret", "regret", is_secret=True)
 GREEDY: Final = StudyFigure("expected_return", "greedy", "greedy, exact", is_secret=True)
 BEST_ARM: Final = StudyFigure("best_arm_rate", "best arm %", "best arm pulled, %", is_secret=True)
 FIGURES: Final = (WINNINGS, REGRET, BEST_ARM, LAST_100, GREEDY, RETURN)
-"""In the order in which they are shown; a world that is no bandit has only the last three."""
+"""In display order. Other worlds than bandits have the last three."""
 
 
 def may_count_again(study: SeedStudy | None) -> bool:
-    """Return whether there is anything to count again: it is over, or tells of other runs."""
+    """Return whether the study is over or belongs to other runs."""
     if study is None:
         return False
     settled = (StudyState.STARTING, StudyState.RUNNING, StudyState.REFUSED)
@@ -62,19 +61,19 @@ def may_count_again(study: SeedStudy | None) -> bool:
 
 
 def last_100_of(study: SeedStudy) -> StudyFigure:
-    """Return the mean of the last 100 episodes, named by how many there are."""
+    """Return the mean of the last 100 episodes, named by their number."""
     name = recent_name(RECENT if study.episodes is None else study.episodes)
     return replace(LAST_100, name=name, in_full=name)
 
 
 def until_of(study: SeedStudy, reached: Iterable[int]) -> str:
-    """Return `` to 500``, the last episode of each seed; empty where the runs have ``reached`` just that."""
+    """Return `` to 500``, unless all runs have reached that last episode."""
     is_bounded = study.episodes is not None and any(each != study.episodes for each in reached)
     return f" to {study.episodes:,}" if is_bounded else ""
 
 
 def in_percent(study: SeedStudy) -> SeedStudy:
-    """Return ``study`` with its shares in per cent."""
+    """Return ``study`` with its shares in percent."""
     return replace(study, lanes=tuple(map(_lane_in_percent, study.lanes)))
 
 
@@ -100,11 +99,7 @@ def _lane_in_percent(lane: LaneStudy) -> LaneStudy:
 
 
 def shown_figures(study: SeedStudy, *, secret: bool) -> list[StudyFigure]:
-    """Return the figures that any lane has, but for what must be hidden while ``secret``.
-
-    The mean return says no more than a bandit's winnings, nor than the mean of the last episodes where those
-    are all.
-    """
+    """Return the figures that any run has, except hidden and redundant ones."""
     has = {name for lane in study.lanes for name in lane.estimates}
     are_all = study.episodes is not None and study.episodes <= RECENT and LAST_100.id in has
     return [
@@ -117,20 +112,20 @@ def shown_figures(study: SeedStudy, *, secret: bool) -> list[StudyFigure]:
 
 
 def estimates_of(figure: StudyFigure, lanes: Iterable[LaneStudy]) -> list[Estimate]:
-    """Return the estimates of ``figure`` in those of ``lanes`` that have it."""
+    """Return the estimates of ``figure``."""
     return [lane.estimates[figure.id] for lane in lanes if figure.id in lane.estimates]
 
 
 def figure_decimals(figure: StudyFigure, study: SeedStudy) -> int:
-    """Return the decimals of all that is told of ``figure``: differences are those of what is printed."""
+    """Return the decimals of all texts on ``figure``."""
     pairs = [lane.differences[figure.id].mean for lane in study.lanes if figure.id in lane.differences]
     return decimals_of([*estimates_of(figure, study.lanes), *pairs])
 
 
 def decimals_of(found: Sequence[Estimate]) -> int:
-    """Return the decimals for all estimates ``found`` of a figure: those that the least error needs.
+    """Return the decimals that the smallest error requires.
 
-    It has one digit, two where that is a 1; where there is no error to go by, up to three show the means.
+    It has one digit, or two if the first is a 1.
     """
     errors = [each.stderr for each in found if each.stderr is not None and each.stderr > numbers.NEGLIGIBLE]
     if errors:
@@ -139,7 +134,7 @@ def decimals_of(found: Sequence[Estimate]) -> int:
 
 
 def figure_text(x: float | None, decimals: int, glyphs: Glyphs) -> str:
-    """Return ``x`` with so many decimals: ``−47.1``, ``.82``, ``1,213``; a dash for None."""
+    """Return ``x`` with ``decimals``: ``−47.1``, ``.82``, or a dash."""
     if x is None or not math.isfinite(x):
         return numbers.missing(glyphs)
     if abs(x) >= _LARGEST:
@@ -150,7 +145,7 @@ def figure_text(x: float | None, decimals: int, glyphs: Glyphs) -> str:
 
 
 def estimate_text(estimate: Estimate | None, decimals: int, glyphs: Glyphs) -> str:
-    """Return ``−47.1 ± .5``: a mean and its standard error."""
+    """Return ``−47.1 ± .5``: mean and standard error."""
     if estimate is None:
         return figure_text(None, decimals, glyphs)
     mean = figure_text(estimate.mean, decimals, glyphs)
@@ -158,7 +153,7 @@ def estimate_text(estimate: Estimate | None, decimals: int, glyphs: Glyphs) -> s
 
 
 def error_text(stderr: float, decimals: int, glyphs: Glyphs) -> str:
-    """Return a standard error; 0 where all seeds agree, two digits where so many decimals show none."""
+    """Return a standard error, scientific if ``decimals`` are too few."""
     if stderr < numbers.NEGLIGIBLE:
         return "0"
     text = figure_text(stderr, decimals, glyphs)
@@ -166,10 +161,7 @@ def error_text(stderr: float, decimals: int, glyphs: Glyphs) -> str:
 
 
 def deviation(figure: StudyFigure, lane: LaneStudy) -> tuple[float, float] | None:
-    """Return by how many standard deviations of the seeds this seed is above the mean, and that deviation.
-
-    None where it is not known, or where all seeds agree.
-    """
+    """Return this seed's distance from the mean in standard deviations, and one deviation."""
     estimate, own = lane.estimates.get(figure.id), lane.this_seed.get(figure.id)
     if estimate is None or estimate.stderr is None or own is None:
         return None
@@ -181,11 +173,10 @@ def deviation(figure: StudyFigure, lane: LaneStudy) -> tuple[float, float] | Non
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Which of two lanes has the better figure so far: the one shown when the study began, or the other.
+    """The comparison of two runs by one figure, so far.
 
-    ``by`` is how much better it is on average, at least 0, with ``stderr``, and ``better_in`` the seeds in
-    which it is. It ``is_seen`` to be better from 32 seeds on, where 0 lies beyond three standard errors: one
-    looks at a study while it grows, and every look is another chance to be wrong.
+    ``by``: average advantage ≥ 0. ``better_in``: number of seeds. ``is_seen`` requires 32 seeds and 0 outside
+    three standard errors: people watch a study grow, and every look is another chance to be wrong.
     """
 
     is_shown_better: bool
@@ -198,7 +189,7 @@ class Verdict:
 
 
 def verdict_of(figure: StudyFigure, difference: PairedDifference) -> Verdict | None:
-    """Return what the differences say; None for fewer than two seeds."""
+    """Return the verdict, or None for fewer than two seeds."""
     mean, stderr, count = difference.mean.mean, difference.mean.stderr, difference.mean.count
     if stderr is None:
         return None

@@ -1,4 +1,4 @@
-"""Two lanes side by side: which stands left, what they are called, and where they would act differently."""
+"""Two runs side by side: order, titles, and differences."""
 
 from __future__ import annotations
 
@@ -28,13 +28,15 @@ from rl_tui.worlds.editing.carried import differing_choices
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 DIFFERS: Final = "◤"
-_TWO_DIGITS: Final = 10.0  # and more before the point leave out those behind it
+_TWO_DIGITS: Final = 10.0  # numbers from here on have no decimals
 
 
 def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
-    """Return the lane with the lower number and the other one, each as the one that is shown.
+    """Return both runs as shown ones, lower number first.
 
-    Raises ValueError where ``snapshot`` has no lane beside it.
+    Raises:
+        ValueError: There is no second run.
+
     """
     group, beside = snapshot.run_group, snapshot.beside
     if beside is None or group.beside is None:
@@ -46,25 +48,24 @@ def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
 
 @dataclass(frozen=True, slots=True)
 class GreedyDifferences:
-    """Where two lanes have other greedy actions, all ties counted.
+    """States in which two runs have different greedy actions, ties included.
 
-    Only states about which both have learned something count: updated, or with estimates that differ. In two
-    worlds these are the states that both have, the same cells or names.
+    Only states count that both runs have learned about. Two worlds are compared by matching cells or names.
     """
 
     states: frozenset[int]
-    """The states of the left lane where the greedy actions differ."""
+    """The differing states, by their number in the left run."""
     known: int
-    """In how many states both know something."""
+    """The number of states that both runs know."""
     is_part: bool
-    """Whether only those in view were looked at: of a large world no more is copied."""
+    """Whether only visible states of a large world were compared."""
     right: frozenset[int]
-    """The same states by their numbers in the right lane."""
+    """The differing states, by their number in the right run."""
     is_compared: bool = True
-    """Whether the lanes were compared: not where their maps are of two sizes, or of two large worlds."""
+    """Whether the worlds could be compared."""
 
     def words(self, lane: Snapshot) -> tuple[str, ...]:
-        """Return the count as a sentence, the longest form first; empty where nothing is known yet."""
+        """Return forms of the count as a sentence."""
         if not self.is_compared:
             return (
                 "other worlds: greedy actions are not compared",
@@ -85,7 +86,7 @@ class GreedyDifferences:
 
 
 class Differing(NamedTuple):
-    """States in which lanes differ: in ``greedy`` actions, and in those ``drawn``, a studied policy's."""
+    """States with other ``greedy`` actions, and with others ``drawn`` on the map."""
 
     greedy: frozenset[int]
     drawn: frozenset[int]
@@ -94,7 +95,7 @@ class Differing(NamedTuple):
 def differing_states(
     left: Snapshot, right: Snapshot, differences: GreedyDifferences
 ) -> tuple[Differing, Differing]:
-    """Return where ``left`` and ``right``, whose greedy actions have ``differences``, differ: for each."""
+    """Return the differing states for each run."""
     drawn = differences
     if studied_kind(left) is not None and studied_kind(right) is not None:
         drawn = greedy_differences(as_studied(left), as_studied(right))
@@ -104,9 +105,9 @@ def differing_states(
 def name_panels(
     panels: Iterable[BoardPanel], lane: Snapshot, differing: Differing, *, is_led: bool, look: Look
 ) -> None:
-    """Write on world and table, for their next picture, which ``lane`` they show and where it differs.
+    """Set titles and differences of ``lane`` on world and table.
 
-    ``is_led`` says that keys and sliders are about this lane.
+    ``is_led``: keys and sliders control this run.
     """
     number = f"{look.glyphs.cursor if is_led else ''}{lane.run_group.shown + 1}"
     for panel in panels:
@@ -119,7 +120,7 @@ def name_panels(
 
 
 def stand_alone(panel: BoardPanel) -> None:
-    """Let ``panel`` be that of the only lane in view."""
+    """Make ``panel`` the panel of a single run."""
     panel.is_led = False
     if isinstance(panel, WorldView):
         panel.lane, panel.results, panel.note, panel.differing = (), (), (), frozenset()
@@ -128,9 +129,9 @@ def stand_alone(panel: BoardPanel) -> None:
 
 
 def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
-    """Return what stands on the border of the world of ``lane``, the longest form first.
+    """Return titles for the world of ``lane``.
 
-    Of somebody's program no setting is said: which ε it explores by, for one, nobody knows.
+    A program's settings are unknown and left out.
     """
     if lane.program is not None:
         known = f" · {lane.agent.row.name}" if lane.agent.row is not OWN_PROGRAM else ""
@@ -149,7 +150,7 @@ def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
 
 
 def lane_results(lane: Snapshot, look: Look) -> tuple[Line, ...]:
-    """Return the lines beside the world of ``lane``: greedy return, then return and steps of the agent."""
+    """Return lines with greedy return, return and steps."""
     results, palette = lane.results, look.palette
     own = palette.lanes[lane.run_group.shown % len(palette.lanes)]
     greedy = None if hides_greedy(lane) else results.greedy_return
@@ -170,7 +171,7 @@ def _brief(value: float, look: Look) -> str:
 
 
 def greedy_differences(left: Snapshot, right: Snapshot) -> GreedyDifferences:
-    """Return where ``left`` and ``right`` would act differently."""
+    """Return where greedy actions differ."""
     if not are_alike(left.world, right.world):
         return _differences_of_worlds(left, right)
     space = left.world.space
@@ -188,7 +189,6 @@ def greedy_differences(left: Snapshot, right: Snapshot) -> GreedyDifferences:
 
 
 def _differences_of_worlds(left: Snapshot, right: Snapshot) -> GreedyDifferences:
-    """Return where lanes in two worlds would act differently; nothing of large ones, which are not copied."""
     is_large = left.agent.part is not None or right.agent.part is not None
     if is_large or not are_same_size(left.world, right.world):
         return GreedyDifferences(frozenset(), 0, is_large, frozenset(), is_compared=False)
@@ -209,7 +209,7 @@ def _differences_of_worlds(left: Snapshot, right: Snapshot) -> GreedyDifferences
 
 
 def _states_held(left: Snapshot, right: Snapshot) -> tuple[IntArray, bool]:
-    """Return the states with actions whose estimates both snapshots have, and whether there are more."""
+    """Return the states in both snapshots, and whether they are only a part."""
     first = left.world.space.first_pair
     parts = [each.agent.part for each in (left, right)]
     if parts[0] is None or parts[1] is None:
@@ -223,13 +223,13 @@ def _states_held(left: Snapshot, right: Snapshot) -> tuple[IntArray, bool]:
 def _greedy(
     agent: AgentView, pairs: IntArray, first: IntArray, count: IntArray
 ) -> tuple[BoolArray, BoolArray]:
-    """Return which of ``pairs`` are greedy, and of which of their states anything is known.
+    """Return which ``pairs`` are greedy, and which states are known.
 
-    Where policy iteration keeps a policy, they are those of that, as on the map.
+    A policy kept by policy iteration counts as greedy, as on the map.
     """
     q = agent.q[pairs]
     best = np.maximum.reduceat(q, first)
     knows = (np.maximum.reduceat(agent.visits[pairs], first) > 0) | (best != np.minimum.reduceat(q, first))
-    knows &= ~np.isnan(best)  # of a program without a table nothing is
+    knows &= ~np.isnan(best)  # unknown for a program without a table
     is_greedy = agent.policy[pairs] > 0.0 if len(agent.policy) else q == np.repeat(best, count)
     return is_greedy, knows

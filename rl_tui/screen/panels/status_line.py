@@ -1,4 +1,4 @@
-"""One row: what runs, whether it runs, how fast, and how far it has come."""
+"""The status line: world, phase, speed, and progress of the run."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ PROGRAM_ENDED: Final = "your program has ended"
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
 _LEAST_TITLE: Final = 12
-COMPILING: Final = "compiling"  # shown for the speed while machine code is compiled
+COMPILING: Final = "compiling"  # shown instead of the speed while machine code is compiled
 IN_PYTHON: Final = "in Python"  # no machine code
-_CHIP: Final = 13  # columns of what the run does
-_SPEED_COLUMNS: Final = (8, 15)  # in short, and in words
+_CHIP: Final = 13  # columns of the phase
+_SPEED_COLUMNS: Final = (8, 15)  # short and long form
 _BETWEEN: Final = " · "
-_KEEPS_UP: Final = 0.8  # from this share of the wanted speed on, the measured one is not shown beside it
+_KEEPS_UP: Final = 0.8  # share of the wanted speed above which the measured one is not shown
 _SPEED_RANK: Final = 3  # above all others
-_SHARE: Final = 0.8  # of a line that has the scale too, with the room of a title
+_SHARE: Final = 0.8  # of a line that also has the scale, including a title
 
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """A part of fixed width, so that nothing moves; the highest ``rank`` is left out first."""
+    """A part of fixed width. High ``rank`` is dropped first."""
 
     text: str
     columns: int
@@ -51,13 +51,13 @@ class _Field:
 
 
 class WaitingRow(Panel):
-    """A panel with a row that says what is waited for, see :func:`waiting_line`."""
+    """A panel with a row for :func:`waiting_line`."""
 
     unanswered = 0
-    """For how many seconds the environment has not answered, where that is long."""
+    """Seconds without an answer of the environment, or 0."""
 
     def show_unanswered(self, seconds: float) -> None:
-        """Say for how many seconds the environment has not answered, if that is long."""
+        """Show the seconds without an answer, if many."""
         shown = int(seconds) if seconds >= _WORTH_SHOWING else 0
         if shown != self.unanswered:
             self.unanswered = shown
@@ -65,24 +65,24 @@ class WaitingRow(Panel):
 
 
 class StatusLine(WaitingRow):
-    """Draws phase, speed, episode under way and steps of the newest snapshot; a message takes the whole row.
+    """Phase, speed, episode and steps, or a message.
 
-    ``is_manual`` says that a person takes the steps, ``is_captioned`` that a caption says what is waited for.
+    ``is_manual``: a person acts. ``is_captioned``: a caption says why the run waits.
     """
 
     is_manual = is_captioned = False
     title = ""
-    """That of the scenario, until the first snapshot says it."""
+    """The title of the scenario, until the first snapshot provides it."""
     _session = ""
 
     def name_session(self, name: str) -> None:
-        """Say what a person called the session; ``name`` is empty without one."""
+        """Show the name of the session."""
         if name != self._session:
             self._session = name
             self.redraw()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the row, and blank ones below it."""
+        """Return the row, padded with blank ones."""
         line = status_line(
             snapshot,
             self.look,
@@ -107,10 +107,9 @@ def status_line(
     session: str = "",
     scenario: str = "",
 ) -> Line:
-    """Return the row for ``width`` cells, with ``scenario`` while there is no snapshot.
+    """Return the row, without a snapshot with ``scenario``.
 
-    With ``is_captioned`` a caption says what is waited for. ``session`` is the name of the session, empty
-    without one: it stands there where there is room. For the rest see :func:`waiting_line`.
+    ``is_captioned``: a caption says why the run waits. For the rest see :func:`waiting_line`.
     """
     palette = look.palette
     waits = waiting_line(snapshot, look, width, unanswered=unanswered, scenario=scenario)
@@ -129,10 +128,7 @@ def status_line(
 
 
 def how_far(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> tuple[Piece, ...]:
-    """Return what the run does and how far it has come, in little more than half of ``width`` cells.
-
-    It is empty where :func:`waiting_line` says more.
-    """
+    """Return phase and progress, unless :func:`waiting_line` has a text."""
     if waiting_line(snapshot, look, width) is not None:
         return ()
     fields = _fields(snapshot, look, width, is_manual=is_manual, is_captioned=True)[1:]
@@ -143,10 +139,9 @@ def how_far(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> t
 def waiting_line(
     snapshot: Snapshot | None, look: Look, width: int, *, unanswered: int = 0, scenario: str = ""
 ) -> Line | None:
-    """Return the row that says why a run has stopped or what it waits for; None where it does neither.
+    """Return why a run has stopped or waits, or None.
 
-    ``unanswered`` is for how many seconds the environment has not answered, 0 where it does. ``scenario`` is
-    the title to show while there is no snapshot.
+    ``unanswered``: seconds without an answer of the environment. ``scenario``: title without a snapshot.
     """
     palette, glyphs = look.palette, look.glyphs
     if unanswered:
@@ -164,7 +159,7 @@ def waiting_line(
         return [Piece(f" {title} " if title else "", palette.strong), Piece(f" {WAITING}", palette.dim)]
     if snapshot.playback.phase is Phase.STOPPED:
         said = snapshot.playback.message
-        # of a program what it raised is worth more than that it stopped, which the sign says
+        # the error of a program matters more than the fact that it stopped, which has a sign
         forms = (f"stopped: {said}",) if snapshot.program is None else (said, said.partition(": ")[2] or said)
         texts = [to_ascii(f" {glyphs.stopped} {each}", glyphs) for each in forms]
         fitting = next((each for each in texts if cell_len(each) <= width), texts[-1])
@@ -188,7 +183,7 @@ def _pieces(field: _Field, look: Look) -> list[Piece]:
 
 
 def _fitting(fields: list[_Field], width: int) -> list[_Field]:
-    """Return the ``fields`` that fit beside a title; a long state is worth more than that, the speed most."""
+    """Return the ``fields`` that fit beside a title, the speed last to go."""
 
     def room_beside(kept: list[_Field]) -> int:
         return width - sum(field.columns + _GAP for field in kept)
@@ -272,7 +267,7 @@ def _speed(snapshot: Snapshot, *, wide: bool) -> str:
     if wide:
         return numbers.long_rate(speed)
     keeps_up = wanted is not None and speed >= _KEEPS_UP * wanted
-    # then the state beside it says enough, where it names the wanted speed
+    # then the phase beside it is enough, if it names the wanted speed
     is_said = keeps_up and not snapshot.playback.until and not snapshot.timeline.in_past
     return "" if is_said else numbers.rate(speed)
 
@@ -286,7 +281,7 @@ def _state(look: Look, most: int, doing: tuple[str, str, bool]) -> _Field:
 
 
 def _doing(snapshot: Snapshot, look: Look, *, is_manual: bool, is_captioned: bool) -> tuple[str, str, bool]:
-    """Return a sign and words for what the run does, and whether a person takes its steps."""
+    """Return sign and words of the phase, and whether a person acts."""
     glyphs, playback, in_past = look.glyphs, snapshot.playback, snapshot.timeline.in_past
     is_program = snapshot.program is not None
     if playback.phase is Phase.SPENT:

@@ -1,4 +1,4 @@
-"""The timeline: a row below the curve, with marks of events and a handle that goes to any step."""
+"""The timeline: a row with event marks and a handle."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ from rl_tui.worlds.mdp.space import IntArray
 # The row
 
 
-_POLICIES: Final = 8  # changes of the greedy policy that are marked: the last ones
-_APART: Final = 0.04  # of the track, between two of them, and
-_CELLS_APART: Final = 3  # at least: else they are a comb
+_POLICIES: Final = 8  # marked changes of the greedy policy: the last ones
+_APART: Final = 0.04  # of the track: distance between two of them, and
+_CELLS_APART: Final = 3  # at least, so that they do not look like a comb
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """The ``columns`` from column ``start`` on that ``axis`` takes, with the steps 0 to ``end`` on it."""
+    """The ``columns`` from ``start`` on that show ``axis``, until step ``end``."""
 
     start: int
     columns: int
@@ -52,15 +52,15 @@ class Track:
 
     @property
     def cells(self) -> int:
-        """How many columns the branch takes, as far as it has come."""
+        """The columns that the branch covers."""
         return min(self.columns, self.column_of(self.axis.episode_of(self.end)) + 1)
 
     def column_of(self, episode: float) -> int:
-        """Return the column, from 0, of a number of episodes."""
+        """Return the column of a number of episodes."""
         return min(self.columns - 1, int(episode / self.axis.right * self.columns))
 
     def cells_of(self, steps: IntArray) -> IntArray:
-        """Return the cell, from 0, of each of ``steps``; only the end is in the last one."""
+        """Return the cell of each of ``steps``. The last is for the end only."""
         last = self.cells - 1
         places = np.interp(steps, self.axis.step, self.axis.episode) / self.axis.right * self.columns
         before_end = np.minimum(places.astype(np.int64), max(0, last - 1))
@@ -71,7 +71,7 @@ class Track:
         return int(self.cells_of(np.array([step]))[0])
 
     def step_at(self, cell: int) -> int:
-        """Return the step in the middle of ``cell``; the first and the last cell count as the ends."""
+        """Return the step in the middle of ``cell``, or the end."""
         last = self.cells - 1
         if cell >= last:
             return self.end
@@ -80,7 +80,7 @@ class Track:
 
 @dataclass(frozen=True, slots=True)
 class TimelineState:
-    """What a timeline shows of ``snapshot``. The handle is ``at`` a step, even if the run is on its way."""
+    """The displayed state. The handle is ``at`` a step before the run gets there."""
 
     snapshot: Snapshot
     at: int
@@ -88,19 +88,19 @@ class TimelineState:
 
     @property
     def unit(self) -> str:
-        """What the axis counts, in short."""
+        """The short name of the unit of the axis."""
         is_bandit = isinstance(self.snapshot.world.drawing, Arms)
         return "sweep" if self.snapshot.agent.row.planner else "pull" if is_bandit else "ep"
 
     @property
     def known(self) -> Furthest:
-        """What is known of the branch: all that it has reached, else what the run has."""
+        """The furthest known state of the branch."""
         here = Furthest(self.snapshot.counters, self.snapshot.results)
         return (self.snapshot.timeline.in_past and self.snapshot.timeline.furthest) or here
 
 
 def track_of(snapshot: Snapshot, look: Look, width: int) -> Track:
-    """Return the track in ``width`` cells: it has the columns of the curve."""
+    """Return the track, with the columns of the curve."""
     columns = plot_columns(snapshot, look, width)
     return Track(columns.left, columns.columns, episode_axis(snapshot), snapshot.timeline.current.end)
 
@@ -184,7 +184,7 @@ def _cells(branch: Branch, kind: type | UnionType, track: Track) -> set[int]:
 
 
 def first_reward(curve: Curve) -> float | None:
-    """Return after which episode the first reward came; None where none has, or where that means little."""
+    """Return the episodes before the first reward, or None."""
     rewarded = np.flatnonzero(curve.return_high > NEGLIGIBLE)
     if not len(rewarded) or curve.return_low.min() < -NEGLIGIBLE:
         return None
@@ -202,7 +202,7 @@ def _policies(state: TimelineState, track: Track) -> list[int]:
     same = np.isclose(values[1:], values[:-1], rtol=0.0, atol=NEGLIGIBLE, equal_nan=True)
     apart = max(_CELLS_APART, math.ceil(_APART * track.columns))
     cells = [track.column_of(episode) for episode in marks.episode[1:][~same].tolist()]
-    # one in each stretch of the track: chosen from the newest on, all would move with every new one
+    # one per stretch of the track: chosen from the newest, all would move with every new one
     first_in = {cell // apart: cell for cell in reversed(cells)}
     return sorted(first_in.values())[-_POLICIES:]
 
@@ -218,7 +218,7 @@ HINTS: Final = (
 
 
 class TimelineBar(Draggable, Panel, can_focus=True):
-    """Shows the current branch; keys, click and drag move the handle to another moment."""
+    """The current branch, with a handle for other moments."""
 
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -252,11 +252,11 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     @property
     def at(self) -> int:
-        """The step that the handle stands at."""
+        """The step of the handle."""
         return self._at(self._timeline)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the row, and blank ones below it."""
+        """Return the row, padded with blank ones."""
         rows = [Strip.blank(width, self.look.palette.text)] * height
         if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
             return rows
@@ -266,7 +266,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
     # Keys
 
     def action_move(self, distance: str, direction: int) -> None:
-        """Move the handle by one ``step``, by a ``cell`` of the track, or by a ``tenth`` of the run."""
+        """Move the handle by a ``step``, a ``cell`` or a ``tenth``."""
         track, at = self._track, self.at
         if track is None:
             return
@@ -281,21 +281,21 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         self._seek(self._timeline.current.end if last else 0)
 
     def watch_has_focus(self, has_focus: bool) -> None:
-        """Show the focus, or that it is gone."""
+        """Show or hide the focus."""
         super().watch_has_focus(has_focus)
         self.redraw()
 
     # Mouse
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Take hold of the handle, which jumps to the pointer."""
+        """Move the handle to the pointer and hold it."""
         offset, track = event.get_content_offset(self), self._track
         if event.button != 1 or offset is None or track is None or offset.x < track.start:
             return
         self.take_hold(offset.x)
 
     def drag_to(self, column: int) -> None:
-        """Ask for the moment that belongs to ``column``."""
+        """Request the moment at ``column``."""
         if (track := self._track) is not None:
             self._seek(track.step_at(column - track.start))
 

@@ -1,4 +1,4 @@
-"""What an author wants to know of the world in force: a row each as it is worked out, and warnings."""
+"""The world check: results and warnings on the current world."""
 
 from __future__ import annotations
 
@@ -28,23 +28,23 @@ WAITING: Final = "computing in the background …"
 OUTDATED: Final = "outdated; recomputing …"
 FINE: Final = "sound: no warnings"
 _GIVE_AWAY: Final = frozenset({"best_return", "shortest_way", "flips"})
-"""What would reveal the exact answer."""
+"""Rows that would reveal the exact values."""
 _TELL_MEANS: Final = frozenset({"random_return", "first_update"})
-"""What would reveal the means of arms."""
+"""Rows that would reveal the means of arms."""
 _NUMBERS: Final = frozenset({"random_return", "best_return", "shortest_way"})
 _LABEL: Final = max(map(len, LABELS.values())) + 2
 _BESIDE: Final = 34
-"""Columns from which on texts stand beside their labels, else below them."""
+"""Least columns for texts beside their labels."""
 
 
 class WorldCheckPanel(ScrolledPanel):
-    """How far the check has come, the warnings, and its rows; arrows scroll."""
+    """The progress of the check, its warnings and rows."""
 
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("world_check")
     title = TITLE
 
     def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterator[Block]:
-        """Yield what is known of the check."""
+        """Yield the known results of the check."""
         palette, view = self.look.palette, None if snapshot is None else snapshot.world_check
         if snapshot is None or view is None:
             yield Text(WAITING, palette.dim)
@@ -54,7 +54,7 @@ class WorldCheckPanel(ScrolledPanel):
         if report is None or world is None:
             return
         warnings = report.warnings
-        if warnings and is_secret(snapshot):  # they may tell what the best policy does, or what arms pay
+        if warnings and is_secret(snapshot):  # they may reveal the optimal policy or the rewards of arms
             warnings = (f"warnings: {shown_by(snapshot, 'them')}",)
         for warning in warnings:
             yield Text(warning, palette.dim if view.is_outdated else palette.bad, " ! ", "   ")
@@ -109,7 +109,7 @@ def _said(row: CheckRow, snapshot: Snapshot, view: WorldCheckView, look: Look) -
 
 
 def _unbroken(text: str, look: Look) -> str:
-    """Return ``text`` with the minus sign of the screen, and γ on one line with its value."""
+    """Return ``text`` with a minus sign, and γ next to its value."""
     if text.startswith("-"):
         text = f"{look.glyphs.minus}{text[1:]}"
     return text.replace("γ ", f"γ{KEPT_BLANK}")

@@ -19,12 +19,12 @@ _VIEWS: Final[dict[type[Drawing], type[WorldView]]] = {Grid: GridView, Graph: Gr
 
 
 def make_world_view(world: World, look: Look, **options: Any) -> WorldView:
-    """Return the view for how ``world`` is drawn, with the ``options`` of a widget."""
+    """Return the view for the drawing of ``world``."""
     return _VIEWS[type(world.drawing)](world, look, **options)
 
 
 class WorldPlaceholder(Static, BoardPanel):
-    """Stands in the place of the view until the first snapshot tells its kind."""
+    """Replaces the view until the first snapshot shows its kind."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(f"preparing {look.glyphs.ellipsis}", id=id, classes=classes)

@@ -1,4 +1,4 @@
-"""Figures of the book, recomputed with few runs, and what holds of learning in them."""
+"""Figures of the book, recomputed with few runs, and their claims about learning."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def row(name: str, start: str) -> BookComparison:
 
 
 def is_above(comparison: BookComparison) -> bool:
-    """Whether a mean of paired differences lies above 0 by more than four standard errors."""
+    """Whether a mean of paired differences is above 0 by more than four standard errors."""
     assert comparison.ours is not None
     assert comparison.stderr is not None
     return comparison.ours > 4 * comparison.stderr
@@ -146,7 +146,7 @@ def test_a_curve_that_never_gets_short_has_no_first_short_episode() -> None:
 
 
 def shown(name: str) -> list[str]:
-    """What docs/how-to/charts-and-book-figures.md has as ours of a figure, row by row."""
+    """Our results for a figure in docs/how-to/charts-and-book-figures.md, row by row."""
     page = (Path(__file__).parents[3] / "docs/how-to/charts-and-book-figures.md").read_text(encoding="utf-8")
     rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("|")]
     first = next(
@@ -168,12 +168,12 @@ def test_the_documentation_has_the_numbers_that_are_measured(name: str) -> None:
 
 
 def rounded(value: float | None, like: str) -> str:
-    """``value`` with as many decimals as the text ``like`` has."""
+    """``value`` with the number of decimals in ``like``."""
     assert value is not None
     return f"{value:,.{len(like.partition('.')[2])}f}".replace("-", "−")
 
 
-# What all have in common
+# Rules for all figures
 
 
 def test_seeds_determine_a_figure_and_other_seeds_another_one() -> None:

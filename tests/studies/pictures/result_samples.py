@@ -1,4 +1,4 @@
-"""Documents as commands print them."""
+"""JSON documents in the form that commands print."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ def spread(mean: float | None, **more: Any) -> dict[str, Any]:
 
 
 def area(settings: Mapping[str, Any]) -> float:
-    """Some number for each cell, another one everywhere."""
+    """A made-up number for each cell, different everywhere."""
     words = {"sarsa": 0.5, "q-learning": 0.25, "cliff": 0.0, "maze": 3.0}
     return sum(float(words.get(value, value)) for value in settings.values() if not isinstance(value, bool))
 
 
 def sweep(*cells: Mapping[str, Any], **more: Any) -> dict[str, Any]:
-    """A document of ``sweep --json`` with these cells, of which the first is the best."""
+    """A document of ``sweep --json`` with these cells. The first is the best."""
     made = [
         {
             **settings,
@@ -54,7 +54,7 @@ def sweep(*cells: Mapping[str, Any], **more: Any) -> dict[str, Any]:
 
 
 def grid(*algorithms: str) -> list[dict[str, Any]]:
-    """The cells of two settings with numbers, for each of ``algorithms`` where there are some."""
+    """The cells of two settings with numbers, for each of ``algorithms`` if there are any."""
     return [
         {"alpha": alpha, "epsilon": epsilon, **({"algorithm": algorithm} if algorithm else {})}
         for alpha in STEP_SIZES

@@ -1,4 +1,4 @@
-"""Nothing is cut off, nothing overlaps."""
+"""No text is truncated, and no texts overlap."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ PICTURES = {
 
 
 def box_of(text: Text) -> Rectangle:
-    """What room a text is given."""
+    """The box of a text."""
     width = text_width(text.text, text.size)
     left = text.x - {"start": 0.0, "middle": width / 2, "end": width}[text.anchor]
     return Rectangle(left, text.y - 0.75 * text.size, width, text.size)
@@ -133,7 +133,7 @@ def test_cells_have_the_colour_of_their_value_and_the_best_a_frame() -> None:
         colours.MISSING,
     ]
     dots = [shape for shape in page.shapes if isinstance(shape, Disc)]
-    assert len(dots) == 2  # of the cell that is as good, and of the line that says what that means
+    assert len(dots) == 2  # of the tied cell, and of the line that explains it
     said = [text.text for text in texts(page)]
     assert {"0", "5", "10", "the best", "tied with the best"} <= set(said)
 

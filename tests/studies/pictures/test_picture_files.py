@@ -69,7 +69,7 @@ def test_any_text_can_stand_in_an_svg(name: str) -> None:
     assert any(each.startswith(name[:4]) for each in shown)
 
 
-@pytest.mark.process  # Matplotlib asks another for the fonts, the first time
+@pytest.mark.process  # Matplotlib starts another process for the fonts, the first time
 def test_a_png_has_the_size_of_the_layout() -> None:
     png = png_of(SAMPLE)
     assert png.startswith(b"\x89PNG")
@@ -80,7 +80,7 @@ def test_a_png_has_the_size_of_the_layout() -> None:
     assert b"Of a test" in png
 
 
-@pytest.mark.process  # Matplotlib asks another for the fonts, the first time
+@pytest.mark.process  # Matplotlib starts another process for the fonts, the first time
 def test_a_png_has_the_colours_of_the_shapes(tmp_path: Path) -> None:
     from matplotlib.image import imread
 
@@ -91,12 +91,12 @@ def test_a_png_has_the_colours_of_the_shapes(tmp_path: Path) -> None:
     assert {(255, 255, 255), (0xFB, 0xF8, 0xD0), (0x1A, 0x34, 0x70)} <= seen
 
 
-@pytest.mark.process  # Matplotlib asks another for the fonts, the first time
+@pytest.mark.process  # Matplotlib starts another process for the fonts, the first time
 def test_dollars_are_no_mathematics() -> None:
     assert png_of(picture(chart(curve("$x_", [1.0, 2.0])))).startswith(b"\x89PNG")
 
 
-@pytest.mark.process  # Matplotlib asks another for the fonts, the first time
+@pytest.mark.process  # Matplotlib starts another process for the fonts, the first time
 def test_the_end_of_the_name_says_which_kind(tmp_path: Path) -> None:
     for name, start in (("a.svg", b"<svg"), ("a.PNG", b"\x89PNG")):
         with picture_file(tmp_path / name) as write:

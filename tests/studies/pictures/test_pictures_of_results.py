@@ -129,7 +129,7 @@ def test_axes_and_measure_can_be_chosen() -> None:
     arrival = drawn(document, measure="arrival").panels[0]
     assert isinstance(arrival, AtlasChart)
     assert {value for row in arrival.values for value in row} == {7.0}
-    # cells are compared by another measure, and so nothing is marked
+    # another metric compares the cells, and so nothing is marked
     assert (arrival.best, arrival.marked) == (None, set())
     assert any("not arrived" in note for note in drawn(document, measure="arrival").notes)
 
@@ -162,7 +162,7 @@ def test_means_of_some_runs_alone_are_told() -> None:
     document = sweep(*grid())
     assert drawn(document).notes == ()
     document["cells"][2]["area"]["count"] = 17
-    assert any("runs alone" in note for note in drawn(document).notes)
+    assert any("leave out runs" in note for note in drawn(document).notes)
 
 
 @pytest.mark.parametrize(
@@ -202,7 +202,7 @@ def test_a_measure_that_no_cell_has() -> None:
 
 
 def test_what_does_not_go_together() -> None:
-    with pytest.raises(UserError, match="drawn alone"):
+    with pytest.raises(UserError, match="cannot share a chart"):
         drawn(sweep(*grid()), runs(CURVE))
     with pytest.raises(UserError, match="for sweeps"):
         drawn(runs(CURVE), x="alpha")

@@ -1,4 +1,4 @@
-"""The store of a sweep is drawn as its JSON is."""
+"""A picture of a sweep's store equals a picture of its JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Arrivals: those that are not seen are neither dropped nor counted as late."""
+"""Arrivals (episodes to 95 %): unseen ones are neither dropped nor counted as late."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_another_unit_of_time_changes_nothing_else(times: list[float], scale: fl
 
 
 def test_a_run_that_was_watched_for_less_counts_as_long_as_it_was_seen() -> None:
-    # At 4 one of four arrives; the third was watched until 6, so at 8 one of two does
+    # At 4 one of four arrives. The third was watched until 6, so at 8 one of two does
     found = arrivals_of(np.array([4.0, 8.0, NEVER, NEVER]), np.array([10.0, 10.0, 6.0, 10.0]))
     assert found.median == 8.0
     assert found.restricted_mean == pytest.approx(4 * 1 + 4 * 3 / 4 + 2 * 3 / 8)

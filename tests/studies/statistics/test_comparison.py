@@ -1,4 +1,4 @@
-"""Which cells cannot be told from the best: against plain tests, by properties, and how often it errs."""
+"""Cells tied with the best: compared with plain tests, checked by properties, and by error rate."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def five_best(seed: int = 1, runs: int = 30) -> np.ndarray:
 
 
 def plainly(values: np.ndarray) -> set[int]:
-    """The cells that are alike, one test after the other."""
+    """The tied cells, found by one test after the other."""
     best = max(range(len(values)), key=lambda cell: np.nanmean(values[cell]))
     tests = []
     for cell in set(range(len(values))) - {best}:
@@ -58,8 +58,8 @@ def test_it_is_as_paired_tests_one_after_the_other(seed: int, missing: float) ->
 @pytest.mark.parametrize("sweep", ["20 normal", "20 mostly learned", "20 of 0 or 1, evenly"])
 def test_equal_cells_are_called_different_in_five_percent_at_most(sweep: str) -> None:
     trials = 600
-    # Were the truth 5 %, more than this would come once in a thousand times. Without the correction for the
-    # choice of the best it is a third of all
+    # If the truth were 5 %, a larger share would occur once in a thousand times. Without the correction for
+    # the choice of the best it is a third
     assert errors(sweep, 30, trials) * trials <= scipy.stats.binom.ppf(0.999, trials, ERROR)
 
 
@@ -108,7 +108,7 @@ def test_a_cell_that_ran_away_hides_no_difference_between_others() -> None:
 def test_cells_with_few_seeds_in_common_are_not_compared() -> None:
     values = np.full((5, 20), NOTHING)
     values[0, :10], values[1, 10:], values[2, 1:11] = 1.0, 0.5, 0.5
-    values[3, 0], values[4] = 9.0, np.arange(20) - 50.0  # a single run is no best cell
+    values[3, 0], values[4] = 9.0, np.arange(20) - 50.0  # a single run cannot be a best cell
     found = not_different(values)
     assert found.best == 0
     assert list(found.compared) == [True, False, False, False, True]

@@ -1,4 +1,4 @@
-"""The middle of many runs and the interval of their mean: against SciPy, by properties, by coverage."""
+"""The mean of many runs and its interval: compared with SciPy, checked by properties and coverage."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MANY = st.lists(NUMBERS, min_size=FEWEST_RUNS, max_size=40)
 
 
 class Drawn:
-    """What SciPy takes for a bootstrap that was done before."""
+    """A finished bootstrap, in the form that SciPy accepts."""
 
     def __init__(self, means: np.ndarray) -> None:
         self.bootstrap_distribution = means
@@ -42,12 +42,12 @@ def drawn(runs: int, seed: int = 3) -> np.ndarray:
 
 
 def reach(runs: int) -> float:
-    """The confidence that makes up for the narrowness of ``runs`` values."""
+    """The confidence that corrects the narrowness of intervals of ``runs`` values."""
     quantile = scipy.stats.t.ppf(0.5 + CONFIDENCE / 2, runs - 1) * math.sqrt(runs / (runs - 1))
     return float(scipy.stats.norm.cdf(quantile) - scipy.stats.norm.cdf(-quantile))
 
 
-@pytest.mark.parametrize("runs", [16, 30, MOST_RESAMPLED])  # many enough that no resample is the sample
+@pytest.mark.parametrize("runs", [16, 30, MOST_RESAMPLED])  # enough that no resample equals the sample
 def test_it_is_the_bca_interval_of_scipy_over_the_sameresamples(runs: int) -> None:
     values = drawn(runs)
     means = values[resamples(runs, 5)].mean(axis=0)
@@ -86,7 +86,7 @@ def test_every_value_is_drawn_as_often_as_any_other_and_each_resample_has_its_mi
 def test_it_covers_the_true_mean_in_93_to_97_percent(kind: str, runs: int) -> None:
     trials = 1_000
     covered = coverage_of_mean(kind, runs, trials).covered
-    # Were the truth 93 or 97 %, so few trials would stray further than this once in a thousand times
+    # If the truth were 93 or 97 %, this few trials would deviate further only once in a thousand times
     assert (
         scipy.stats.binom.ppf(0.001, trials, 0.93)
         <= covered * trials
@@ -181,7 +181,7 @@ def test_the_order_of_runs_makes_no_difference_to_a_bit(values: list[float], ran
 @given(values=MANY)
 def test_asked_again_after_others_it_gives_the_same_bits(values: list[float]) -> None:
     before = summary_of(values)
-    for runs in range(FEWEST_RUNS, FEWEST_RUNS + 20):  # more than are kept
+    for runs in range(FEWEST_RUNS, FEWEST_RUNS + 20):  # more than the limit
         summary_of(drawn(runs))
     assert summary_of(values) == before
 

@@ -1,4 +1,4 @@
-"""How much settings of its own are worth to each scenario."""
+"""The gain from individual settings for each scenario."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SCORES = arrays(
 
 
 def test_it_is_the_best_for_each_less_the_best_for_all() -> None:
-    # Scenarios 0 and 1 want opposite settings; the middle one is the compromise
+    # Scenarios 0 and 1 need opposite settings. The middle one is the compromise
     scores = np.array([[0.9, 0.7, 0.1], [0.2, 0.6, 1.0]])
     found = sensitivity_of(scores[:, :, np.newaxis], ZERO, ONE)
     assert list(found.best) == [0, 2]

@@ -1,4 +1,4 @@
-"""The best cell again on fresh seeds."""
+"""The best cell, trained again on fresh seeds."""
 
 from __future__ import annotations
 

@@ -12,14 +12,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Final
 
-LONGEST_START: Final = 60.0  # seconds; a machine may be busy
+LONGEST_START: Final = 60.0  # seconds, for a busy machine
 _HERE: Final = Path(__file__).parent
 _ALLOWED_FAILURES: Final = "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"
 _QUIET: Final = {"DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning"}
 
 
 class Cluster:
-    """A scheduler, and the workers that are started; all of them end with the ``with`` block."""
+    """A scheduler and its workers. All of them end with the ``with`` block."""
 
     def __init__(self, folder: Path, allowed_failures: int | None = None) -> None:
         self._folder = folder
@@ -51,7 +51,7 @@ class Cluster:
     def start(
         self, number: int, environment: Mapping[str, str] | None = None, preload: str = ""
     ) -> list[str]:
-        """Start so many workers of one thread, each of which runs ``preload`` first; return their addresses.
+        """Start workers of one thread, each of which runs ``preload`` first and return their addresses.
 
         ``environment`` is added to theirs.
         """
@@ -70,19 +70,18 @@ class Cluster:
 
     @property
     def workers(self) -> list[str]:
-        """The addresses of the workers that are there."""
+        """The addresses of the present workers."""
         return list(self._addresses().values())
 
     def kill(self, address: str) -> None:
-        """Kill the worker at ``address`` on the spot."""
         self._signal(address, signal.SIGKILL).wait()
 
     def hold(self, address: str) -> None:
-        """Stop the worker at ``address``: it is there, but does nothing."""
+        """Stop the worker at ``address``: it stays connected, but does nothing."""
         self._signal(address, signal.SIGSTOP)
 
     def is_busy(self, address: str) -> bool:
-        """Return whether the worker at ``address`` has something to do."""
+        """Return whether the worker at ``address`` has work."""
         return bool(self.client.processing().get(address))
 
     def clear(self) -> None:
@@ -96,16 +95,15 @@ class Cluster:
             pass
 
     def kill_scheduler(self) -> None:
-        """Kill the scheduler on the spot."""
         self._scheduler.send_signal(signal.SIGKILL)
         self._scheduler.wait()
 
     def dead(self) -> int:
-        """Return how many workers have ended."""
+        """Return the number of ended workers."""
         return sum(process.poll() is not None for process in self._workers.values())
 
     def events(self, worker: str) -> list[Mapping[str, Any]]:
-        """Return what the scheduler notes of ``worker``."""
+        """Return the scheduler's log of ``worker``."""
         return [event for _, event in self.client.get_events(worker)]
 
     def _signal(self, address: str, number: signal.Signals) -> subprocess.Popen[bytes]:

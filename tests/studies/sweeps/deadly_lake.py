@@ -1,4 +1,4 @@
-"""An environment that kills the process that it is in, for one seed and where that is allowed."""
+"""An environment that kills its own process, for one seed and only with permission."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ ALLOWED: Final = "DEADLY_LAKE"
 
 
 class DeadlyLake(FrozenLakeEnv):
-    """The frozen lake, whose ``reset`` with the seed ``deadly`` kills."""
+    """The frozen lake. Its ``reset`` with the seed ``deadly`` kills the process."""
 
     def __init__(self, deadly: int = -1, **settings: Any) -> None:
         super().__init__(**settings)
         self._deadly = deadly
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
-        """Start an episode, or end everything."""
+        """Start an episode, or kill the process."""
         if seed == self._deadly and ALLOWED in os.environ:
             os.kill(os.getpid(), signal.SIGKILL)
         return super().reset(seed=seed, options=options)

@@ -12,7 +12,7 @@ from rl_tui.studies.sweeps.store import Store
 
 
 def plan_of(scenario: str, *vary: str, **settings: Any) -> SweepPlan:
-    """Return a plan of 3 runs of 20 episodes, if ``settings`` do not say otherwise."""
+    """Return a plan of 3 runs of 20 episodes, unless ``settings`` differ."""
     variations = tuple(read_variation(text) for text in vary)
     return SweepPlan(find(scenario), variations, **{"episodes": 20, "runs": 3, **settings})
 
@@ -25,7 +25,7 @@ def cell_of(scenario: str, *vary: str, **settings: Any) -> Cell:
 
 
 def seeds_in(store: Store, plan: SweepPlan) -> dict[int, list[int]]:
-    """Return which seeds ``store`` has of each cell of ``plan`` that can work."""
+    """Return the stored seeds of each valid cell of ``plan``."""
     cells = [plan.cell(index) for index in range(plan.count)]
     return {
         cell.index: [row.seed for row in store.rows(cell.key, plan.seeds)]

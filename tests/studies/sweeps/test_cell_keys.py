@@ -1,4 +1,4 @@
-"""The key of a cell: the same for the same runs, and another one for others."""
+"""The key of a cell: equal for equal runs, different for different ones."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_versions_are_in_the_key(name: str, monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.parametrize(
     ("one", "other"),
     [
-        # what neither algorithm nor policy uses
+        # not used by the algorithm or policy
         (("lambda=0.1",), ("lambda=0.9",)),
         pytest.param(
             *(("policy=softmax", "epsilon=0.1"), ("policy=softmax", "epsilon=0.9")),
@@ -88,13 +88,13 @@ def test_versions_are_in_the_key(name: str, monkeypatch: pytest.MonkeyPatch) -> 
         ),
         (("algorithm=value-iteration", "alpha=0.1"), ("algorithm=value-iteration", "alpha=0.2")),
         (("algorithm=value-iteration", "policy=softmax"), ("algorithm=value-iteration", "policy=ucb")),
-        # what changes nothing as things stand
+        # without effect in the current settings
         (("epsilon_min=0.1",), ("epsilon_min=0.2",)),
         (
             ("algorithm=sarsa-lambda", "lambda=0", "traces=replacing"),
             ("algorithm=sarsa-lambda", "lambda=0", "traces=accumulating"),
         ),
-        # two ways of saying the same
+        # two spellings of the same value
         (("alpha=sample-average",), ("step_size_schedule=sample-average",)),
         (("alpha=sample-average", "alpha_decay=1"), ("alpha=sample-average", "alpha_decay=2")),
         (("initial_q=0",), ("initial_q=-0.0",)),
@@ -147,7 +147,7 @@ def test_identity_is_plain_json() -> None:
 
 
 def test_each_algorithm_and_policy_names_the_parameters_that_it_uses() -> None:
-    """Ties decide the greedy policy whose figures are told, whoever acts."""
+    """Ties always count: they decide the greedy policy, whose metrics are reported."""
     for algorithm, policy in ((algorithm, policy) for algorithm in BY_ID for policy in POLICY_BY_ID):
         used = used_parameters(algorithm, replace(Hyperparameters(), policy=policy), is_bandit=False)
         assert "ties" in used

@@ -1,4 +1,4 @@
-"""What is sent to the workers of a cluster, and what they make of it."""
+"""The orders for the workers of a cluster, and their replies."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ CELLS = {
 
 @pytest.fixture(autouse=True)
 def _takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let a worker hand over all at once, however long it takes; a test may say otherwise."""
+    """Let a worker return everything at once, however long it takes. A test may override this."""
     monkeypatch.setattr(task, "HAND_OVER_AFTER", math.inf)
 
 

@@ -1,4 +1,4 @@
-"""Which batch goes where on a cluster, and who is to blame when workers die."""
+"""The placement of batches on a cluster, and the blame when workers die."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def test_one_that_kills_has_failed_at_its_third_worker_whatever_was_beside_it(ba
     placement = placement_of(first=1)
     running = start(placement, others, batch, others)
     while running:
-        job, address = next(iter(running.items()))  # a thread takes one after the other
+        job, address = next(iter(running.items()))  # a thread takes them in sequence
         if deadly in seeds_of({job: address}):
             deaths += 1
             failed += placement.leave(address)

@@ -99,7 +99,7 @@ def rows_of(plan: SweepPlan, store: Store) -> dict[tuple[int, int], RunRow]:
 
 
 class OnceHeld:
-    """Holds a worker once so many rows are stored, and does something to it when it has work."""
+    """Holds a worker after some rows are stored, and acts on it once it has work."""
 
     def __init__(self, cluster: Cluster, worker: str, wanted: int, action: Callable[[str], object]) -> None:
         self._cluster, self._worker, self._wanted, self._action = cluster, worker, wanted, action
@@ -267,7 +267,7 @@ def test_workers_are_waited_for(cluster: Cluster, plan: SweepPlan, expected: str
             cluster.kill(cluster.workers[0])
 
     with Store.without_file() as store:
-        # one is started when it is said that there is none: at first, and after it has gone
+        # start one after each report that there is none: at first, and after one has gone
         workers = DaskWorkers(cluster.address, tell=lambda _: cluster.start(1))
         run_sweep(plan, store, workers=workers, on_progress=lose)
         assert csv_of(plan, store) == expected

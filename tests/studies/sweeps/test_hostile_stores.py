@@ -1,4 +1,4 @@
-"""Stores that somebody else has changed: refused in one line, before anything in them is used."""
+"""Manipulated stores are refused in one line, before any of their content is used."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def run_sql(path: Path, script: str) -> None:
 
 
 def refusals(path: Path, tmp_path: Path) -> list[str]:
-    """Return what each way to open a store says."""
+    """Return the refusal of each way to open a store."""
     sound = tmp_path / "sound.sqlite"
     Store.to_write(sound).close()
     ways: tuple[Callable[[], object], ...] = (
@@ -117,7 +117,7 @@ def test_a_value_of_another_kind_is_damage(path: Path, script: str) -> None:
         ("settings", {"algorithm": ["sarsa"]}, "settings"),
         ("settings", [], "settings"),
         ("vary", ["alpha=0.1:1:1000000"], "at most 20,000,000 runs"),
-        ("vary", 3, "no plan"),
+        ("vary", 3, "not a sweep plan"),
     ],
 )
 def test_a_stored_plan_is_bounded(name: str, value: object, said: str) -> None:

@@ -1,4 +1,4 @@
-"""A sweep that is killed has kept what was finished; ``tests/sweep_kills.py`` kills more of them."""
+"""A killed sweep keeps its finished runs; ``tests/sweep_kills.py`` kills more sweeps."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rl_tui.studies.sweeps.store import Store
 @pytest.mark.process
 def test_a_kill_loses_what_runs_and_a_quarter_second_at_most() -> None:
     lost = []
-    for _ in range(3):  # a machine that does other things may stand still for a while, but not every time
+    for _ in range(3):  # a busy machine may pause for a while, but not every time
         done = list(kills(4, seed=3, cells=60))
         assert sum(each.kept for each in done) > 0
         lost.append(max(each.lost for each in done))
@@ -37,7 +37,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path: Path) -> None:
         stderr=subprocess.PIPE,
         text=True,
     ) as child:
-        log = path.with_name(f"{path.name}-wal")  # whoever reads before it is there may be in the way
+        log = path.with_name(f"{path.name}-wal")  # an early reader may block the writer
         while child.poll() is None and not (log.exists() and rows_in(path)):
             pass
         child.send_signal(signal.SIGINT)
@@ -49,12 +49,12 @@ def test_ctrl_c_says_how_to_go_on(tmp_path: Path) -> None:
     kept = rows_in(path)
     assert kept > 0
     assert f"interrupted: {kept:,} of 90,000 runs" in complained
-    with Store.to_write(path):  # nobody holds it any more
+    with Store.to_write(path):  # its lock is free
         pass
 
 
 def rows_in(path: Path) -> int:
-    """Return how many rows are committed in the store at ``path``, which may not be there yet."""
+    """Return the number of committed rows in the store at ``path``, which may not exist yet."""
     try:
         with Store.to_read(path) as store:
             return store.count()

@@ -1,4 +1,4 @@
-"""Machine code for many short runs: it is had when they have taken long enough together."""
+"""Machine code for many short runs: it is requested once they have taken long enough together."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ONE, OTHER = Loop("one", "policy", stepped=False), Loop("other", "policy", stepp
 
 
 class Compiler:
-    """Notes what is asked of it; it never has anything."""
+    """Notes its requests, and never has any code."""
 
     def __init__(self) -> None:
         self.failed: dict[Loop, BaseException] = {}

@@ -1,4 +1,4 @@
-"""Stores put together: each run once, and no two results of one run."""
+"""Merged stores: each run once, and no two results of one run."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_two_results_of_one_run_on_one_kind_of_machine_are_an_error(tmp_path: Pa
         merge(out, [one, two])
     for word in ("two.sqlite", "seed 0", "maze", '"alpha": 0.1', cell_of("maze", "alpha=0.1").key[:12]):
         assert word in str(fault.value)
-    with Store.to_read(out) as store:  # as it was before
+    with Store.to_read(out) as store:  # unchanged
         assert [row.seed for row in store.rows(cell_of("maze", "alpha=0.1").key, range(9))] == [0]
 
 

@@ -1,4 +1,4 @@
-"""The order of cells: corners first, and then always between."""
+"""The order of cells: corners first, then always the points between."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_of_listed_values_none_waits_for_another() -> None:
 
 @pytest.mark.parametrize("count", range(2, 70))
 def test_gaps_are_halved_before_any_is_halved_again(count: int) -> None:
-    """After any level no gap is more than twice another one, but for the last."""
+    """Except at the last level, no gap is more than twice another one."""
     order = list(coarse_first([Axis(count, True)]))
     seen = 2
     while seen < count:

@@ -1,4 +1,4 @@
-"""The plan of a sweep: its cells, their order, what is refused before anything runs."""
+"""The plan of a sweep: its cells, their order, and errors that are found before the first run."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_a_million_cells_take_neither_memory_nor_time() -> None:
     plan = SweepPlan(
         find("maze"), (read_variation("alpha=0.001:1:log:1000"), read_variation("epsilon=0:1:1000"))
     )
-    plan.cell(0)  # what is made once
+    plan.cell(0)  # built once
     tracemalloc.start()
     try:
         plan.check()
@@ -164,5 +164,5 @@ def test_a_plan_of_a_world_that_was_edited_has_that_world() -> None:
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", "no"])
 def test_what_is_no_plan(text: str) -> None:
-    with pytest.raises(UserError, match="no plan"):
+    with pytest.raises(UserError, match="not a sweep plan"):
         read_plan(text)

@@ -1,4 +1,4 @@
-"""What a seed of a cell comes to: the figures of a single run, and when it arrived."""
+"""The row of a seed in a cell: the metrics of a single run, and its episodes to 95 %."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_rows_of_a_batch_are_those_of_each_seed_alone(
     assert loop is not None
     compile_here(loop)
     with monkeypatch.context() as patch:
-        patch.setattr(runs, "Run", None)  # none is trained alone
+        patch.setattr(runs, "Run", None)  # no run is trained singly
         in_batches = {row.seed: row.figures for row in run_rows(cell, range(5, 12))}
     monkeypatch.setattr(runs, "runs_in_batches", lambda cell: None)
     assert in_batches == {row.seed: row.figures for row in run_rows(cell, range(5, 12))}
@@ -93,7 +93,7 @@ def test_a_run_of_a_batch_that_breaks_down_says_why() -> None:
 @pytest.mark.parametrize("scenario", ["frozenlake", "windy", "maze"])
 @pytest.mark.parametrize("seed", range(3))
 def test_arrival_is_the_first_mark_within_5_percent(scenario: str, seed: int) -> None:
-    """Looked at after every episode, as plainly as can be."""
+    """Checked after every episode, in the plainest way."""
     cell = cell_of(scenario, "algorithm=q-learning", episodes=150)
     run = Run(cell.recipe, begin(cell.recipe), evaluate=False)
     mdp = run.world.mdp

@@ -1,4 +1,4 @@
-"""Where runs are kept: each once, one writer, and one line for what goes wrong."""
+"""The store of runs: each run once, one writer, and one line for each error."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_commits_are_a_while_apart(path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> list[sqlite3.Connection]:
-    """Every connection that a store opens."""
+    """All connections that a store opens."""
     connections, connect = list[sqlite3.Connection](), sqlite3.connect
 
     def noted(*args: Any, **kwargs: Any) -> sqlite3.Connection:
@@ -112,12 +112,12 @@ def test_a_second_writer_is_refused_by_name(path: Path) -> None:
     with Store.to_write(path), pytest.raises(UserError) as fault:
         Store.to_write(path)
     assert f"process {os.getpid()} on {socket.gethostname()} since 2" in str(fault.value)
-    with Store.to_write(path):  # who is done lets others write
+    with Store.to_write(path):  # closing lets others write
         pass
 
 
 def test_whoever_is_dead_is_followed(path: Path) -> None:
-    """The lock of a process that is gone is a file that nobody holds."""
+    """The lock of a dead process is a file without a holder."""
     with Store.to_write(path):
         pass
     note = path.with_name(f".{path.name}.writer")

@@ -1,4 +1,4 @@
-"""A sweep as it runs: each row once, coarse cells first, and on from where it stopped."""
+"""A sweep in progress: each row once, coarse cells first, and continued after a stop."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ VARY = ("alpha=0.1:0.9:5", "algorithm=q-learning,sarsa")
 
 
 class InTurn:
-    """Workers that train what they are given when they are asked for it, in this thread."""
+    """Workers that train in this thread, on request."""
 
     def __init__(self, room: int = 3) -> None:
         self._room = room
@@ -138,7 +138,7 @@ def test_shards_are_the_whole() -> None:
 
 
 def test_cells_that_come_to_the_same_runs_share_them() -> None:
-    """ε means nothing to softmax: three cells, one key."""
+    """Softmax ignores ε: three cells, one key."""
     plan, workers = plan_of("maze", "policy=softmax", "epsilon=0.1,0.2,0.3"), InTurn(room=20)
     told = list[tuple[int, int]]()
     with Store.without_file() as store:
@@ -217,7 +217,7 @@ def test_threads_let_go_of_what_is_not_finished() -> None:
 
 
 class AtOnce(InTurn):
-    """Workers that have the same figures for every run, at once."""
+    """Workers that return equal metrics for every run, at once."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -231,9 +231,9 @@ class AtOnce(InTurn):
 
 
 def peak_of(cells: int, path: Path) -> int:
-    """Return the most memory, in bytes, that a sweep of so many cells has taken."""
+    """Return the peak memory, in bytes, of a sweep of some cells."""
     plan = plan_of("maze", f"alpha=0.1:0.9:{cells}")
-    run_sweep(plan_of("maze", "alpha=0.1"), Store.without_file(), workers=AtOnce())  # what is made once
+    run_sweep(plan_of("maze", "alpha=0.1"), Store.without_file(), workers=AtOnce())  # built once
     with Store.to_write(path) as store:
         tracemalloc.start()
         try:

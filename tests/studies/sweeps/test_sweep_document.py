@@ -1,4 +1,4 @@
-"""What a sweep came to: the best, what is like it, the best again, and the document of all."""
+"""The result of a sweep: the best cell, ties with it, fresh seeds, and the whole document."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from rl_tui.studies.sweeps.sweep import run_again, run_sweep
 
 
 def row(seed: int, failed: str | None = None, **figures: float | None) -> RunRow:
-    """Return a row with these ``figures``; it was trained for 100 episodes."""
+    """Return a row with these ``figures``, trained for 100 episodes."""
     if failed is not None:
         return RunRow(seed, NO_FIGURES, failed)
     return RunRow(seed, {**NO_FIGURES, "episodes": 100, **figures})
 
 
 def filled(store: Store, plan: SweepPlan, rows: Mapping[int, list[RunRow]]) -> None:
-    """Put ``rows`` of each cell of ``plan`` into ``store``, by the number of the cell."""
+    """Put ``rows`` into ``store`` by the index of their cell in ``plan``."""
     for index, each in rows.items():
         cell = plan.cell(index)
         assert isinstance(cell, Cell)
@@ -69,7 +69,7 @@ def test_where_less_is_better_the_least_is_the_best() -> None:
 
 
 def test_a_cell_of_which_a_run_broke_down_is_not_the_best() -> None:
-    """The runs that did not are the lucky ones."""
+    """The runs that did not fail are the lucky ones."""
     with Store.without_file() as store:
         lucky = [*areas(*(each + 5 for each in SPREAD[:11])), row(11, failed="too large")]
         filled(store, PLAN, {0: lucky, 1: areas(*SPREAD)})
@@ -80,7 +80,7 @@ def test_a_cell_of_which_a_run_broke_down_is_not_the_best() -> None:
 
 
 def test_a_cell_of_which_a_run_has_no_value_is_not_the_best() -> None:
-    """A greedy policy that never ends has no expected return: the others would be left."""
+    """A greedy policy that never ends has no expected return. The mean would cover only the others."""
     with Store.without_file() as store:
         endless = [row(seed, expected_return=None if seed else -1.0) for seed in range(12)]
         filled(store, PLAN, {0: endless, 1: [row(seed, expected_return=-9.0) for seed in range(12)]})
@@ -210,7 +210,7 @@ def test_an_empty_store_is_a_document_without_cells() -> None:
 
 
 def test_sensitivity_is_what_settings_of_ones_own_are_worth() -> None:
-    """By hand: each scenario has its own best α, worth half of the way from random to best."""
+    """By hand: each scenario has its own best α, which gains half of the way from random to best."""
     plan = plan_of("maze", "scenario=cliff,frozenlake", "alpha=0.1,0.2", "algorithm=sarsa,q-learning", runs=2)
     with Store.without_file() as store:
         for index in range(plan.count):

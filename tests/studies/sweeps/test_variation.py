@@ -1,4 +1,4 @@
-"""What a sweep varies, as text and as values."""
+"""Variations of a sweep, as text and as values."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_what_is_said(text: str, expected: list[Value]) -> None:
 
 
 def test_a_value_of_a_range_is_the_one_that_people_write() -> None:
-    """0.15, not 0.15000000000000002: the same cell as where it stands in a list."""
+    """0.15, not 0.15000000000000002: the same cell as the 0.15 of a list."""
     assert values("epsilon=0:0.5:11") == [float(f"0.{place:02}") for place in range(0, 55, 5)]
 
 

@@ -1,7 +1,7 @@
-"""Stored runs are those that would be trained now: what changes their bits raises a number of the key.
+"""Stored runs equal runs trained now: a change of their bits raises a number in the key.
 
-What stands here is how many steps 30 episodes take, and what 200 pulls win: whole numbers, which any change
-of bits is likely to change, and which are the same on every machine.
+The expected numbers are the steps of 30 episodes and the wins of 200 pulls. They are whole numbers, equal on
+every machine, and almost any change of bits changes them.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def steps_of(algorithm: str) -> tuple[int, ...]:
 
 
 def winnings_of(policy: str) -> tuple[int, ...]:
-    """Return what each seed wins by 200 pulls of arms that pay 1 or 0."""
+    """Return each seed's wins in 200 pulls of arms that pay 1 or 0."""
     cell = cell_of("bandit-bernoulli", f"policy={policy}", episodes=200)
     return tuple(round(200 * float(row.figures["area"] or 0)) for row in run_rows(cell, SEEDS))
 

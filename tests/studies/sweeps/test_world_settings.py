@@ -1,4 +1,4 @@
-"""Parameters of a world: by the keys of its file, by edits, and what is refused."""
+"""Parameters of a world: the keys of its file, edits, and refusals."""
 
 from __future__ import annotations
 

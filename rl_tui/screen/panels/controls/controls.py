@@ -1,4 +1,4 @@
-"""What can be changed about the agent: a slider for each number that has one, and the settings in words."""
+"""The panel of the agent's sliders and settings."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from rl_tui.screen.panels.controls.slider_picture import SliderMark
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
-_ROOMY: Final = 8  # rows, from which on a blank one sets the sliders off
-GAMMA: Final = "gamma"  # the hyper-parameter whose slider marks flips
+_ROOMY: Final = 8  # rows from which a blank one separates the sliders
+GAMMA: Final = "gamma"  # the parameter whose slider shows flip points
 
 _MEANING: Final = (
     "Marks are flip points: there the optimal path from the start changes. While t g is open, those of any "
@@ -32,7 +32,7 @@ _MEANING: Final = (
 
 
 def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = False) -> tuple[Parameter, ...]:
-    """Return the parameters of ``algorithm`` that have a slider and an effect, in order."""
+    """Return the parameters of ``algorithm`` with a slider and an effect."""
     rows = (
         PARAMETERS[name]
         for name in parameters_of(algorithm, values.policy)
@@ -42,14 +42,14 @@ def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = Fal
 
 
 def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
-    """Return what the slider of ``parameter`` shows: α is the sample average by its schedule as well."""
+    """Return the value on a slider. α also shows scheduled sample averages."""
     if SAMPLE_AVERAGE in parameter.words and values.sample_average:
         return SAMPLE_AVERAGE
     return values.value(parameter.name)
 
 
 def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
-    """Return the marks on the slider of γ: flips of the optimal path, or ``every`` one; none while hidden."""
+    """Return the flip points to mark on the slider of γ, unless hidden."""
     known = snapshot.answers.flips
     return tuple(
         SliderMark(
@@ -64,23 +64,23 @@ def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
 
 
 class Controls(Container, BoardPanel):
-    """Sliders and settings of the agent; they show what is ``wanted``, before the run has followed."""
+    """Sliders and settings. They show ``wanted`` values before the run follows."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
         self.look = look
         self.wanted = Hyperparameters()
         self.marks_all_flips = False
-        """Whether the slider of γ marks every flip, not only those that turn the way from the start."""
+        """Whether γ has marks for every flip point, not only on the optimal path."""
         self._parameters: tuple[Parameter, ...] = ()
-        self._sliders: dict[str, Slider] = {}  # by name; some are still to be mounted
+        self._sliders: dict[str, Slider] = {}  # by name: some are not mounted yet
 
     def has_slider(self, name: str) -> bool:
-        """Return whether the hyper-parameter ``name`` has a slider here."""
+        """Return whether the parameter ``name`` has a slider."""
         return any(parameter.name == name for parameter in self._parameters)
 
     def on_resize(self) -> None:
-        """Fit the heading, and the blank row below it, to the new size."""
+        """Fit heading and blank row to the new size."""
         self._write_border()
         margin = (self.size.height >= _ROOMY, 0, 0, 0)
         if self._sliders and self.query_one("#sliders").styles.margin != margin:
@@ -116,7 +116,7 @@ class Controls(Container, BoardPanel):
         yield AgentSettings(self.look, id="settings")
 
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return what sliders and settings show; None while a slider shows a refused value."""
+        """Return the contents, or None while a slider shows a refused value."""
         if any(each.value != in_force(self.wanted, each.parameter) for each in self._sliders.values()):
             return None
         agent, playback, episode = snapshot.agent, snapshot.playback, snapshot.counters.episodes
@@ -131,7 +131,7 @@ class Controls(Container, BoardPanel):
         )
 
     def redraw(self) -> None:
-        """Show the settings in force, and what is wanted on the sliders."""
+        """Show current settings and wanted sliders."""
         self._write_border()
         snapshot = self.snapshot
         if snapshot is None:
@@ -142,7 +142,7 @@ class Controls(Container, BoardPanel):
         if parameters != self._parameters:
             self._parameters = parameters
             new = self._new_sliders()
-            # a value may be being typed on a slider that stays
+            # keep a remaining slider, in which a person may be typing
             self._sliders = new | {name: slider for name, slider in self._sliders.items() if name in new}
             self._write_border()
             self.run_worker(self._mount_sliders(), exclusive=True)

@@ -1,4 +1,4 @@
-"""The settings of the agent besides the sliders: algorithm, policy, seed, speed …; a click changes one."""
+"""Settings of the agent without sliders, changed by a click."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from rl_tui.worlds.drawing import Arms
 _BETWEEN: Final = " · "
 _WIDE_GAP: Final = 3
 _GAP: Final = 2
-_KEYED: Final = frozenset({"policy", "ties", "initial_q"})  # have a key and an entry of their own
+_KEYED: Final = frozenset({"policy", "ties", "initial_q"})  # have their own key
 
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A setting with its key and action; the one of the highest ``rank`` is left out first."""
+    """A setting with its key and action. High ``rank`` is dropped first."""
 
     key: str
     label: str
@@ -38,7 +38,7 @@ class Setting:
 
 
 def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
-    """Yield what is in force, for algorithm and policy in force."""
+    """Yield the current settings."""
     values = snapshot.agent.hyperparameters
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
@@ -73,39 +73,39 @@ def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
 
 
 def alpha_moves(values: Hyperparameters) -> bool:
-    """Return whether a schedule changes α from episode to episode."""
+    """Return whether a schedule changes α between episodes."""
     is_scheduled = values.step_size_schedule != "constant" and not values.sample_average
     return is_scheduled and values.alpha_decay > 0.0
 
 
 def epsilon_moves(values: Hyperparameters) -> bool:
-    """Return whether a schedule changes ε from episode to episode."""
+    """Return whether a schedule changes ε between episodes."""
     return values.epsilon_schedule != "constant" and values.epsilon_decay > 0.0
 
 
 def is_an_option(parameter: Parameter) -> bool:
-    """Return whether ``parameter`` has neither slider nor key and is not merely part of a schedule."""
+    """Return whether only the list of options has ``parameter``."""
     return parameter.slide is None and not parameter.schedule and parameter.name not in _KEYED
 
 
 def option_text(value: float | str) -> str:
-    """Return a value as settings show it."""
+    """Return a value as shown in settings."""
     return value if isinstance(value, str) else f"{value:g}"
 
 
 def called(name: str, value: float | str) -> str:
-    """Return a value of the parameter ``name`` as people call it: policies have names."""
+    """Return the display name of a parameter's value."""
     return POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)
 
 
 def speed_text(speed: float | None) -> str:
-    """Return a wanted speed as people read it: ``10/s``, ``max``."""
+    """Return a speed as text: ``10/s``, ``max``."""
     return "max" if speed is None else f"{speed:,.0f}/s"
 
 
 @dataclass(frozen=True, slots=True)
 class SettingCell:
-    """Where a setting stands on its line, from column ``start`` to before ``end``, and how it is written."""
+    """The text of a setting, in columns ``start`` to before ``end``."""
 
     start: int
     end: int
@@ -116,7 +116,7 @@ class SettingCell:
 
 
 def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[SettingCell]]:
-    """Return the lines of ``settings``, at most ``height``; where they do not fit, the least important go."""
+    """Return lines of ``settings``, without unimportant ones if needed."""
     kept = list(settings)
     while kept:
         for gap in (_WIDE_GAP, _GAP):
@@ -148,7 +148,7 @@ def _cell(start: int, setting: Setting, glyphs: Glyphs) -> SettingCell:
 
 
 class AgentSettings(Widget):
-    """Draws the settings on one line, or on several where it is taller; a click changes one."""
+    """The settings in one row or more. A click changes one."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
@@ -156,14 +156,14 @@ class AgentSettings(Widget):
         self._settings: tuple[Setting, ...] = ()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw the settings in force."""
+        """Draw the current settings."""
         settings = tuple(settings_of(snapshot))
         if settings != self._settings:
             self._settings = settings
             self.refresh()
 
     def render_line(self, y: int) -> Strip:
-        """Draw one line."""
+        """Return one line."""
         palette = self.look.palette
         segments: list[Segment] = []
         column = 0
@@ -181,7 +181,7 @@ class AgentSettings(Widget):
         return strip.adjust_cell_length(self.size.width, palette.text).apply_style(self.rich_style)
 
     async def on_click(self, event: events.Click) -> None:
-        """Change the setting under the pointer."""
+        """Change the clicked setting."""
         for cell in self._line(event.y):
             if cell.start <= event.x < cell.end and cell.setting.action:
                 await self.screen.run_action(f"do({cell.setting.action!r})")

@@ -1,6 +1,6 @@
-"""A slider for one hyper-parameter, one row high: keys, wheel, click, drag, or a typed value.
+"""A slider for one parameter, by keys, wheel, mouse or typing.
 
-Typing ends at the first key that cannot belong to a value, which then does what it does.
+The first key that cannot belong to a value ends the typing and keeps its usual effect.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from rl_tui.screen.panels.controls.slider_picture import (
 )
 from rl_tui.screen.theme.look import Look
 
-_BEGINS_TYPING: Final = frozenset("056789.,")  # 1 to 4 go to the other sliders
+_BEGINS_TYPING: Final = frozenset("056789.,")  # 1 to 4 focus the other sliders
 _TYPED: Final = frozenset("0123456789.,/")
 _NUMBER: Final = re.compile(r"\d*[.,]?\d*", re.ASCII)
 _SIGN: Final = "-"
@@ -40,10 +40,10 @@ _STAY: Final = frozenset({"enter", "tab", "shift+tab", "left", "right", "home", 
 
 
 class Slider(Draggable, can_focus=True):
-    """Shows and sets the value of ``parameter``; raises ValueError without a finite range.
+    """Shows and sets the value of ``parameter``.
 
-    Changed is posted for what the user does, of a drag at every cell if it ``reports_at_once``. Messages go
-    to the screen at once, so that they are there before the key that ended the typing.
+    Posts Changed for user actions, with ``reports_at_once`` at every cell of a drag. Messages go directly to
+    the screen, to arrive before the key that ended the typing. Raises ValueError without a finite range.
     """
 
     ALLOW_SELECT = False
@@ -73,12 +73,12 @@ class Slider(Draggable, can_focus=True):
 
     @dataclass
     class Refused(Message):
-        """What was typed is no value, for this ``reason``."""
+        """The typed text is not a valid value, for this ``reason``."""
 
         reason: str
 
     class Released(Message):
-        """The user is done with the slider."""
+        """The user leaves the slider."""
 
     class TypingChanged(Message):
         """Typing a value has begun or ended."""
@@ -109,11 +109,11 @@ class Slider(Draggable, can_focus=True):
 
     @property
     def value(self) -> float | str:
-        """The value in force."""
+        """The current value."""
         return self._state.value
 
     def set_value(self, value: float | str) -> None:
-        """Show ``value``, without a message."""
+        """Show ``value`` without a message."""
         if isinstance(value, float | int):
             self._number = value = float(value)
         self._change(value=value)
@@ -124,14 +124,14 @@ class Slider(Draggable, can_focus=True):
         return self._state.marks
 
     def set_marks(self, marks: tuple[SliderMark, ...], meaning: str = "") -> None:
-        """Show ``marks``, rising, on the track; ``meaning`` is a sentence that says what they are."""
+        """Show rising ``marks`` on the track, with their ``meaning``."""
         if marks != self.marks:
             self._change(marks=marks)
             tip = f"{self._help} {meaning} {{ and }} go beyond the next." if marks else self._help
             self.tooltip = to_ascii(tip, self.look.glyphs)
 
     def label(self, name: str, columns: int, *, is_pointed_at: bool) -> None:
-        """Write ``name`` behind the symbol, both in ``columns``; mark what a lesson points at."""
+        """Write ``name`` after the symbol, marked if a lesson points here."""
         self._change(name=name, label_columns=columns, is_pointed_at=is_pointed_at)
 
     @property
@@ -141,7 +141,7 @@ class Slider(Draggable, can_focus=True):
 
     @property
     def state(self) -> SliderState:
-        """What the slider shows now."""
+        """The displayed state of the slider."""
         return replace(self._state, focused=self.has_focus)
 
     def _change(self, **changes: Any) -> None:
@@ -150,7 +150,7 @@ class Slider(Draggable, can_focus=True):
             self.refresh()
 
     def render_line(self, y: int) -> Strip:
-        """Draw the row, and blank ones below it."""
+        """Return the row, or a blank one below it."""
         width = self.size.width
         if y > 0 or width < 1:
             return Strip.blank(width, self.rich_style)
@@ -160,7 +160,7 @@ class Slider(Draggable, can_focus=True):
     # Keys
 
     def action_move(self, step: str, direction: int) -> None:
-        """Move the value by a ``step`` of the scale; from a word back to the last number."""
+        """Move the value by a ``step``. A word becomes the last number."""
         by = {"step": self.scale.step, "fine": self.scale.fine, "coarse": self.scale.coarse}[step]
         self._set(self._moved(direction * by))
 
@@ -169,7 +169,7 @@ class Slider(Draggable, can_focus=True):
         self._set(self.scale.high if high else self.scale.low)
 
     def action_jump(self, upwards: bool) -> None:
-        """Go beyond the next mark, or the one before; stay where there is none."""
+        """Go beyond the next or previous mark."""
         value = self._number if isinstance(self.value, str) else self.value
         if upwards:
             beyond = next((mark.above for mark in self.marks if mark.value > value), value)
@@ -182,11 +182,11 @@ class Slider(Draggable, can_focus=True):
         self._type("")
 
     def action_release(self) -> None:
-        """Give the focus back."""
+        """Give up the focus."""
         self.screen.post_message(self.Released())
 
     def on_key(self, event: events.Key) -> None:
-        """Take what belongs to a value; any other key ends the typing, and then does what it does."""
+        """Handle keys of a value. Any other key ends the typing."""
         if self._state.typed is not None:
             self._take_key(event, self._state.typed)
         elif event.character in _BEGINS_TYPING or (event.character and self._is_sign(event.character)):
@@ -198,7 +198,7 @@ class Slider(Draggable, can_focus=True):
         self.refresh()
 
     def on_blur(self) -> None:
-        """Set what was typed until now; where the whole terminal lost the focus, the typing goes on later."""
+        """Set the typed value, unless the whole terminal lost the focus."""
         if self.app.app_focus and self.is_attached:
             self._set_typed()
             self._type(None)
@@ -216,7 +216,7 @@ class Slider(Draggable, can_focus=True):
             event.stop()
             self._type(longer)
         elif character is not None and (character in _TYPED or self._is_sign(character)):
-            event.stop()  # a second point, or more digits than there is room for
+            event.stop()  # a second point, or too many digits
         elif not self._set_typed():
             if event.key in _STAY:
                 event.stop()
@@ -240,7 +240,7 @@ class Slider(Draggable, can_focus=True):
             self.screen.post_message(self.TypingChanged())
 
     def _set_typed(self) -> bool:
-        """Set what was typed, if anything; return False where that is refused."""
+        """Set the typed value. Return False if refused."""
         text = self._state.typed
         if text is None:
             return True
@@ -262,7 +262,7 @@ class Slider(Draggable, can_focus=True):
     # Mouse
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Take hold of the thumb, which jumps to the pointer."""
+        """Move the thumb to the pointer and hold it."""
         offset = event.get_content_offset(self)
         if event.button != 1 or offset is None:
             return
@@ -293,16 +293,16 @@ class Slider(Draggable, can_focus=True):
         return form.start, form.cells
 
     def drag_to(self, column: int) -> None:
-        """Set the value that belongs to ``column``."""
+        """Set the value at ``column``."""
         start, cells = self._track()
         self._set(self.scale.at_cell(column - start, cells))
 
     def on_mouse_up(self) -> None:
-        """Tell where the thumb was let go, if that was not told on the way."""
+        """Report the value at the end of a drag."""
         self._tell_drag()
 
     def on_mouse_release(self) -> None:
-        """Tell where the thumb was when another widget took the mouse."""
+        """Report the value when another widget takes the mouse."""
         self._tell_drag()
 
     def _tell_drag(self) -> None:
@@ -328,7 +328,7 @@ def _first_number(parameter: Parameter, scale: SliderScale, value: float | str) 
 
 
 def key_hints(focused: Widget | None) -> tuple[tuple[tuple[str, str], ...], ...]:
-    """Return what the keys do on the slider in focus, the longest form first; nothing without one."""
+    """Return forms of the keys of the focused slider."""
     if not isinstance(focused, Slider):
         return ()
     if not focused.is_typing:

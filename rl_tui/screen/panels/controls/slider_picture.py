@@ -1,4 +1,4 @@
-"""How a slider is drawn, in one row of any width: its values, the cells of its track, its words."""
+"""The picture of a slider in one row."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
 _SHORT_FORMS: Final = {"1/n": SAMPLE_AVERAGE}
-_NOISE: Final = 12  # decimals; what lies beyond is left over from adding steps
+_NOISE: Final = 12  # decimals: further ones are rounding errors
 
 
 @dataclass(frozen=True, slots=True)
 class SliderScale:
-    """A finite range in hundredths; ``fine`` is a tenth of a step, ``coarse`` ten.
+    """A finite range in hundredths.
 
-    A ``logarithmic`` one has equal ratios. One of ``whole`` numbers has no step below 1.
+    ``fine`` is a tenth of a step, ``coarse`` ten steps. ``logarithmic`` scales have equal ratios.
     """
 
     range: Range
@@ -41,12 +41,12 @@ class SliderScale:
 
     @property
     def span(self) -> float:
-        """The width of the range; of equal ratios the whole way, 1."""
+        """The width of the range, or 1 if logarithmic."""
         return 1.0 if self.logarithmic else self.range.high - self.range.low
 
     @property
     def step(self) -> float:
-        """What a key, or the wheel, moves."""
+        """The movement by a key or the wheel."""
         return max(1.0, round(self.span / 100.0)) if self.whole else self.span / 100.0
 
     @property
@@ -56,12 +56,12 @@ class SliderScale:
 
     @property
     def coarse(self) -> float:
-        """The largest movement but that to an end."""
+        """The largest movement except to an end."""
         return max(1.0, round(self.span / 10.0)) if self.whole else self.span / 10.0
 
     @property
     def low(self) -> float:
-        """The lower end for keys and mouse: inside the range, a fine step above an end that is left out."""
+        """The lower end, a fine step above an excluded end."""
         return float(self.range.low + self.fine if self.range.open_low else self.range.low)
 
     @property
@@ -70,7 +70,7 @@ class SliderScale:
         return float(self.range.high)
 
     def moved(self, value: float, by: float) -> float:
-        """Return ``value`` moved within the ends; one typed beyond an end is not brought back to it."""
+        """Return ``value`` moved within the ends, unless typed beyond them."""
         if self.logarithmic:  # rounded to the step of the keys
             target = _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
         else:
@@ -80,11 +80,11 @@ class SliderScale:
         return min(target, max(value, self.high))
 
     def cell_of(self, value: float, cells: int) -> int:
-        """Return the cell of the thumb on a track of ``cells``."""
+        """Return the cell of the thumb."""
         return min(cells - 1, max(0, round(self._share(value) * (cells - 1))))
 
     def at_cell(self, cell: int, cells: int) -> float:
-        """Return the roundest value of a cell, clamped to the track; its ends are those of the scale."""
+        """Return the roundest value of a cell."""
         if cell <= 0 or cells <= 1:
             return self.low
         if cell >= cells - 1:
@@ -111,7 +111,12 @@ class SliderScale:
 
 
 def scale_of(parameter: Parameter) -> SliderScale:
-    """Return the scale of the slider of ``parameter``; raises ValueError where it cannot have one."""
+    """Return the scale of a slider.
+
+    Raises:
+        ValueError: The parameter has no range.
+
+    """
     if parameter.range is None:
         raise ValueError(f"a slider needs a range; {parameter.name} takes words only")
     slide, whole = parameter.slide, parameter.range
@@ -126,7 +131,12 @@ def _significant(value: float, digits: int) -> float:
 
 
 def parsed(text: str, parameter: Parameter) -> float | str:
-    """Return the number or word that ``text`` means. Raises ValueError if there is none in range."""
+    """Return the number or word meant by ``text``.
+
+    Raises:
+        ValueError: It means none in range.
+
+    """
     text = text.strip().lower()
     words = [word for word in parameter.words if text and word.startswith(text)]
     words += [word for form, word in _SHORT_FORMS.items() if text == form and word in parameter.words]
@@ -152,7 +162,7 @@ _WORDS: Final = {SAMPLE_AVERAGE: ("1/N  sample average", "1/N sample average", "
 
 @dataclass(frozen=True, slots=True)
 class SliderMark:
-    """A mark at ``value``, with the values beyond it; one that ``stands_out`` hides others in its cell."""
+    """A mark at ``value``, with the values just beyond it."""
 
     value: float
     below: float
@@ -162,7 +172,7 @@ class SliderMark:
 
 @dataclass(frozen=True, slots=True)
 class SliderState:
-    """What a slider shows; ``typed`` is the text being typed, else None."""
+    """The displayed state of a slider. ``typed`` is None unless typing."""
 
     value: float | str
     typed: str | None = None
@@ -176,7 +186,7 @@ class SliderState:
 
 @dataclass(frozen=True, slots=True)
 class SliderForm:
-    """A row: a blank, ``label``, a gap, ``cells`` of track (0 without room), a gap, ``text``."""
+    """A row: blank, ``label``, gap, ``cells`` of track, gap, ``text``."""
 
     label: str
     gap: int
@@ -185,12 +195,12 @@ class SliderForm:
 
     @property
     def start(self) -> int:
-        """The first column of the track, or of the text where there is none."""
+        """The first column of the track or text."""
         return 1 + cell_len(self.label) + self.gap
 
 
 def slider_form(parameter: Parameter, state: SliderState, glyphs: Glyphs, width: int) -> SliderForm:
-    """Return what stands where in ``width`` cells."""
+    """Return the layout of the row."""
     gap = 2 if width >= ROOMY else 1
     label = to_ascii(parameter.symbol, glyphs)
     if state.name and width >= ROOMY and width >= state.label_columns + _BESIDE_NAME:
@@ -198,7 +208,7 @@ def slider_form(parameter: Parameter, state: SliderState, glyphs: Glyphs, width:
     elif not state.name:
         label = label.ljust(state.label_columns)
     if width >= ROOMY and label.rstrip() != parameter.symbol:
-        label = label.ljust(_SPELLED)  # sliders one above the other begin in one column
+        label = label.ljust(_SPELLED)  # align sliders one above the other
     room = width - 1 - cell_len(label) - 2 * gap - (width < ROOMY)
     is_word = isinstance(state.value, str) and state.typed is None and not state.refused
     forms = [to_ascii(form, glyphs) for form in _texts(parameter, state, glyphs)]

@@ -1,6 +1,6 @@
-"""The area under the moving mean, and the band of the middle half of the returns over it.
+"""The area under the moving mean, and the band of the middle half.
 
-The area is drawn in eighths of a character, the band in two pixels a row.
+The area is drawn in eighths of a character, the band in halves.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 FULL: Final = 8
-_PALEST, _DEEPEST = 0.22, 0.62  # shares of the ink in the lowest and in the highest row
+_PALEST, _DEEPEST = 0.22, 0.62  # shares of ink in the lowest and the highest row
 
 
 class Area(NamedTuple):
-    """Eighths of each cell, [rows, columns], and the columns, [columns], whose mean is off the axis."""
+    """Eighths of each cell, [rows, columns], and columns off the axis, [columns]."""
 
     eighths: IntArray
     below: BoolArray
@@ -34,7 +34,7 @@ class Area(NamedTuple):
 
 
 def values_of(plot: Plot, mean: MovingMean) -> FloatArray:
-    """Return the mean at the right edge of each column, [columns]; NaN where no episode is."""
+    """Return the mean at the right edge of each column, [columns], or NaN."""
     ends = plot.ends_of_columns(mean.finished)
     there = ~np.isnan(ends)
     ends[there] = mean.at(ends[there])
@@ -42,7 +42,7 @@ def values_of(plot: Plot, mean: MovingMean) -> FloatArray:
 
 
 def area_of(plot: Plot, mean: MovingMean) -> Area:
-    """Return the area under ``mean``; a column shows the mean at its right edge."""
+    """Return the area under ``mean``."""
     values = values_of(plot, mean)
     share = np.clip((values - plot.scale.low) / (plot.top - plot.scale.low), 0.0, 1.0)
     level = np.rint(np.nan_to_num(share) * (FULL * plot.rows)).astype(np.int64)
@@ -52,7 +52,7 @@ def area_of(plot: Plot, mean: MovingMean) -> Area:
 
 @lru_cache(64)
 def area_styles(palette: Palette, rows: int) -> tuple[Style, ...]:
-    """Return the style of each row, the highest first; the same for all where there are few colours."""
+    """Return the style of each row, highest first."""
     if not palette.has_shades:
         return (palette.episodes,) * rows
     return tuple(_shade(palette, _DEEPEST + (_PALEST - _DEEPEST) * (row + 0.5) / rows) for row in range(rows))
@@ -63,30 +63,30 @@ def _shade(palette: Palette, share: float) -> Style:
     return Style(color=faded(ink, share).color)
 
 
-# The middle half, where it says something
+# The middle half
 
 
 _LEAST_ROWS: Final = 7
-_LEAST_VALUES: Final = 6  # different returns among the last episodes
+_LEAST_VALUES: Final = 6  # distinct returns among the last episodes
 _LAST: Final = 2_000  # episodes
 _HEIGHTS: Final = (0.05, 0.7)  # shares of the axis that the band may take
-_INSIDE: Final = 0.7  # of the columns have their mean in the band
-_SHARES: Final = (0.2, 0.42, 1.0)  # of the ink in area, band and mean
+_INSIDE: Final = 0.7  # share of columns with their mean in the band
+_SHARES: Final = (0.2, 0.42, 1.0)  # shares of ink in area, band and mean
 _PAGE, _AREA, _BAND, _MEAN = range(4)
 
 
 class MiddleHalf(NamedTuple):
-    """The quartiles of the returns in the window of each column, [columns] each; NaN without episodes."""
+    """The quartiles of the returns in each column's window, [columns] each, or NaN."""
 
     low: FloatArray
     high: FloatArray
 
 
 def says_something(plot: Plot, curve: Curve, mean: MovingMean, look: Look) -> bool:
-    """Return whether a band of the middle half helps.
+    """Return whether the band of the middle half is informative.
 
-    It takes enough different returns, rows and colours, a height of 5 to 70 % of the axis, and a mean inside
-    of the band in more than 70 % of the columns.
+    It needs enough distinct returns, rows and colours, a height of 5 to 70 % of the axis, and a mean inside
+    it in over 70 % of the columns.
     """
     if plot.rows < _LEAST_ROWS or not (look.glyphs.braille and look.palette.has_shades):
         return False
@@ -101,9 +101,9 @@ def says_something(plot: Plot, curve: Curve, mean: MovingMean, look: Look) -> bo
 
 
 def middle_half(plot: Plot, curve: Curve, mean: MovingMean) -> MiddleHalf:
-    """Return the quartiles in the window of ``mean`` up to the right edge of each column."""
+    """Return the quartiles at the right edge of each column."""
     ends = plot.ends_of_columns(mean.finished)
-    behind = np.ceil(ends / curve.sample_every)  # samples up to there; NaN beyond the last episode
+    behind = np.ceil(ends / curve.sample_every)  # number of samples up to there, NaN beyond the last episode
     first = np.ceil(np.maximum(ends - mean.window, 0.0) / curve.sample_every)
     most = int(np.nanmax(behind - first))
     places = np.nan_to_num(behind)[:, None] - 1.0 - np.arange(most)
@@ -117,9 +117,9 @@ def middle_half(plot: Plot, curve: Curve, mean: MovingMean) -> MiddleHalf:
 
 
 def band_cells(plot: Plot, band: MiddleHalf, mean: MovingMean) -> tuple[IntArray, IntArray]:
-    """Return the characters, 0 for none, and the kinds of cells, [rows, columns] each.
+    """Return the characters (0: none) and kinds of cells, [rows, columns] each.
 
-    The kind is 4 times the upper pixel plus the lower one: 0 page, 1 area, 2 band, 3 mean.
+    The kind is 4 × the upper pixel + the lower one: 0 page, 1 area, 2 band, 3 mean.
     """
     per_unit = 2 * plot.rows / (plot.top - plot.scale.low)
     low, high, middle = ((each - plot.scale.low) * per_unit for each in (*band, values_of(plot, mean)))
@@ -135,13 +135,13 @@ def band_cells(plot: Plot, band: MiddleHalf, mean: MovingMean) -> tuple[IntArray
 
 @lru_cache(64)
 def pixel_styles(palette: Palette) -> tuple[Style, ...]:
-    """Return the inks of a pixel of the area, of the band and of the mean."""
+    """Return the inks of area, band and mean."""
     return tuple(_shade(palette, share) for share in _SHARES)
 
 
 @lru_cache(64)
 def band_styles(palette: Palette) -> list[Style]:
-    """Return the styles of the kinds of cells of :func:`band_cells`."""
+    """Return the styles of the kinds from :func:`band_cells`."""
     colours = (None, *(style.color for style in pixel_styles(palette)))
     return [
         Style(color=lower if upper is None else upper, bgcolor=None if upper is None else lower)

@@ -1,4 +1,4 @@
-"""Return per episode: an area for one run, lines for several, with exact levels and labels.
+"""The return curve: an area for one run, lines for several.
 
 All cell arrays are [rows, columns].
 """
@@ -67,21 +67,21 @@ from rl_tui.screen.panels.policies.studied import studied_answer
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
-# The lines of several runs, which areas would hide, and of one run over the band of many seeds
+# Lines: for several runs, and for one run over the band of many seeds
 
 
-_MARKS_APART: Final = 16  # columns from one number on a line to the next
+_MARKS_APART: Final = 16  # columns between two numbers on a line
 
 
 class LaneCells(NamedTuple):
-    """Codes of characters, 0 for none, and whose they are: −1 nobody's, 0 the greedy line's, n run n's."""
+    """Codes of characters (0: none), and lines: −1 none, 0 greedy, n run n."""
 
     codes: IntArray
     line: IntArray
 
 
 def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
-    """Return the mean of every run, and of the run shown the greedy line."""
+    """Return the lines of all means, and the greedy line."""
     if look.glyphs.braille:
         layers = np.stack([plot.braille_line(line) for line in data.lines])
         layers[layers == braille.BLANK] = 0
@@ -91,7 +91,7 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
         layers = dots * np.array(signs)[:, None, None]
     there = layers > 0
     in_front = there.copy()
-    # where the greedy line goes up and down through many policies, it would cover the runs
+    # a greedy line that jumps between policies would cover the runs
     in_front[0] &= ~(there[1:].any(axis=0) & (there[0].sum(axis=0) > 1))
     line = braille.in_turns(in_front)
     codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
@@ -118,17 +118,17 @@ LEAST_WIDTH: Final = 14
 LEAST_HEIGHT: Final = 2
 LEAST_IN_FULL: Final = 7  # rows of a plot with three numbers at the left
 _LEAST_WITH_NAMES: Final = 60  # columns of the curve in one row
-_EXACT: Final = 1e-6  # of the axis: the most that rounding may take off a number at the left
-_ARROWS_APART: Final = 8  # columns between the signs of a line that stays below the axis
-_CHANGES_APART: Final = 8  # columns: of more changes of the world the lines would hide the curve
-# What a cell shows. From the last on it is the area, a cell of the band, or the line or band of a run
+_EXACT: Final = 1e-6  # share of the axis: largest rounding error of a number at the left
+_ARROWS_APART: Final = 8  # columns between the arrows of a line below the axis
+_CHANGES_APART: Final = 8  # columns: with denser changes of the world, their lines would hide the curve
+# Contents of a cell. From _CELLS on: the area, a cell of the band, or the line or band of a run
 _NOTHING, _CHANGE, _OPTIMUM, _STUDIED, _OUTLIER, _GREEDY, _CELLS = range(7)
 
 
 def draw_chart(
     data: CurveData, plot: Plot, columns: PlotColumns, look: Look, size: tuple[int, int], *, has_band: bool
 ) -> list[Strip]:
-    """Return the strips of a picture of ``size``, columns and rows, the area with or without its band."""
+    """Return the picture of ``size`` (columns, rows)."""
     width, height = size
     canvas = Canvas(width, height, look.palette.text)
     decimals = decimals_of_labels(plot.scale)
@@ -212,7 +212,6 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
 
 
 def _put_behind(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData, look: Look) -> None:
-    """Put the level of the optimum and changes of the world where nothing is yet, and the studied policy."""
     if data.optimum is not None:
         row, along = _level(plot, data, data.optimum)
         free = np.flatnonzero(kind[row] == _NOTHING)
@@ -246,7 +245,7 @@ def _put_outliers(codes: IntArray, kind: IntArray, plot: Plot, line: Steps, own:
 
 @lru_cache(64)
 def _styles(palette: Palette, grounds: tuple[Style, ...]) -> list[list[Style]]:
-    """Return the styles of each kind: on the page, and then on each of ``grounds``, inks of the area."""
+    """Return the styles of each kind, on the page and on each of ``grounds``."""
     over = [Style(bgcolor=ground.color) for ground in grounds]
     inks = (palette.text, palette.dim, palette.dim, palette.good, palette.dim, palette.greedy_line)
     return [[ink, *(ink + ground for ground in over)] for ink in inks]
@@ -281,7 +280,6 @@ def _put_message(
 
 
 def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, int]]:
-    """Return ``names`` with the rows of their values; those without a value give way."""
     downwards = [label for _, label in sorted(enumerate(names), key=lambda each: (-each[1].value, -each[0]))]
     with_value = [label for label in downwards if label.value > -math.inf]
     rows = apart([plot.row(label.value) for label in with_value], plot.rows)
@@ -293,7 +291,7 @@ def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, in
 
 
 def spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: str) -> Line:
-    """Return the means of the episodes in one row of ``width`` cells, and ``words`` behind them."""
+    """Return the means in one row of ``width`` cells, then ``words``."""
     columns = width - cell_len(words) - 2
     if columns < 1 or not len(data.mean.means):
         return [Piece(words, look.palette.dim)]
@@ -308,9 +306,9 @@ Words = tuple[str, ...]
 
 
 class ReturnCurve(Panel, can_focus=True):
-    """The curve of a run; its vertical axis changes in steps only.
+    """The curve of a run, whose vertical axis changes in steps.
 
-    ``hints`` are keys, the longest form first, in place of the caption.
+    ``hints`` are forms of keys that replace the caption.
     """
 
     scale: Scale | None = None
@@ -320,13 +318,13 @@ class ReturnCurve(Panel, can_focus=True):
     _unit = "episode"
 
     def begin_with(self, recipe: Recipe) -> None:
-        """Name what ``recipe`` will show until the first snapshot does."""
+        """Set the title for ``recipe`` before the first snapshot."""
         plans = algorithm_row(recipe.algorithm).planner
         self._unit = unit_of(plans=plans, is_bandit=recipe.scenario.kind == "bandit")
 
     @property
     def hints(self) -> Words:
-        """The keys in the heading, empty for none."""
+        """The keys in the heading, if any."""
         return self._hints
 
     @hints.setter
@@ -336,7 +334,7 @@ class ReturnCurve(Panel, can_focus=True):
             self.redraw()
 
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return results, exact answers and how the agent explores; of estimates only whether they differ."""
+        """Return results, exact values and exploration."""
         values, episodes = snapshot.agent.hyperparameters, snapshot.counters.episodes
         answers, playback, lanes = snapshot.answers, snapshot.playback, snapshot.run_group.lanes
         return (
@@ -354,13 +352,13 @@ class ReturnCurve(Panel, can_focus=True):
         )
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``; the past of a run has the same axis as its present."""
+        """Draw ``snapshot``. The past keeps the axis of the present."""
         if is_new_run(self.snapshot, snapshot):
             self.scale = self.drawn_from = None
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the picture of the curve of ``snapshot``."""
+        """Return the picture of the curve."""
         if snapshot is None:
             self.heading = self.fitting([TITLES[self._unit]], width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
@@ -386,7 +384,7 @@ class ReturnCurve(Panel, can_focus=True):
         low, high = with_room_for(data.range, data.seeds)
         scale = settled(self.scale if _runs(snapshot) else None, low, high)
         if low or high:
-            # else nothing stood on it, and how soon the exact answer came must not be seen later
+            # before any episode nothing uses the scale, and it must not depend on when exact values arrive
             self.scale = scale
         return scale
 
@@ -397,7 +395,7 @@ class ReturnCurve(Panel, can_focus=True):
         titles = heads(data, has_band=self._band[1])
         if self.hints:
             return self.fitting([*(f"{titles[-1]} · {each}" for each in self.hints), titles[-1]], width)
-        # at full speed numbers would change in every frame
+        # at full speed, numbers would change in every frame
         is_calm = not passes_too_fast(snapshot)
         notes: list[Words] = [remark(snapshot, data, glyphs, decimals, with_figures=is_calm)]
         if data.lanes:
@@ -416,7 +414,6 @@ class ReturnCurve(Panel, can_focus=True):
         return head
 
     def _row(self, data: CurveData, scale: Scale, width: int) -> Line:
-        """Return the curve in one row, with its title and all names where there is room."""
         decimals, look = decimals_of_labels(scale), self.look
         if width < _LEAST_WITH_NAMES:
             return spark_line(data, scale, look, width, self._brief(data, decimals))
@@ -426,7 +423,6 @@ class ReturnCurve(Panel, can_focus=True):
         return [Piece(title, look.palette.strong), *line]
 
     def _brief(self, data: CurveData, decimals: int, *, has_names: bool = False) -> str:
-        """Return the newest numbers in a few words: of each run, else of the agent and its greedy policy."""
         numbered = [(f"{lane.number} ", lane.value) for lane in data.lanes]
         agent, optimum = (f"{AGENT} ", data.optimum) if has_names else ("", None)
         best = (f"{BEST_ARM[1] if data.is_bandit else OPTIMAL} ", optimum)

@@ -1,4 +1,4 @@
-"""What the return curve shows of a snapshot, in numbers."""
+"""The numbers of a snapshot that the return curve shows."""
 
 from __future__ import annotations
 
@@ -27,40 +27,40 @@ from rl_tui.screen.panels.policies.studied import studied_answer
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
-_RATIO: Final = 1.05  # from one right end of the axis to the next: the picture moves in steps only
-_RATIO_RUNNING: Final = 1.15  # each step repaints the whole curve
+_RATIO: Final = 1.05  # ratio between right ends of the axis, so that the picture moves in steps
+_RATIO_RUNNING: Final = 1.15  # larger, because each step repaints the whole curve
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EpisodeAxis:
-    """An axis from 0 to ``right`` episodes; ``step`` and ``episode``, [A], rise from 0."""
+    """An axis from 0 to ``right`` episodes, by ``step`` and ``episode``, [A]."""
 
     step: FloatArray
     episode: FloatArray
     right: float
 
     def episode_of(self, step: float) -> float:
-        """Return how many episodes have passed after ``step``."""
+        """Return the number of episodes after ``step``."""
         return float(np.interp(step, self.step, self.episode))
 
     def step_of(self, episode: float) -> float:
-        """Return the step at which ``episode`` episodes have passed."""
+        """Return the step after ``episode`` episodes."""
         return float(np.interp(episode, self.episode, self.step))
 
 
 @lru_cache(2)
 def episode_axis(snapshot: Snapshot) -> EpisodeAxis:
-    """Return the axis of the shown branch, as far as it has come."""
+    """Return the axis of the shown branch."""
     timeline, counters = snapshot.timeline, snapshot.counters
     furthest = timeline.furthest if timeline.in_past else None
     known = furthest or Furthest(counters, snapshot.results)
     step, episode = _moments(known.counters, known.results.curve, snapshot.world_changes)
     end = float(timeline.current.end)
     if end > step[-1]:
-        # nothing is known of the rest: it goes on at the same rate
+        # the rest is unknown, so assume the same rate
         rate = episode[-1] / step[-1] if episode[-1] else 1.0 / end
         step, episode = np.append(step, end), np.append(episode, episode[-1] + rate * (end - step[-1]))
-    # the whole of an episode under way is on it, so that the curve does not move within one
+    # includes the whole current episode, so that the curve does not move within it
     own = float(episode[-1] if episode[-1] < 1.0 else np.ceil(episode[-1]))
     last = max([own, *(float(lane.episodes) for lane in snapshot.run_group.lanes)])
     ratio = _RATIO_RUNNING if snapshot.playback.phase is Phase.RUNNING else _RATIO
@@ -70,15 +70,15 @@ def episode_axis(snapshot: Snapshot) -> EpisodeAxis:
 def _moments(
     counters: Counters, curve: Curve, changes: Sequence[WorldChanged]
 ) -> tuple[FloatArray, FloatArray]:
-    """Return steps and episodes, [A] each, both strictly ascending from 0 to the moment of ``counters``."""
+    """Return steps and episodes, [A] each, strictly ascending from 0 until now."""
     count = np.diff(curve.episode, prepend=0)
     ends = np.concatenate(([0.0], curve.episode))
     steps = np.concatenate(([0.0], np.cumsum(np.rint(curve.length_mean * count))))
     for change in changes:
-        if change.given_up:  # its steps are in no mean
+        if change.given_up:  # its steps are not part of any mean
             steps[ends > change.episodes] += change.step - np.interp(change.episodes, ends, steps)
     under_way, finished, now = counters.episode_step, counters.episodes, counters.step
-    # how long it will be is not known: the longer it takes, the nearer it is to its end
+    # its length is unknown: the longer it takes, the nearer its end
     part = under_way / (under_way + now / (finished + 1)) if under_way else 0.0
     ends = np.concatenate((ends, [finished, finished + part]))
     steps = np.concatenate((steps, [now - under_way, now]))
@@ -98,7 +98,7 @@ def _right_end(last: float, limit: float | None, ratio: float) -> float:
 _MANY_WITHOUT_REWARD: Final = 10
 _LEAST_WINDOW: Final = 10
 _WINDOWS: Final = 20  # on the axis
-_EARLY: Final = 12  # parts of the run, of which the axis disregards the first
+_EARLY: Final = 12  # parts of the run: the axis ignores the first
 _OUTLIERS: Final = 0.02
 _COST_OF_ZERO: Final = 0.4
 
@@ -107,7 +107,7 @@ _STUDIED: Final = {PolicyKind.UNIFORM: "random", PolicyKind.BEHAVIOUR: "acting",
 
 
 class StudiedLevel(NamedTuple):
-    """The exact return, ``value``, of a policy that is studied, and what that is called."""
+    """The exact return ``value`` of a studied policy, with its name."""
 
     name: str
     value: float
@@ -115,9 +115,9 @@ class StudiedLevel(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MovingMean:
-    """The mean of the last ``window`` episodes at any moment, of B bins.
+    """The mean of the last ``window`` episodes at any moment.
 
-    ``end`` and ``total``, [B + 1], are the last episode of each bin and the sum up to it.
+    ``end`` and ``total``, [B + 1]: last episode of each bin, and the sum up to it.
     """
 
     end: FloatArray
@@ -126,23 +126,23 @@ class MovingMean:
 
     @property
     def finished(self) -> float:
-        """How many episodes there are."""
+        """The number of episodes."""
         return float(self.end[-1])
 
     def at(self, episode: FloatArray) -> FloatArray:
-        """Return the means at whole numbers of episodes, at least 1 each and of as many as there are."""
+        """Return the means after ``episode`` episodes, which are whole numbers ≥ 1."""
         since = np.maximum(episode - self.window, 0.0)
         sums = np.interp(episode, self.end, self.total) - np.interp(since, self.end, self.total)
         return np.asarray(sums / (episode - since))
 
     @property
     def means(self) -> FloatArray:
-        """[B], the means at the end of each bin."""
+        """The means at the end of each bin, [B]."""
         return self.at(self.end[1:])
 
 
 def moving_mean(curve: Curve, mean: FloatArray, right: float) -> MovingMean:
-    """Return the moving mean of ``mean``, [B]; its window is a twentieth of the axis, 10 to 100 episodes."""
+    """Return the moving mean of ``mean``, [B], over 1/20 of the axis."""
     count = np.diff(curve.episode, prepend=0)
     window = int(min(RECENT, max(_LEAST_WINDOW, right // _WINDOWS)))
     if len(count):
@@ -153,10 +153,10 @@ def moving_mean(curve: Curve, mean: FloatArray, right: float) -> MovingMean:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaneLine:
-    """One of several runs side by side.
+    """One of several runs.
 
-    ``line`` is the smoothed mean of its returns or steps; of a planner the greedy return (``is_exact``).
-    ``value`` is where it ends, None before. ``greedy_now`` is None where unknown, hidden, or the line itself.
+    ``line``: smoothed mean of returns or steps, or a planner's greedy return (``is_exact``). ``value``: its
+    end, or None. ``greedy_now``: None if unknown, hidden or already the line.
     """
 
     number: int
@@ -172,15 +172,13 @@ class LaneLine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurveData:
-    """The curve and the numbers beside it, all of the run shown.
+    """The curve of the shown run, and the numbers beside it.
 
-    ``mean`` is that of the returns, or of the steps per episode where all returns are equal
-    (``is_of_steps``). ``greedy_now``, ``mean_now``, ``optimum``, ``acting_now`` and ``studied`` are None
-    where unknown, hidden, or drawn already; ``has_key`` says that a key shows what is hidden. ``barren``
-    means no reward in many episodes, ``unlearned`` no update in many, ``cut_at`` is the time limit that every
-    episode ran into with the same return, else 0. ``is_decided`` says that estimates differ
-    somewhere. ``greedy_ends`` is how likely the greedy policy ends, where it has no return. ``unit`` is what
-    ``axis`` counts.
+    ``is_of_steps``: all returns are equal, so ``mean`` is of steps per episode. Numbers are None if unknown,
+    hidden or already drawn. ``has_key``: a key reveals hidden ones. ``barren``: long without reward.
+    ``unlearned``: long without update. ``cut_at``: time limit that truncated every episode with one return,
+    else 0. ``is_decided``: estimates differ somewhere. ``greedy_ends``: chance that the greedy policy ends,
+    if it has no return.
     """
 
     finished: int
@@ -210,7 +208,7 @@ class CurveData:
 
     @property
     def world_since(self) -> int:
-        """How many episodes had ended when the present world began."""
+        """The finished episodes when the current world began."""
         return self.world_changes[-1].episodes if self.world_changes else 0
 
     @property
@@ -220,7 +218,7 @@ class CurveData:
 
     @property
     def lines(self) -> list[Steps]:
-        """The greedy line (without a step where that is a run's own line), then one line a run."""
+        """The greedy line, unless a run has it, then one line per run."""
         if not self.lanes:
             means = self.mean.means
             return [self.greedy, Steps(self.mean.end[:-1], self.mean.end[1:], means, means)]
@@ -229,9 +227,9 @@ class CurveData:
 
     @property
     def range(self) -> tuple[float, float]:
-        """The lowest and highest value of the vertical axis: 2 to 100 % of the means after the first twelfth.
+        """The vertical axis: 2 to 100 % of the means after the first twelfth.
 
-        It is stretched to the optimum and to policies that are not too far below; steps begin at 0.
+        It includes the optimum, and policies not too far below. Steps start at 0.
         """
         means = [self.mean.means, *(lane.line.low for lane in self.lanes if not lane.is_exact)]
         late = [each[len(each) // _EARLY :] for each in means if len(each)]
@@ -256,7 +254,7 @@ class CurveData:
 
 
 def curve_data(snapshot: Snapshot) -> CurveData:
-    """Return what there is to draw; what would give the answer away only where it is not hidden."""
+    """Return the numbers to draw, without hidden ones."""
     is_bandit, first_update = isinstance(snapshot.world.drawing, Arms), snapshot.answers.first_update
     lanes, results, axis = snapshot.run_group.lanes, snapshot.results, episode_axis(snapshot)
     shown = [each.curve for each in [lane.results for lane in lanes] or [results] if len(each.curve.episode)]
@@ -265,7 +263,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
     of_steps = same_returns and (cut_at > 0 or any(np.ptp(each.length_mean) > 0.0 for each in shown))
     curve = results.curve
     mean = moving_mean(curve, curve.length_mean if of_steps else curve.return_mean, axis.right)
-    is_short = len(mean.means) > 0 and mean.window != RECENT  # of 100 episodes the mean is exact
+    is_short = len(mean.means) > 0 and mean.window != RECENT  # the mean of 100 episodes is exact
     last_100 = results.length_last_100 if of_steps else results.return_last_100
     hidden = hides_greedy(snapshot) or of_steps
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
@@ -311,7 +309,7 @@ def _limit_of_all(curves: Sequence[Curve], limit: int) -> int:
 
 
 def unit_of(*, plans: bool, is_bandit: bool) -> str:
-    """Return what the horizontal axis counts."""
+    """Return the unit of the horizontal axis."""
     return "sweep" if plans else "pull" if is_bandit else "episode"
 
 
@@ -370,18 +368,18 @@ def _greedy(results: RunResults, episodes: int) -> Steps:
 
 
 def is_decided(snapshot: Snapshot) -> bool:
-    """Return whether the greedy policy has a return and somewhere one action is estimated above another."""
-    if snapshot.results.greedy_return is None:  # then nothing is said of the greedy policy
+    """Return whether a greedy return exists and estimates differ somewhere."""
+    if snapshot.results.greedy_return is None:  # then the curve says nothing about the greedy policy
         return False
     space, q = snapshot.world.space, snapshot.agent.q
     counts = np.diff(space.first_pair)
-    if not (counts > 1).any():  # one action is no tie
+    if not (counts > 1).any():  # a single action is not a tie
         return True
     return bool((q != np.repeat(q[space.first_pair[:-1][counts > 0]], counts[counts > 0])).any())
 
 
 def _barren(snapshot: Snapshot) -> bool:
-    """Return whether many episodes had no reward at all; unknown rewards do not count."""
+    """Return whether many episodes had no reward at all."""
     curve, mdp = snapshot.results.curve, snapshot.world.mdp
     if mdp is None or not len(curve.episode):
         return False

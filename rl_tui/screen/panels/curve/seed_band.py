@@ -1,4 +1,4 @@
-"""What many seeds say, behind the curve of this one: a band around their mean, and its words."""
+"""The band of many seeds behind the curve, with its texts."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.studies.many_seeds.figures import Estimate
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
-_SMOOTHED_SHARE: Final = 24  # a mean is taken over one in so many of the bins
+_SMOOTHED_SHARE: Final = 24  # a window is this fraction of all bins
 
 
 def smoothed(values: FloatArray) -> FloatArray:
-    """Return the mean of each of ``values`` and its neighbours, one in 24 of all, fewer at the ends."""
+    """Return running means of ``values`` over 1/24 of them."""
     reach = len(values) // _SMOOTHED_SHARE // 2
     if reach == 0:
         return values
@@ -34,14 +34,14 @@ def smoothed(values: FloatArray) -> FloatArray:
 
 _ERRORS: Final = 2.0  # standard errors on either side of the mean
 _FULL: Final = 0x28FF
-_LATE: Final = 0.25  # of the bins: from here on the axis makes room for the band
+_LATE: Final = 0.25  # share of bins after which the axis makes space for the band
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeedBand:
-    """One run under ``seeds`` seeds: two standard errors on either side of their mean return.
+    """One run under ``seeds`` seeds: mean return ± two standard errors.
 
-    ``last_100`` is None where unknown, and called ``recent``; ``until`` is where the seeds end, if not here.
+    ``until``: end of the seeds, if not the current episode.
     """
 
     number: int
@@ -53,12 +53,12 @@ class SeedBand:
 
     @property
     def value(self) -> float | None:
-        """Where the band ends, in a number; None where that is not known."""
+        """The last value of the band, or None."""
         return None if self.last_100 is None else self.last_100.mean
 
 
 def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
-    """Return a band for each run, as far as any has come; none without a study of these very runs."""
+    """Return a band for each run."""
     study = current_study(snapshot)
     if study is None:
         return ()
@@ -70,7 +70,7 @@ def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
         end = lane.curve.episode.astype(np.float64)
         start = np.concatenate(([0.0], end[:-1])) if len(end) else end
         there = start < furthest
-        # smoothed as the curve of this run is; the error of such a mean is at most the mean of the errors
+        # smoothed like the curve: the error of such a mean is at most the mean of the errors
         mean, reach = smoothed(lane.curve.mean)[there], _ERRORS * smoothed(lane.curve.stderr)[there]
         band = Steps(start[there], np.minimum(end[there], furthest), mean - reach, mean + reach)
         last_100 = lane.estimates.get(LAST_100.id)
@@ -79,7 +79,7 @@ def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
 
 
 def with_room_for(known: tuple[float, float], seeds: Sequence[SeedBand]) -> tuple[float, float]:
-    """Return the values ``known`` that must be on an axis, and the means of seeds but for the first."""
+    """Return the range of ``known`` and of later means over seeds."""
     means = [(each.band.low + each.band.high) / 2.0 for each in seeds]
     values = np.concatenate((*(mean[int(_LATE * len(mean)) :] for mean in means), known))
     values = values[np.isfinite(values)]
@@ -87,7 +87,7 @@ def with_room_for(known: tuple[float, float], seeds: Sequence[SeedBand]) -> tupl
 
 
 def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntArray, IntArray]:
-    """Return the characters of the bands, 0 for none, and whose they are, [rows, columns] each."""
+    """Return characters (0: none) and run numbers of bands, [rows, columns] each."""
     codes = np.zeros((plot.rows, plot.columns), dtype=np.int64)
     whose = np.zeros_like(codes)
     for each in seeds:
@@ -102,7 +102,7 @@ def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntAr
 
 
 def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
-    """Return what the bands are, with the mean and its error of each run; the longest form first."""
+    """Return forms of a note on the bands, longest first."""
     estimates = {each.number: each.last_100 for each in seeds if each.last_100 is not None}
     decimals = decimals_of([*estimates.values()])
     texts = [f"{number}) {estimate_text(each, decimals, look.glyphs)}" for number, each in estimates.items()]

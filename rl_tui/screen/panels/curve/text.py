@@ -1,4 +1,4 @@
-"""The words of the curve: its title, the labels right of the plot, and its notes."""
+"""Texts of the curve: titles, labels and notes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ RETURN: Final = "Return"
 REWARD: Final = "Reward"
 STEPS: Final = "Steps"
 SWEEPS: Final = "Greedy return"
-TITLES: Final = {"episode": RETURN, "pull": REWARD, "sweep": SWEEPS}  # by what the horizontal axis counts
+TITLES: Final = {"episode": RETURN, "pull": REWARD, "sweep": SWEEPS}  # by the unit of the horizontal axis
 MEAN: Final = "mean"
 MEAN_AND_BAND: Final = "mean and middle half"
 AFTER_SWEEP: Final = "exact, after each sweep"
@@ -60,7 +60,7 @@ NOTHING_YET: Final = {
     "pull": ("no arm was pulled:", "space: run · s: pull"),
     "episode": ("no episode has ended:", "space: run · e: episode"),
 }
-"""What to do before the first has ended, by what the horizontal axis counts."""
+"""What to do before the first episode, pull or sweep has ended."""
 NOTHING_LEARNED: Final = "nothing learned"
 NO_REWARD: Final = "no reward yet"
 CUT_OFF: Final = "all stop at the limit:"
@@ -72,15 +72,15 @@ EQUAL_STEPS: Final = ("equal steps per run, not equal episodes", "equal steps pe
 
 NUMBER: Final = 6  # cells of the widest number in a sentence
 _LEAST_NUMBER, _MOST_NUMBER = 3, 5  # cells of a number in a label
-_ROOM_FOR_GAP: Final = 15  # columns of labels that begin two columns behind the plot
-_TWO_DIGITS: Final = 4.0  # times an axis: from .25 on it counts as 1, which has two decimals
+_ROOM_FOR_GAP: Final = 15  # columns of labels from which their gap has two columns
+_TWO_DIGITS: Final = 4.0  # times the axis: an axis of .25 counts as 1, which has two decimals
 _MOST_DECIMALS: Final = 5
-_LEAST_FIXED: Final = 2e-4  # extent of an axis whose numbers have no exponents
+_LEAST_FIXED: Final = 2e-4  # length of an axis whose numbers have no exponents
 
 
 @dataclass(frozen=True, slots=True)
 class LineLabel:
-    """A label right of the plot, ``gap`` columns behind it, in the row of ``value`` (−∞: in any)."""
+    """A label right of the plot, in the row of ``value`` (−∞: any)."""
 
     text: str
     value: float
@@ -89,19 +89,19 @@ class LineLabel:
 
 
 def decimals_for(extent: float) -> int:
-    """Return the decimals that tell values on an axis of ``extent`` apart; more than 5 mean exponents."""
+    """Return the decimals that distinguish values on an axis. Over 5 mean exponents."""
     extent = max(extent, numbers.NEGLIGIBLE)
     decimals = max(0, 2 - math.floor(math.log10(extent)))
     return min(_MOST_DECIMALS, decimals) if extent >= _LEAST_FIXED else decimals
 
 
 def decimals_of_labels(scale: Scale) -> int:
-    """Return the decimals of the labels right of the plot: two digits tell them apart."""
+    """Return the decimals of labels, enough for two digits."""
     return decimals_for(_TWO_DIGITS * (scale.high - scale.low))
 
 
 def amount(x: float, decimals: int, glyphs: Glyphs, width: int = NUMBER) -> str:
-    """Return ``x`` beside a curve, mostly in ``width`` cells: ``.73``, ``7.5``, ``−12``, ``<.01``."""
+    """Return ``x`` in short, if possible in ``width`` cells: ``.73``, ``−12``, ``<.01``."""
     if abs(x) < numbers.NEGLIGIBLE:
         return "0"
     if decimals > _MOST_DECIMALS:
@@ -115,19 +115,19 @@ def amount(x: float, decimals: int, glyphs: Glyphs, width: int = NUMBER) -> str:
 
 
 def no_end(ends: float) -> str:
-    """Return what stands in place of the return of a policy that has none: it ``ends`` so likely (0 to 1)."""
+    """Return the text for a policy that ends with this chance."""
     return f"{numbers.percent(ends)} end" if ends > 0.0 else NO_END
 
 
 def label_gap(columns: int) -> int:
-    """Return how many of the ``columns`` of the labels are between them and the plot."""
+    """Return the gap between plot and labels."""
     return 1 + (columns >= _ROOM_FOR_GAP)
 
 
 def labels(
     data: CurveData, look: Look, decimals: int, columns: int, *, greedy: bool = True, mean: bool = True
 ) -> list[LineLabel]:
-    """Return the labels in so many ``columns``, the most important first; none without room."""
+    """Return the labels that fit ``columns``, most important first."""
     if not columns:
         return []
     palette, gap = look.palette, label_gap(columns)
@@ -162,7 +162,7 @@ def _in_room(name: str, number: str, room: int) -> str:
 
 
 def heads(data: CurveData, *, has_band: bool) -> tuple[str, ...]:
-    """Return the title with its caption, the longest first."""
+    """Return titles with captions, longest first."""
     title = STEPS if data.is_of_steps else TITLES[data.unit]
     if data.unit == "sweep":
         return f"{title} · {AFTER_SWEEP}", title
@@ -174,7 +174,7 @@ def heads(data: CurveData, *, has_band: bool) -> tuple[str, ...]:
 def remark(
     snapshot: Snapshot, data: CurveData, glyphs: Glyphs, decimals: int, *, with_figures: bool = True
 ) -> tuple[str, ...]:
-    """Return the note on exploring or on what is hidden, the longest form first; empty if there is none."""
+    """Return forms of the note on exploring or hidden values."""
     if data.hides_optimum and not data.has_key:
         return KEPT_BACK
     if data.is_of_steps:
@@ -184,7 +184,7 @@ def remark(
     if data.greedy_now is None or data.finished < RECENT or not data.is_decided:
         return ()
     if snapshot.program is not None:
-        return ()  # how your program explores is not known
+        return ()  # unknown for a watched program
     values = snapshot.agent.hyperparameters
     by_epsilon = POLICY_BY_ID[values.policy].explores_by_epsilon
     if by_epsilon and values.epsilon_at(snapshot.counters.episodes) == 0.0:
@@ -217,7 +217,7 @@ def _is_seen(x: float, decimals: int) -> bool:
 
 
 def below_note(data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
-    """Return how far the greedy line of ``plot`` goes below its axis; empty if it does not."""
+    """Return a note on how far the greedy line goes below the axis."""
     greedy = data.lines[0]
     if not data.furthest or not plot.below(greedy).any():
         return ()
@@ -226,29 +226,29 @@ def below_note(data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int) -> tu
 
 
 def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
-    """Return why the greedy line of ``plot`` has gaps, the longest form first; empty if it has none."""
-    later = Steps(*(each[1:] for each in data.lines[0]))  # before anything is learned there is nothing to say
+    """Return forms of the reason for gaps in the greedy line."""
+    later = Steps(*(each[1:] for each in data.lines[0]))  # a gap before any learning needs no note
     if not data.furthest or not np.isnan(later.low[:-1]).any() or not plot.has_gap(later):
         return ()
     return NO_LINE_WITHOUT_END if data.has_estimates else NO_LINE_WITHOUT_TABLE
 
 
 def _has_learned(data: CurveData) -> bool:
-    """Return whether the gap comes from exploring, and not from what is not learned yet.
+    """Return whether the gap comes from exploring, not from incomplete learning.
 
-    It does where the greedy policy has no ties everywhere, and stays within a third of the optimum.
+    The greedy policy then has not only ties, and stays within a third of the optimum.
     """
     if data.greedy_now is None or data.optimum is None or data.barren or not data.is_decided:
         return False
     if data.finished - data.world_since < RECENT:
-        return False  # some of them are of another world
+        return False  # some of them belong to another world
     recent = data.greedy.low[data.greedy.end > data.finished - RECENT]
     least = data.optimum - abs(data.optimum) / 3 - numbers.NEGLIGIBLE
     return data.greedy_now >= least and bool((recent >= least).all())
 
 
 def barren_words(data: CurveData, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return why the curve says little: nothing was learned or earned, or all episodes are cut off."""
+    """Return why the curve says little."""
     if data.unlearned:
         return NOTHING_LEARNED, f"after {data.finished:,} {data.unit}s; t y explains why"
     if data.barren:
@@ -257,20 +257,18 @@ def barren_words(data: CurveData, glyphs: Glyphs) -> tuple[str, ...]:
     return CUT_OFF, f"return {earned}"
 
 
-# Runs side by side: labels of their lines, and titles
+# Labels and titles of several runs
 
 
 _GREEDY: Final = ", greedy "
-_LARGEST_SHARE: Final = 0.5  # of the plot that names may take
+_LARGEST_SHARE: Final = 0.5  # share of the plot, for names
 _TITLE_NAME: Final = 16  # cells of a shortened name in a title
 _ROOM_FOR_NAMES: Final = 20
 _GAP: Final = 2  # columns between plot and labels
-_OTHERS: Final = 16  # columns of the labels that are no run's
+_OTHERS: Final = 16  # columns of labels that belong to no run
 
 
 class _Form(NamedTuple):
-    """How much the label of a run says; ``name`` is the cells of the longest name."""
-
     name: int
     number: bool
     greedy: bool
@@ -286,7 +284,7 @@ _FORMS: Final = (
 
 
 def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> list[LineLabel]:
-    """Return the labels in ``columns``: the run shown, the other runs, then the rest."""
+    """Return labels that fit ``columns``: shown run, other runs, rest."""
     names = [lane.name for lane in data.lanes]
     form = next((each for each in _FORMS if _columns(names, look, each) <= columns), None)
     if form is None:
@@ -304,7 +302,7 @@ def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> lis
 
 
 def lane_columns(names: Sequence[str], look: Look, room: int) -> int:
-    """Return how many of ``room`` columns the labels of runs with these ``names`` take."""
+    """Return the columns, out of ``room``, for labels with ``names``."""
     if room < _ROOM_FOR_NAMES:
         return 0
     widths = [_columns(names, look, form) for form in _FORMS]
@@ -312,7 +310,7 @@ def lane_columns(names: Sequence[str], look: Look, room: int) -> int:
 
 
 def lane_heads(data: CurveData, usual: Sequence[str], glyphs: Glyphs) -> tuple[str, ...]:
-    """Return titles that say which run is shown, the longest first; ``usual`` are those of a single one."""
+    """Return titles that name the shown run, longest first."""
     shown, title = next(lane for lane in data.lanes if lane.shown), usual[-1]
     short = f"{len(data.lanes)} runs, {glyphs.cursor}{shown.number}"
     named = f"{short} {shown.name}"
@@ -321,7 +319,7 @@ def lane_heads(data: CurveData, usual: Sequence[str], glyphs: Glyphs) -> tuple[s
 
 
 def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tuple[str, ...]:
-    """Return what the numbers of the labels are, and of how many seeds, the longest form first."""
+    """Return forms of a note on the numbers in labels."""
     if not data.furthest:
         return ()
     if data.seeds:
@@ -336,7 +334,7 @@ def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tu
 
 
 def steps_note(data: CurveData) -> tuple[str, ...]:
-    """Return why one lane has come further than another, the longest form first; empty where none has."""
+    """Return forms of why episode counts differ between runs."""
     if len({lane.finished for lane in data.lanes if not lane.is_exact}) < 2:
         return ()
     return EQUAL_STEPS
@@ -369,7 +367,7 @@ def _said(lane: LaneLine, name: str, form: _Form, decimals: int, glyphs: Glyphs)
     greedy = ""
     if form.greedy and not lane.shown and not lane.is_exact:
         greedy = _figure(lane.greedy_now, lane.greedy_ends, decimals, glyphs)
-    # a colon between name and figure, for names end with figures themselves
+    # the colon separates the number from names that end with a digit
     figure = _figure(lane.value, lane.greedy_ends, decimals, glyphs)
     return f"{name}: {figure}{_GREEDY if greedy else ''}{greedy}"
 
@@ -384,11 +382,11 @@ def _figure(value: float | None, ends: float | None, decimals: int, glyphs: Glyp
 
 
 LEFT: Final = 5  # columns of the numbers left of the plot
-_LABELS: Final = ((60, 15), (36, 13))  # columns of the labels at the right, by the least width
+_LABELS: Final = ((60, 15), (36, 13))  # least width, and columns of the labels at the right
 
 
 class PlotColumns(NamedTuple):
-    """The plot has ``columns`` from column ``left`` on; behind them are ``labels`` columns of labels."""
+    """The plot from column ``left`` on, then ``labels`` columns."""
 
     left: int
     columns: int
@@ -396,7 +394,7 @@ class PlotColumns(NamedTuple):
 
 
 def plot_columns(snapshot: Snapshot, look: Look, width: int) -> PlotColumns:
-    """Return the columns of the plot in ``width`` cells, which do not change while a run goes on."""
+    """Return the columns of a plot. They do not change during a run."""
     left = LEFT if width >= 2 * LEFT else 0
     lanes = snapshot.run_group.lanes
     labels = next((columns for least, columns in _LABELS if width >= least), 0)

@@ -1,1 +1,1 @@
-"""An MDP as a graph."""
+"""The World panel for worlds drawn as a graph."""

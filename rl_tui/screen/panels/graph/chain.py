@@ -1,4 +1,4 @@
-"""A chain of states as a row of boxes: values inside, exact ones below, the two ends as goal and hole."""
+"""A chain of states as a row of boxes."""
 
 from __future__ import annotations
 
@@ -28,32 +28,32 @@ if TYPE_CHECKING:
 
 # Boxes
 
-_LEAST_STEP: Final = 2  # columns from a box to the next: one for the box, one for the line between
+_LEAST_STEP: Final = 2  # columns from one box to the next: a box and a line
 _MOST_WIDTH: Final = 33
-_PARTS: Final = 6  # a step has: one is the line between two boxes
-_LEAST_HEIGHT: Final = 5  # rows of a box; a wide one has two thirds of its columns
-_BLOCK_NUMBER: Final = 7  # rows of a box with a number in blocks; arrows need more
+_PARTS: Final = 6  # parts of a step: one is the line between two boxes
+_LEAST_HEIGHT: Final = 5  # rows of a box: a wide one has two thirds of its columns
+_BLOCK_NUMBER: Final = 7  # rows of a box with a number in blocks: arrows need more
 _ARROW_ROWS: Final = 2
 _AROUND: Final = 2  # rows: the agent above, exact values below
-_LEAST_BLOCK: Final = 9  # columns of a box with arrows of blocks
-_LEAST_NUMBER: Final = 3  # columns; shorter numbers would say less than the tint
+_LEAST_BLOCK: Final = 9  # columns of a box with block arrows
+_LEAST_NUMBER: Final = 3  # columns: shorter numbers say less than the colour
 _EXACT: Final = "exact"
 
 
 def chain_rows(states: int, width: int) -> int:
-    """Return the rows of a chain in ``width`` columns, with the agent above and the exact values below."""
+    """Return the rows of a chain, with agent and exact values."""
     return _box_size(width // states)[1] + _AROUND
 
 
 def _box_size(step: int) -> tuple[int, int]:
-    """Return the columns and rows of a box that begins ``step`` columns before the next one."""
+    """Return columns and rows of a box, from the distance of boxes."""
     wide = min(_MOST_WIDTH, step - max(1, step // _PARTS))
     return wide, max(_LEAST_HEIGHT, 2 * wide // 3 | 1)
 
 
 @lru_cache(maxsize=32)
 def chain_layout(chain: tuple[int, ...], width: int, height: int) -> GraphLayout | None:
-    """Return the layout of ``chain``, which has no edges; None where its boxes do not fit."""
+    """Return the layout of ``chain``, or None if it does not fit."""
     step = width // len(chain)
     if step < _LEAST_STEP or height < 1:
         return None
@@ -69,7 +69,7 @@ def chain_layout(chain: tuple[int, ...], width: int, height: int) -> GraphLayout
 
 
 def end_rewards(mdp: TabularMDP) -> Mapping[int, float | None]:
-    """Return the reward on the way into each state without actions; None where there are several."""
+    """Return the reward of entering each terminal state, None if not unique."""
     ends = np.flatnonzero(np.diff(mdp.first_pair) == 0)
     rewards = {int(end): np.unique(mdp.reward[mdp.next_state == end]) for end in ends}
     return {end: float(own[0]) if len(own) == 1 else None for end, own in rewards.items()}
@@ -79,7 +79,7 @@ def end_rewards(mdp: TabularMDP) -> Mapping[int, float | None]:
 
 
 def exact_v(space: FiniteSpace, snapshot: Snapshot) -> tuple[float, ...] | None:
-    """Return the exact V, [S]; None if it is unknown or hidden."""
+    """Return the exact V, [S], or None."""
     solution = snapshot.exact_answer.solution
     if solution is None or is_secret(snapshot):
         return None
@@ -89,16 +89,16 @@ def exact_v(space: FiniteSpace, snapshot: Snapshot) -> tuple[float, ...] | None:
 
 @dataclass
 class ChainPicture:
-    """The ``boxes`` of a chain with all that ``scene`` has, on a ``canvas``."""
+    """Draws the ``boxes`` of a chain on a ``canvas``."""
 
     canvas: Canvas
     shape: GraphShape
     boxes: tuple[Box, ...]
     scene: GraphScene
     look: Look
-    rewards: Mapping[int, float | None]  # those of end_rewards
+    rewards: Mapping[int, float | None]  # from end_rewards
     exact: tuple[float, ...] | None
-    last: LastStep | None  # where it can be followed
+    last: LastStep | None  # None if steps pass too fast
 
     def draw(self) -> None:
         """Draw links, boxes, agent and exact values."""
@@ -138,7 +138,7 @@ class ChainPicture:
             self.canvas.put(box.x, y, " " * box.width, style)
 
     def _put(self, box: Box, row: int, text: str, style: Style) -> bool:
-        """Put ``text`` into the middle of a row of ``box`` if it fits whole; return whether it does."""
+        """Centre ``text`` in a row of ``box`` if it fits. Return whether it does."""
         if fits := 0 < len(text) <= box.width and row < box.height:
             self.canvas.put(box.x, box.y + row, centred(text, box.width), style)
         return fits

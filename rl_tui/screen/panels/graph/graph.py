@@ -1,4 +1,4 @@
-"""An MDP as a graph of boxes and edges, a chain as a row of boxes, else a list of edges."""
+"""The World panel of an MDP: a graph, a chain, or a list of edges."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ from rl_tui.worlds.world import Prospect, World
 
 
 def draft_shape(editor: EditorView, world: World, graph: Graph, glyphs: Glyphs) -> GraphShape | None:
-    """Return the shape of what is drawn, None where all of it applies or a state has no place.
+    """Return the shape of the draft, or None without visible changes.
 
-    States of ``world`` keep their numbers. Actions that do not apply yet are hatched.
+    States of ``world`` keep their numbers.
     """
     draft, base = editor.draft, editor.base
     if draft is base or not isinstance(draft, GraphDraft) or not isinstance(base, GraphDraft):
@@ -115,9 +115,9 @@ def _reward(entry: Mapping[str, Any], target: str) -> float:
 
 
 VALUE_WIDTH: Final = 6
-_LEAST_BLOCK: Final = 7  # rows of a box with a number in blocks; one more has the exact value below it
+_LEAST_BLOCK: Final = 7  # rows of a box with a block number: one more row shows the exact value
 HEADING: Final = f"{TITLE} · bold ="
-END: Final = "end"  # in place of the value of a terminal state
+END: Final = "end"  # value of a terminal state
 THIN: Final = 1
 BOLD: Final = 2
 
@@ -127,15 +127,20 @@ _ROUNDED: Final = {"┌": "╭", "┐": "╮", "└": "╰", "┘": "╯"}
 
 
 class GraphView(WorldView):
-    """A graph, laid out once for each size. Where it does not fit, a list of its edges that scrolls."""
+    """A graph, or a scrolling list of its edges if it does not fit."""
 
     _top = 0
     _layout: GraphLayout | None = None
     _height = 1
-    _is_draft = False  # whether the shape is that of a draft
+    _is_draft = False  # whether the shape belongs to a draft
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
-        """Take ``world`` for the one that is drawn."""
+        """Switch to ``world``.
+
+        Raises:
+            TypeError: The drawing is not a graph, or its outcomes are unknown.
+
+        """
         if not isinstance(world.drawing, Graph) or (world.mdp is None and not world.prospects):
             raise TypeError("a GraphView draws worlds whose outcomes are known and whose drawing is a Graph")
         super().enter(world, goes_on=goes_on)
@@ -147,13 +152,13 @@ class GraphView(WorldView):
         self._take_shape(is_kept=False)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``; the form of its numbers is steady until another run starts."""
+        """Draw ``snapshot``. Number formats stay the same during a run."""
         if self.begins_anew(snapshot):
             self.number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the graph, or the list of its edges where it does not fit."""
+        """Return the graph, or the list of edges."""
         is_kept = keeps_back(snapshot, "model")
         editor = snapshot.editor
         assert isinstance(self.world.drawing, Graph)
@@ -166,7 +171,7 @@ class GraphView(WorldView):
         forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
         self.heading = self.fitting(forms, width) or heading
         values = state_values(self.world.space, snapshot, self.tints)
-        # states that are only drawn have no value, as an end, or an unknown one
+        # drafted states have no value if terminal, else an unknown one
         new = (None if each.terminal else math.nan for each in self._shape.nodes[len(values.value) :])
         values = replace(values, value=(*values.value, *new))
         chain = () if self._is_draft else self._graph.chain
@@ -213,7 +218,7 @@ class GraphView(WorldView):
         )
 
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the nearest state in that direction, in a list the next one, else ``place``."""
+        """Return the nearest state in that direction, else ``place``."""
         if self._layout is None:
             listed = sorted(
                 {action.source for action in self._shape.actions if self._has(action.source)} | {place}
@@ -228,7 +233,7 @@ class GraphView(WorldView):
         return min(there, key=there.__getitem__, default=place)
 
     def place_at(self, x: int, y: int) -> int | None:
-        """Return the state whose box or edge is drawn there."""
+        """Return the state whose box or edge is here."""
         if self._layout is not None:
             boxes = enumerate(self._layout.boxes)
             places = (state for state, box in boxes if (x, y) in set(box.cells()))
@@ -240,14 +245,14 @@ class GraphView(WorldView):
         return place < self.world.space.states
 
     def keep_in_view(self, place: int) -> None:
-        """Scroll the list of edges to those of a state."""
+        """Scroll the list to the edges of a state."""
         lines = [line for line, action in enumerate(self._shape.actions) if action.source == place]
         if lines:
             self._top = scrolled_to(scrolled_to(self._top, lines[-1], self._height), lines[0], self._height)
 
     @property
     def stance(self) -> object:
-        """The cursor and the first edge in view."""
+        """The cursor and the first visible edge."""
         return self.cursor, self._top
 
     def align_with(self, twin: BoardPanel) -> None:
@@ -273,7 +278,7 @@ def draw_graph(
     exact: Sequence[float] | None,
     look: Look,
 ) -> None:
-    """Draw ``layout`` with the values, the greedy actions, agent, cursor and breakpoints stamped on it."""
+    """Draw ``layout`` with values, actions, agent, cursor and breakpoints."""
     (values, form, signs), palette, glyphs = scene, look.palette, look.glyphs
     texts = [values.text(state, form, look) for state in range(len(shape.nodes))]
     has_blocks = layout.boxes[0].height >= _LEAST_BLOCK and look.glyphs.braille
@@ -326,7 +331,7 @@ def _draw_box(
     first, text = box.y + 1 + (box.height - 3 - len(value)) // 2, value[0]
     name = shortened(node.name, inner - 1, glyphs.ellipsis)
     flag, is_full = values.flag(state, signs.differing, look), len(name) == inner - 1
-    # the blank before a name that fills the box is the agent's, or else the flag's
+    # the blank before a name that fills the box is for the agent, or else for the flag
     start = 0 if flag and is_full and not agent else max(1, (inner - len(name) + 1) // 2)
     canvas.put(box.x + 1 + start, first, name, background + Style(bold=True))
     if agent:
@@ -365,7 +370,7 @@ def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent:
         styles[cell] = _edge_style(greedy, look)
     for state, box in enumerate(layout.boxes):
         for cell in arms.keys() & set(box.cells()):
-            # a line begins in a border: the border runs through, in its own style
+            # a line starts in a border, which continues in its own style
             on_side = cell[0] in (box.x, box.x + box.width - 1)
             border = StrokeArms(up=THIN, down=THIN) if on_side else StrokeArms(right=THIN, left=THIN)
             arms[cell] = arms[cell].joined(border)
@@ -375,7 +380,7 @@ def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent:
 
 
 class StrokeArms(NamedTuple):
-    """The weights of the lines that leave a cell towards its neighbours: 0 (none), THIN or BOLD."""
+    """Weights of the lines that leave a cell: 0, THIN or BOLD."""
 
     up: int = 0
     right: int = 0
@@ -383,12 +388,12 @@ class StrokeArms(NamedTuple):
     left: int = 0
 
     def joined(self, other: StrokeArms) -> StrokeArms:
-        """Return what two lines that meet or cross in one cell make together."""
+        """Return both lines combined in one cell."""
         return StrokeArms(*(max(mine, its) for mine, its in zip(self, other, strict=True)))
 
 
 def joint(arms: StrokeArms, glyphs: Glyphs) -> str:
-    """Return the character for ``arms``; thin corners are rounded."""
+    """Return the character for ``arms``, with thin corners rounded."""
     if glyphs.name == "ascii":
         return _ascii(arms, glyphs)
     character = _JOINTS[arms.up + 3 * arms.right + 9 * arms.down + 27 * arms.left]

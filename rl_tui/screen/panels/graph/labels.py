@@ -1,4 +1,4 @@
-"""Where the labels of edges go: beside the line they belong to, on cells that nothing else takes."""
+"""Placement of edge labels beside their lines, on free cells."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _TOUCHES: Final = 1.0
 _BY_ANOTHER_EDGE: Final = 2.5
 _BY_ANOTHER_BRANCH: Final = 0.2
 
-LineOf = tuple[int, int]  # pair, and which of its branches: the first one starts at the box
+LineOf = tuple[int, int]  # pair, and index of its branch: the first one starts at the box
 
 
 class EdgeLabel(NamedTuple):
-    """One line of text; ``pair`` is whose."""
+    """One line of text that belongs to ``pair``."""
 
     pair: int
     x: int
@@ -34,7 +34,7 @@ Block = tuple[EdgeLabel, ...]
 
 
 class LineRun(NamedTuple):
-    """A straight part of an edge: its cells in order, and whether it is horizontal."""
+    """A straight part of an edge."""
 
     cells: tuple[Cell, ...]
     horizontal: bool
@@ -42,7 +42,7 @@ class LineRun(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class WantedLabel:
-    """A label to be placed along ``runs``; ``inline`` lets it stand on the line itself where it is short."""
+    """A label to place along ``runs``, or on a short line if ``inline``."""
 
     line: LineOf
     text: str
@@ -52,7 +52,7 @@ class WantedLabel:
 
 @dataclass
 class Obstacles:
-    """What is taken before labels are placed: boxes, and lines (cell → whose)."""
+    """Occupied cells: boxes, and lines with their owners."""
 
     width: int
     height: int
@@ -61,7 +61,7 @@ class Obstacles:
 
 
 def runs_of(cells: Sequence[Cell], directions: Sequence[int]) -> tuple[LineRun, ...]:
-    """Return the straight parts of a line given by its cells and the direction in which each is entered."""
+    """Return the straight parts of a line, from cells and directions of entry."""
     runs: list[LineRun] = []
     first = 0
     for index in range(1, len(cells) + 1):
@@ -73,7 +73,7 @@ def runs_of(cells: Sequence[Cell], directions: Sequence[int]) -> tuple[LineRun, 
 
 
 def place_labels(obstacles: Obstacles, wanted: Iterable[WantedLabel]) -> tuple[list[EdgeLabel], float, int]:
-    """Return the lines of all labels that find a place, what they cost, and how many found none."""
+    """Return the placed labels, their cost, and the number without a place."""
     choices = sorted(
         ((each, list(_choices(obstacles, each))) for each in wanted), key=lambda choice: len(choice[1])
     )
@@ -147,7 +147,7 @@ def _beside_vertical(run: LineRun, lines: list[str]) -> Iterator[tuple[float, li
     x, middle = run.cells[0][0], (rows[0] + rows[-1]) / 2
     for top in range(rows[0] - len(lines) + 1, rows[-1] + 1):
         off = 0.6 * abs(top + (len(lines) - 1) / 2 - middle)
-        # a block that reaches past the end of the line no longer seems to belong to it
+        # a block that extends past the end of a line no longer seems to belong to it
         off += 1.0 * (max(0, rows[0] - top) + max(0, top + len(lines) - 1 - rows[-1]))
         for gap in (1, 2):
             cost = off + (0.8 if gap == 1 else 0.0)
@@ -173,7 +173,7 @@ def _is_free(obstacles: Obstacles, label: EdgeLabel) -> bool:
 
 
 def _surroundings(obstacles: Obstacles, text: set[Cell], line: LineOf, block: Block) -> float | None:
-    """Return what the neighbours of a block cost, None where it would stand on or run into ``text``."""
+    """Return the cost of a block's neighbours, or None if it touches ``text``."""
     cost = 0.0
     strangers: set[LineOf] = set()
     for label in block:

@@ -1,6 +1,6 @@
-"""The layout of a graph in a panel of one size: boxes, lines, forks, arrow heads and labels.
+"""The layout of a graph for one panel size.
 
-Several arrangements are tried, and the one with the best places for labels is kept.
+Several arrangements are tried. The best label places win.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ from rl_tui.screen.panels.graph.shape import GraphAction, GraphBranch, GraphShap
 # Arrangements of the boxes
 
 
-_BOX_HEIGHTS: Final = (4, 5, 6)  # borders, name, value; more where more lines need a place on the sides
-_LEAST_INNER: Final = 6  # a value, and the mark before a name of five letters
+_BOX_HEIGHTS: Final = (4, 5, 6)  # borders, name, value: taller boxes have more ports at the sides
+_LEAST_INNER: Final = 6  # a value, or a mark before a name of five letters
 _MOST_INNER: Final = 16
-_ROOMY: Final = (4, 2, 0)  # more characters inside where there is room
-_TALLEST: Final = 9  # rows of a box that grows with the room, and the most characters inside
+_ROOMY: Final = (4, 2, 0)  # additional characters inside if they fit
+_TALLEST: Final = 9  # rows of the tallest box: the next line has the widest inside
 _WIDEST: Final = 19
 _LEAST_GAP: Final = 4  # an edge with a fork and a head
 _MOST_GAP: Final = 20
@@ -56,7 +56,7 @@ Places = tuple[Box, ...]
 
 
 def places(shape: GraphShape, width: int, height: int) -> Iterator[Places]:
-    """Yield arrangements of one box a node within width × height, likely good ones first."""
+    """Yield arrangements of the boxes, promising ones first."""
     columns = 1 + max(node.column for node in shape.nodes)
     rows = 1 + max(node.row for node in shape.nodes)
     lines = [_lines_between(shape, row) for row in range(rows - 1)]
@@ -70,7 +70,7 @@ def places(shape: GraphShape, width: int, height: int) -> Iterator[Places]:
         enumerate((wants[-1], 0)),
     )
     seen = set()
-    # those that depart least from the first of every choice come first
+    # smallest deviation from the preferred choices first
     for (_, box_height), (_, widths), (_, left), (_, right) in sorted(
         choices, key=lambda choice: sum(index for index, _ in choice)
     ):
@@ -91,7 +91,7 @@ def _height(shape: GraphShape, height: int) -> int:
 
 
 def _box_widths(shape: GraphShape, columns: int, grown: int) -> Iterator[list[int]]:
-    """Yield the widths of the columns of boxes: ``grown``, roomy, compact, as narrow as their names."""
+    """Yield widths of the box columns, widest first."""
     names = [
         max((cell_len(node.name) for node in shape.nodes if node.column == column), default=0)
         for column in range(columns)
@@ -107,9 +107,9 @@ def _box_widths(shape: GraphShape, columns: int, grown: int) -> Iterator[list[in
 def _lefts(
     box_widths: Sequence[int], width: int, across: Sequence[bool], wants: Sequence[int]
 ) -> list[int] | None:
-    """Return the first column of each column of boxes, None if they do not fit.
+    """Return the first column of each column of boxes, or None.
 
-    Margins get what they want first, then the gaps up to theirs; what is left widens everything.
+    Margins and gaps grow to their wanted width first.
     """
     least = [_LEAST_GAP if crossed else 2 for crossed in across]
     room = [float(each) for each in (wants[0], *least, wants[-1])]
@@ -137,7 +137,7 @@ def _tops(rows: int, height: int, box_height: int, wants: Sequence[int]) -> list
     if free < 0:
         return None
     while free > 0 and any(gap < max(_MOST_ROWS, height // 4) for gap in gaps):
-        # rows that still lack lines for labels come first, then the narrowest
+        # rows without enough lines for labels come first, then the narrowest
         index = min(range(len(gaps)), key=lambda each: (gaps[each] >= wants[each], gaps[each]))
         if gaps[index] >= wants[index] and free <= 2:
             break
@@ -161,7 +161,7 @@ def _lines_between(shape: GraphShape, row: int) -> int:
 
 
 def _wants(shape: GraphShape, columns: int) -> tuple[list[bool], list[int]]:
-    """Return which gaps an edge crosses, and how wide left margin, gaps and right margin would like to be."""
+    """Return which gaps edges cross, and wanted widths of margins and gaps."""
     across = [False] * (columns - 1)
     wants = [0] * (columns + 1)
     for action in shape.actions:
@@ -188,20 +188,20 @@ def _label(action: GraphAction) -> str:
 # Lines and labels
 
 
-_GOOD_ENOUGH: Final = 1.2  # cost of a label at which no other arrangement is tried
-_WORK: Final = 60  # actions × arrangements that may be tried to find a better one
-_MOST_WORK: Final = 240  # and to find one at all
-_MOST_ACTIONS: Final = 20  # more lines than this cannot be followed
-_NARROWNESS: Final = 10.0  # over the width of a box: what a wider one may cost in worse labels
-_HEIGHT: Final = 0.3  # cost of each row between the height of a box and its wished height
+_GOOD_ENOUGH: Final = 1.2  # cost per label at which the search stops
+_WORK: Final = 60  # actions × arrangements to try for a better layout
+_MOST_WORK: Final = 240  # the same for a first layout
+_MOST_ACTIONS: Final = 20  # more lines cannot be followed by eye
+_NARROWNESS: Final = 10.0  # divided by the box width: acceptable extra cost of labels for wider boxes
+_HEIGHT: Final = 0.3  # cost per row of difference from the wanted box height
 _SECOND_PORT: Final = 1.0
 _BY_A_TAKEN_PORT: Final = 5.0
 _LOOP_SIDE: Final = {RIGHT: 0.0, LEFT: 1.5, UP: 2.0, DOWN: 2.5}
-_LOOP_WIDTH: Final = 4  # of a loop on top of a box or below it
+_LOOP_WIDTH: Final = 4  # of a loop above or below a box
 
 
 class Stroke(NamedTuple):
-    """One cell of a line: the directions in which the line of ``pair`` leaves it."""
+    """One cell of a line, with the directions in which it leaves."""
 
     pair: int
     x: int
@@ -210,7 +210,7 @@ class Stroke(NamedTuple):
 
 
 class ArrowHead(NamedTuple):
-    """An arrow's head, pointing in ``direction``."""
+    """The head of an arrow."""
 
     pair: int
     x: int
@@ -219,7 +219,7 @@ class ArrowHead(NamedTuple):
 
 
 class Fork(NamedTuple):
-    """Where the line of ``pair`` parts into its outcomes."""
+    """The cell where a line splits into outcomes."""
 
     pair: int
     x: int
@@ -228,7 +228,7 @@ class Fork(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class GraphLayout:
-    """Everything that stays while values change. ``boxes`` are in the order of the states."""
+    """The fixed parts of a graph. ``boxes`` follow the order of states."""
 
     boxes: Places
     strokes: tuple[Stroke, ...]
@@ -239,7 +239,7 @@ class GraphLayout:
 
 @lru_cache(maxsize=32)
 def graph_layout(shape: GraphShape, width: int, height: int) -> GraphLayout | None:
-    """Return the best arrangement found in width × height characters, None where some part has no place."""
+    """Return the best layout found, or None if some part does not fit."""
     distinct_places = len({(node.column, node.row) for node in shape.nodes})
     if distinct_places < len(shape.nodes) or len(shape.actions) > _MOST_ACTIONS:
         return None
@@ -270,7 +270,7 @@ class _Drawing:
         self._label_cost = self._route_cost = 0.0
 
     def complete(self) -> bool:
-        """Put in all lines and labels; tell whether all found a place."""
+        """Add all lines and labels. Return whether they fit."""
         for action in sorted(self._shape.actions, key=self._length):
             if not self._put_action(action):
                 return False
@@ -279,7 +279,7 @@ class _Drawing:
         return lost == 0
 
     def finished(self) -> tuple[float, GraphLayout]:
-        """Return the layout and its cost: that of labels each, and a little for the lines."""
+        """Return the layout and its cost."""
         cost = self._label_cost / max(1, len(self._wanted)) + 0.001 * self._route_cost
         cost += _HEIGHT * abs(self._boxes[0].height - _height(self._shape, self._sheet.height))
         cost += _NARROWNESS / min(box.width for box in self._boxes)
@@ -289,7 +289,7 @@ class _Drawing:
         return cost, layout
 
     def _length(self, action: GraphAction) -> tuple[bool, float]:
-        """Order short edges first, and actions that only lead back to their state last."""
+        """Return a sort key: short edges first, self-loops last."""
         main = self._branches(action)[0]
         source, target = self._shape.nodes[action.source], self._shape.nodes[main.target]
         distance = abs(source.column - target.column) + abs(source.row - target.row)
@@ -376,7 +376,7 @@ class _Drawing:
         return min(loops, key=lambda loop: loop.cost, default=None)
 
     def _ends(self, state: int, centres: dict[int, float]) -> dict[Port, float]:
-        """Return the free ports of a box with their extra cost; ``centres``: the wished place on a side."""
+        """Return free ports of a box with extra cost. ``centres``: wanted places."""
         box, ends = self._boxes[state], {}
         for side in (UP, RIGHT, DOWN, LEFT):
             for index, cell in enumerate(box.ports(side)):
@@ -405,7 +405,7 @@ class _Drawing:
                 for each in self._shape.actions
                 if {each.source, self._branches(each)[0].target} == {state, other}
             ]
-            # those that go up or left come first
+            # edges that go up or left come first
             between.sort(key=lambda each: (-nodes[each.source].row, -nodes[each.source].column))
             share = (between.index(action) + 1) / (len(between) + 1)
         return dict.fromkeys((UP, DOWN), box.x + round(share * (box.width - 1)))

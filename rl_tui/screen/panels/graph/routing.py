@@ -15,7 +15,7 @@ UP, RIGHT, DOWN, LEFT = range(4)
 STEP: Final = ((0, -1), (1, 0), (0, 1), (-1, 0))
 HORIZONTAL: Final = (RIGHT, LEFT)
 
-# what a route costs besides its length; a row is about as long as two columns
+# costs of a route besides its length: one row is about as long as two columns
 _BEND: Final = 3.0
 _CROSSING: Final = 12.0
 _BESIDE_A_LINE: Final = 2.5
@@ -30,13 +30,13 @@ def reverse(direction: int) -> int:
 
 
 def next_cell(cell: Cell, direction: int) -> Cell:
-    """Return the neighbour of ``cell``."""
+    """Return the neighbour of ``cell`` in ``direction``."""
     dx, dy = STEP[direction]
     return cell[0] + dx, cell[1] + dy
 
 
 class Box(NamedTuple):
-    """A rectangle, its border included."""
+    """A rectangle, including its border."""
 
     x: int
     y: int
@@ -44,13 +44,13 @@ class Box(NamedTuple):
     height: int
 
     def cells(self) -> Iterable[Cell]:
-        """Return all its cells."""
+        """Return all cells of the box."""
         return (
             (x, y) for y in range(self.y, self.y + self.height) for x in range(self.x, self.x + self.width)
         )
 
     def ports(self, side: int) -> list[Cell]:
-        """Return the border cells of a side where a route may leave or enter: not too near its corners."""
+        """Return the border cells for routes on a side, away from corners."""
         if side in HORIZONTAL:
             x = self.x + self.width - 1 if side == RIGHT else self.x
             return [(x, y) for y in range(self.y + 1, self.y + self.height - 1)]
@@ -59,14 +59,14 @@ class Box(NamedTuple):
 
 
 class Port(NamedTuple):
-    """Where a route leaves or enters: a cell that is not part of it, and the direction of travel there."""
+    """The end of a route: a cell outside it, and the direction of travel."""
 
     cell: Cell
     direction: int
 
 
 class Route(NamedTuple):
-    """The cells of a line from one port to another, and the direction in which each is entered."""
+    """The cells of a line, and the direction of entry into each."""
 
     start: Port
     end: Port
@@ -75,14 +75,14 @@ class Route(NamedTuple):
     cost: float
 
     def arms(self, index: int) -> tuple[int, int]:
-        """Return the two directions in which the line leaves cell ``index``."""
+        """Return the directions in which the line leaves cell ``index``."""
         after = self.directions[index + 1] if index + 1 < len(self.cells) else self.end.direction
         return reverse(self.directions[index]), after
 
 
 @dataclass
 class RoutingSheet:
-    """Which cells are taken: by boxes, by lines (cell → directions in which they leave it), or barred."""
+    """Cells occupied by boxes or lines, or barred."""
 
     width: int
     height: int
@@ -92,7 +92,7 @@ class RoutingSheet:
     _entry_costs: tuple[dict[Cell, float], ...] = field(default_factory=lambda: ({}, {}, {}, {}))
 
     def take(self, route: Route) -> None:
-        """Enter ``route``, which nothing may cross at its bends and ends."""
+        """Add ``route`` and bar its last cell."""
         for index, cell in enumerate(route.cells):
             arms = frozenset(route.arms(index))
             if cell in self.lines:
@@ -101,13 +101,13 @@ class RoutingSheet:
         self.bar(route.cells[-1])
 
     def bar(self, cell: Cell) -> None:
-        """Let no other line enter ``cell``."""
+        """Forbid other lines to enter ``cell``."""
         self.barred.add(cell)
         for costs in self._entry_costs:
             costs.clear()
 
     def entry_cost(self, cell: Cell, direction: int) -> float:
-        """Return the cost of going on into ``cell``, infinite where it is taken."""
+        """Return the cost of entering ``cell``, infinite if occupied."""
         known = self._entry_costs[direction]
         cost = known.get(cell)
         if cost is None:
@@ -133,7 +133,7 @@ class RoutingSheet:
 
 
 def route(sheet: RoutingSheet, starts: Mapping[Port, float], ends: Mapping[Port, float]) -> Route | None:
-    """Return the cheapest line from one of ``starts`` to one of ``ends`` (port → extra cost), if any."""
+    """Return the cheapest route between ports with extra costs, or None."""
     order = count()
     queue: list[tuple[float, int, Port, float]] = []
     came_from: dict[Port, Port] = {}

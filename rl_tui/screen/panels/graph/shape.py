@@ -1,4 +1,4 @@
-"""An MDP as labelled nodes and edges, and as a list of edges in text.
+"""An MDP as labelled nodes and edges, and as a list of edges.
 
 Rewards on edges are r(s, a, s′) (Sutton & Barto, 2nd ed., equation 3.6).
 """
@@ -32,7 +32,7 @@ _LIKELY: Final = 0.5
 
 
 class Node(NamedTuple):
-    """A state: its name, its place (column, row) and whether nothing can be done there."""
+    """A state: name, place, and whether it is terminal."""
 
     name: str
     column: int
@@ -41,7 +41,7 @@ class Node(NamedTuple):
 
 
 class GraphBranch(NamedTuple):
-    """Where an action may lead; ``probability`` is None where it is hidden or depends on the history."""
+    """One outcome of an action. An unknown ``probability`` is None."""
 
     target: int
     probability: float | None
@@ -49,7 +49,7 @@ class GraphBranch(NamedTuple):
 
 
 class GraphAction(NamedTuple):
-    """One pair, with one branch for each state that it may lead to, the likeliest first."""
+    """One pair, with a branch per next state, likeliest first."""
 
     pair: int
     source: int
@@ -60,7 +60,7 @@ class GraphAction(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class GraphShape:
-    """States and pairs, labelled for people."""
+    """Labelled states and pairs."""
 
     nodes: tuple[Node, ...]
     actions: tuple[GraphAction, ...]
@@ -71,7 +71,7 @@ class GraphShape:
 
 
 class Signs(NamedTuple):
-    """What is marked besides the values; ``differing`` states have other greedy actions in the run beside."""
+    """The marks on a graph. ``differing`` states have other greedy actions in the second run."""
 
     agent: int
     cursor: int | None
@@ -81,7 +81,7 @@ class Signs(NamedTuple):
 
 
 class GraphScene(NamedTuple):
-    """What a graph looks like at one moment: the ``values`` of states in one ``form``, and ``signs``."""
+    """The ``values`` of a graph in one ``form``, and its ``signs``."""
 
     values: StateValues
     form: NumberForm
@@ -89,7 +89,7 @@ class GraphScene(NamedTuple):
 
 
 def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = False) -> GraphShape:
-    """Return the shape of ``world`` without empty columns and rows; ``is_kept`` hides probabilities."""
+    """Return the shape of ``world``. ``is_kept`` hides probabilities."""
     space, mdp = world.space, world.mdp
     places = zip(space.state_names, on_grid(graph.places), strict=True)
     nodes = tuple(
@@ -111,7 +111,7 @@ def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = F
 
 
 def on_grid(places: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return column and row of each of ``places`` without those that are empty."""
+    """Return ``places`` without empty columns and rows."""
     columns = sorted({column for column, _ in places})
     rows = sorted({row for _, row in places})
     return [(columns.index(column), rows.index(row)) for column, row in places]
@@ -133,7 +133,7 @@ def _prospects(mdp: TabularMDP, pair: int, *, is_kept: bool) -> tuple[Prospect, 
 def graph_action(
     name: str, state: int, pair: int, prospects: Sequence[Prospect], glyphs: Glyphs
 ) -> GraphAction:
-    """Return an action of ``state`` that is called ``name``, labelled with what it pays and how likely."""
+    """Return an action labelled with rewards and probabilities."""
     texts = {each.next_state: _rewards_text(each.rewards, glyphs) for each in prospects}
     targets = sorted(prospects, key=lambda each: -(each.probability or _LIKELY))
     if len(set(texts.values())) == 1:
@@ -150,18 +150,18 @@ def graph_action(
 
 
 def _rewards_text(rewards: Sequence[float], glyphs: Glyphs) -> str:
-    """Return one reward, or the least and the largest where they depend on the history: 0..+10?."""
+    """Return one reward, or the range if it depends on the history: ``0..+10?``."""
     texts = [reward_text(reward, glyphs) for reward in rewards]
     return texts[0] if len(texts) == 1 else f"{texts[0]}..{texts[-1]}{DEPENDS}"
 
 
 def reward_text(reward: float, glyphs: Glyphs) -> str:
-    """Return a reward with its sign, in three significant digits: +10, −2, 0."""
+    """Return a reward in three digits with its sign."""
     return f"{reward:+.3g}".replace("-", glyphs.minus) if reward else "0"
 
 
 def probability_text(probability: float) -> str:
-    """Return a probability in two decimals, more where it is close to 0 or 1: .8, .33, .005."""
+    """Return a probability in two decimals, or more near 0 and 1."""
     for decimals in (2, 3, 4, 5):
         rounded = round(probability, decimals)
         if 0.0 < rounded < 1.0 and abs(rounded - probability) < 0.02 * min(probability, 1.0 - probability):
@@ -173,11 +173,11 @@ def probability_text(probability: float) -> str:
 
 
 _VALUE_WIDTH: Final = 6
-_LEAST_TEXT: Final = 20  # of an edge, below which names and values are left out
+_LEAST_TEXT: Final = 20  # characters of an edge: narrower panels omit names and values
 
 
 def draw_edge_list(canvas: Canvas, shape: GraphShape, scene: GraphScene, look: Look, top: int) -> None:
-    """Draw a line per action from number ``top`` on; narrow panels leave out V, then names."""
+    """Draw one line per action from ``top`` on. Narrow panels omit V, then names."""
     (values, form, signs), width = scene, canvas.width
     names = max((len(shape.nodes[action.source].name) for action in shape.actions), default=0)
     with_values = width >= names + _VALUE_WIDTH + 3 + _LEAST_TEXT
@@ -195,7 +195,7 @@ def draw_edge_list(canvas: Canvas, shape: GraphShape, scene: GraphScene, look: L
                 style = values.flag_style(state, look.palette.you, look)
                 after = 1 + len(shape.nodes[state].name) + len(flag)
                 canvas.put(after - len(flag), y, flag, style)
-                # beside the longest name one cell is free
+                # one cell is free after the longest name
                 marks = list(marks_of(signs.editor, state).signs(look))[: names + 2 - after]
                 for place, mark in enumerate(marks, start=after):
                     canvas.put(place, y, *mark)
@@ -225,7 +225,7 @@ def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> N
 def edge_text(
     shape: GraphShape, action: GraphAction, greedy: bool, look: Look, *, is_tight: bool = False
 ) -> str:
-    """Return ``─study −2─▶ Pass .8 / Class .2``; where it ``is_tight``, ``─study −2▶Pass .8/Class .2``."""
+    """Return ``─study −2─▶ Pass .8 / Class .2``, closer if ``is_tight``."""
     line = look.glyphs.bold if greedy else look.glyphs.thin
     targets = (f"{shape.nodes[branch.target].name} {branch.label}".strip() for branch in action.branches)
     if is_tight:
@@ -234,7 +234,7 @@ def edge_text(
 
 
 def whole_words(text: str, width: int, look: Look) -> str:
-    """Return ``text``, cut between words so that no number loses digits, and ended by an ellipsis if cut."""
+    """Return ``text`` cut at a word, so that no number loses digits."""
     if len(text) <= width:
         return text
     ellipsis = look.glyphs.ellipsis

@@ -1,1 +1,1 @@
-"""The map of a grid world."""
+"""The World panel for worlds drawn as a map."""

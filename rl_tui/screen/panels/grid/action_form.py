@@ -1,4 +1,4 @@
-"""Where the actions of a state stand in its cell: the first form that its size has room for."""
+"""The arrangement of actions in a cell, by cell size."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ MOST_DIGITS: Final = 5  # 0.94, −12.3
 FRAME: Final = 2  # a mark on either side of a number
 _ROWS: Final = 3  # above, beside and below the middle
 _LEAST_TINTED: Final = 5  # columns: a side, three in the middle, a side
-_LEAST_PART: Final = 5  # rows and columns of cells in view, for a map of which only a part fits
+_LEAST_PART: Final = 5  # visible rows and columns of cells, for a map that does not fit
 
 
 class Places(Enum):
-    """Where the actions stand."""
+    """The arrangement of the actions in a cell."""
 
     CROSS = auto()  # each number on its side of the middle
     KEYPAD = auto()  # the same with diagonals, in three rows
-    SPREAD_KEYPAD = auto()  # the same in five rows, which need not be as wide
-    LIST = auto()  # below one another, each behind its sign
+    SPREAD_KEYPAD = auto()  # the same in five rows, for narrower cells
+    LIST = auto()  # one below the other, each after its sign
     TWO_LISTS = auto()
-    TINTS = auto()  # no numbers: each side of the cell tinted
+    TINTS = auto()  # no numbers: each side of the cell is coloured
 
     @property
     def is_list(self) -> bool:
@@ -36,11 +36,7 @@ class Places(Enum):
 
 
 class ActionForm(NamedTuple):
-    """A cell of ``width`` × ``height`` characters with its actions in ``places``.
-
-    Numbers have ``digits`` characters, signs of lists ``sign_width``. ``most_actions`` is how many a state
-    has at most.
-    """
+    """A cell of ``width`` × ``height`` characters with actions in ``places``."""
 
     places: Places
     width: int
@@ -51,14 +47,14 @@ class ActionForm(NamedTuple):
 
     @property
     def entry_width(self) -> int:
-        """The characters that an entry of a list has room for."""
+        """The width of a list entry."""
         if self.places is Places.TWO_LISTS:
             return (self.width - 1) // 2
         return self.width - (not self.has_header)
 
     @property
     def has_header(self) -> bool:
-        """Whether a list has a row above it, for the marks of the state."""
+        """Whether a list has a row above for marks."""
         return self.places is Places.LIST and self.height > self.most_actions
 
     @property
@@ -68,20 +64,20 @@ class ActionForm(NamedTuple):
 
     @property
     def tinted_width(self) -> int:
-        """The columns that have tints: one is blank between neighbours where there is room."""
+        """The coloured columns, with a blank between neighbours if it fits."""
         return self.width - (self.width > _LEAST_TINTED)
 
     @property
     def is_framed(self) -> bool:
-        """Whether a greedy number has a mark on either side: in a list only where a blank remains."""
+        """Whether a greedy number has marks on both sides."""
         return not self.places.is_list or self.entry_width > self.sign_width + self.digits + FRAME
 
 
 class ActionKinds(NamedTuple):
-    """What the actions of a map ask of a form.
+    """The actions of a map, as far as they decide their form.
 
-    ``have_sides`` says that each state has directions alone, no two alike, or else at most three actions that
-    are none; ``are_diagonal`` that some are diagonals. ``most`` is how many a state has at most.
+    ``have_sides``: states have distinct directions only, or at most three actions without one. ``most``:
+    actions of a state.
     """
 
     have_sides: bool
@@ -90,7 +86,7 @@ class ActionKinds(NamedTuple):
 
 
 def action_kinds(space: FiniteSpace, grid: Grid) -> ActionKinds:
-    """Return what the actions of all states have in common."""
+    """Return the kinds of actions in all states."""
     sides = [side_of(step) for step in grid.directions]
     counts = np.diff(space.first_pair)
     has_side = np.array([side is not None for side in sides])[space.pair_action]
@@ -106,7 +102,7 @@ def action_kinds(space: FiniteSpace, grid: Grid) -> ActionKinds:
 
 
 def side_of(sign: tuple[int, int] | str | None) -> tuple[int, int] | None:
-    """Return the side of the cell (row and column, −1 to 1) on which an action stands, None if on none."""
+    """Return the side (row and column, −1 to 1) of an action, or None."""
     if sign is None or isinstance(sign, str) or not any(sign):
         return None
     rows, columns = sign
@@ -116,7 +112,7 @@ def side_of(sign: tuple[int, int] | str | None) -> tuple[int, int] | None:
 def forms_for(
     kinds: ActionKinds, width: int, height: int, digits: int = LEAST_DIGITS, sign_width: int = 1
 ) -> Iterable[ActionForm]:
-    """Yield the forms that cells of that size have room for, the best first; numbers need ``digits``."""
+    """Yield the forms that fit cells of this size, best first."""
     if kinds.have_sides:
         yield from _with_sides(kinds, width, height, digits)
     rows = kinds.most
@@ -155,9 +151,9 @@ def whole_map_form(
     *,
     tints: bool,
 ) -> ActionForm | None:
-    """Return the form in which rows × columns cells fit into width × height characters, None if in none.
+    """Return the form in which the whole map fits, or None.
 
-    That by tints alone is taken only where there are ``tints``.
+    The form without numbers needs ``tints``.
     """
     cell_height = min(MOST_HEIGHT, height // rows)
     cell_width = min(4 * cell_height + 3, width // columns)  # characters are about twice as high as wide
@@ -168,9 +164,9 @@ def whole_map_form(
 def part_form(
     kinds: ActionKinds, rows: int, columns: int, width: int, height: int, digits: int, sign_width: int
 ) -> ActionForm | None:
-    """Return the form with numbers by which the largest part of a map is in view.
+    """Return the form with numbers that shows the largest part of a map.
 
-    None where that is less than five rows or columns of cells.
+    None if fewer than five rows or columns of cells are visible.
     """
     entry, down = sign_width + digits + 1, -(-kinds.most // 2)
     sides = [(2 * digits + 6, _ROWS), (3 * digits + 7, _ROWS)] if kinds.have_sides else []

@@ -1,4 +1,4 @@
-"""How the cells of a map look that show Q of every action of their state."""
+"""Map cells that show Q of every action."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ from rl_tui.worlds.drawing import CellKind
 
 _MOST_KEPT: Final = 4_096
 _MOST_TEXTS: Final = 20_000
-_AROUND_MIDDLE: Final = 5  # columns between the numbers beside the middle, where there is room
+_AROUND_MIDDLE: Final = 5  # columns between the numbers beside the middle, if they fit
 
 
 class ActionEntry(NamedTuple):
-    """One action as it is drawn; ``text`` is its number, a dot where it is new."""
+    """One action as drawn. ``text`` is a dot if it is new."""
 
     sign: Sign
     text: str
@@ -47,10 +47,7 @@ class ActionEntry(NamedTuple):
 
 
 class ActionFace(NamedTuple):
-    """All that makes a cell look as it does. See :class:`CellContent`.
-
-    Numbers on its sides take ``field`` characters, which may be fewer than there is room for.
-    """
+    """Everything that decides the look of a cell. See :class:`CellContent`."""
 
     kind: CellKind
     agent: bool
@@ -64,19 +61,19 @@ class ActionFace(NamedTuple):
 
 
 class ActionArtist:
-    """Draws cells with Q of every action; those in which nothing can be done as elsewhere."""
+    """Draws cells with Q of every action."""
 
     def __init__(self, look: Look, form: ActionForm) -> None:
         self.look = look
         self.form = form
-        self._idle = CellArtist(look, CellForm(form.width, form.height))  # without values
-        # what looks the same is drawn once
+        self._idle = CellArtist(look, CellForm(form.width, form.height))  # for cells without values
+        # equal rows are drawn once
         self.strips = lru_cache(MOST_ROWS)(self._strips)
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_TEXTS)(partial(value_text, look=look))
 
     def shown_reward(self, reward: CellReward) -> str:
-        """Return how a cell without other signs shows what it pays."""
+        """Return the reward of a cell as displayed."""
         return reward_text(reward, _reward_room(self.form), self.look)
 
     def _strips(self, faces: tuple[ActionFace | Face, ...], width: int) -> tuple[Strip, ...]:
@@ -86,10 +83,10 @@ class ActionArtist:
     def face(
         self, cell: CellContent, scale: ValueScale, number_form: NumberForm, range_of_v: ValueScale
     ) -> ActionFace | Face:
-        """Return how ``cell`` looks, each action tinted by its value on ``scale``."""
+        """Return the look of ``cell``, with actions coloured on ``scale``."""
         if not cell.actions:
             return self._idle.face(cell, scale, number_form, range_of_v)
-        field = max(LEAST_DIGITS, number_form.cells)  # of the widest number so far: they stay as wide
+        field = max(LEAST_DIGITS, number_form.cells)  # steady: the widest number so far
         entries = tuple(self._entry(action, scale, number_form) for action in cell.actions)
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, cell.extra or PLAIN
         return ActionFace(cell.kind, cell.agent, entries, *marks, field)
@@ -119,8 +116,6 @@ def _drawn(face: ActionFace, form: ActionForm, look: Look) -> Drawn:
 
 
 class _Block(NamedTuple):
-    """Where a cell has its numbers: columns of their first characters, and the row above the middle."""
-
     left: int
     centre: int
     right: int
@@ -130,7 +125,6 @@ class _Block(NamedTuple):
 
 
 def _block(form: ActionForm) -> _Block:
-    """Return it as narrow and low as it goes, in the middle, so that neighbours keep apart."""
     digits = form.digits
     rows = 5 if form.places is Places.SPREAD_KEYPAD else 3
     between = digits + FRAME + 2 if form.places is Places.KEYPAD else _AROUND_MIDDLE
@@ -162,10 +156,9 @@ def _draw_sides(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) 
 
 
 def _parts_of_side(block: _Block, side: tuple[int, int], form: ActionForm) -> list[tuple[int, int, int]]:
-    """Return the rows of a side of the cell, each with its first column and the one after its last.
+    """Return the rows of a side of the cell: row, first column, last column + 1.
 
-    All sides make a ring around the middle, by which a cell is told from its neighbours. Between those lies
-    the blank column that the block leaves, or the outer frames.
+    The sides form a ring that separates the cell from its neighbours.
     """
     down, across = side
     row, digits = block.middle + down, form.digits
@@ -192,7 +185,7 @@ def _parts_of_side(block: _Block, side: tuple[int, int], form: ActionForm) -> li
 def _put_marks_amid(
     canvas: Canvas, face: ActionFace, form: ActionForm, block: _Block, *, is_taken: bool, look: Look
 ) -> None:
-    """Put the marks of the state between the numbers beside the middle; where these are none, before it."""
+    """Put the marks of the state between the numbers."""
     first, last = block.left + form.digits + 1, block.right - 2
     if is_taken:
         first, last = block.left - 1, block.left - 1
@@ -217,7 +210,6 @@ def _put_marks_amid(
 
 
 def _reward_room(form: ActionForm) -> int:
-    """Return the characters for what a cell pays: those in a corner, before the mark above a list, or one."""
     if form.places in (Places.CROSS, Places.SPREAD_KEYPAD):
         block = _block(form)
         return block.centre - block.left - 1
@@ -225,7 +217,7 @@ def _reward_room(form: ActionForm) -> int:
 
 
 def name_room(form: ActionForm) -> int:
-    """Return how many characters of the name of a state there is room for."""
+    """Return the width available for a state's name."""
     match form.places:
         case Places.CROSS | Places.SPREAD_KEYPAD:
             return _reward_room(form)
@@ -240,7 +232,7 @@ def name_room(form: ActionForm) -> int:
 
 
 def _put_name(canvas: Canvas, x: int, y: int, face: ActionFace, form: ActionForm) -> None:
-    if len(face.extra.name) <= name_room(form):  # they are as wide as the longest: all have room, or none
+    if len(face.extra.name) <= name_room(form):  # names have equal width, so all fit or none
         canvas.put_over(x, y, face.extra.name.strip(), Style.null())
 
 
@@ -254,7 +246,7 @@ def _draw_list(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -
     for number, entry in enumerate(face.entries):
         column, row = divmod(number, form.list_rows)
         x, y = start + column * (width + 1), row + form.has_header
-        if blank > 0 and form.places is Places.TWO_LISTS:  # both are seen to be one cell's
+        if blank > 0 and form.places is Places.TWO_LISTS:  # binds both lists to one cell
             canvas.put(x, y, " " * width, entry.style)
             sign_style = entry.style + Style(bold=entry.is_greedy)
         else:
@@ -309,13 +301,12 @@ def _draw_tints(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) 
 
 
 def _edge(form: ActionForm, diagonals: bool) -> int:
-    """Return the columns of the sides left and right."""
     width, marks = form.tinted_width, 1 if form.height == 2 else 0
     return max(2, width // 3) if diagonals else max(1, (width - marks) // 3)
 
 
 def _rows_of_side(side: tuple[int, int], height: int, diagonals: bool) -> range:
-    """Return the rows of a side; those beside the middle have all rows where there are no diagonals."""
+    """Return the rows of a side. Without diagonals, left and right use all."""
     if side[0] < 0:
         return range(height // 2 if height == 2 else 1)
     if side[0] > 0:
@@ -370,7 +361,7 @@ def _put_number(canvas: Canvas, x: int, y: int, entry: ActionEntry, form: Action
 def _put_mark(
     canvas: Canvas, x: int, y: int, face: ActionFace, look: Look, beside: int | None = None
 ) -> None:
-    """Put agent or start, and a breakpoint in the column ``beside`` it, or in its place."""
+    """Put agent or start, and a breakpoint beside or instead."""
     palette, text = look.palette, mark_of(face.kind, face.agent, face.extra.way, look)
     if face.stops and (beside is None or not text):
         canvas.put(x, y, look.glyphs.agent if face.agent else look.glyphs.breakpoint, palette.breakpoint)
@@ -386,7 +377,7 @@ def _has_mark(face: ActionFace) -> bool:
     return face.agent or face.stops or face.kind is CellKind.START or bool(face.extra.way)
 
 
-# Cells of either kind as rows of text
+# Rows of cells as text
 
 
 def draw_grid(
@@ -399,9 +390,9 @@ def draw_grid(
     width: int,
     height: int,
 ) -> list[Strip]:
-    """Return ``cells``, those of ``part`` row by row, at the upper left of width × height characters.
+    """Return ``cells`` of ``part`` in ``width`` × ``height`` characters.
 
-    ``scale`` is that of the tints, ``range_of_v`` that by which actions lead.
+    The lead of greedy actions is relative to ``range_of_v``.
     """
     text = artist.look.palette.text
     faces = [artist.face(cell, scale, number_form, range_of_v) for cell in cells]

@@ -1,4 +1,4 @@
-"""How the cells of a map look: the sign, the number and the tint of each."""
+"""The look of map cells: sign, number and colour."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import paled
 from rl_tui.worlds.drawing import CellKind
 
-CLEAR_LEAD: Final = 0.15  # of the range of V; a greedy action that leads by that has all its ink
+CLEAR_LEAD: Final = 0.15  # share of the range of V: a greedy action with this lead has full colour
 _LEADS: Final = 4
-_DIGIT: Final = "\ue000"  # in place of each character of a number; nothing else has it
+_DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
 _MOST_KEPT: Final = 20_000
 _LEAST_STAR: Final = 4  # rows of a cell
 _BOLD: Final = Style(bold=True)
@@ -50,11 +50,10 @@ _ALIVE: Final = (CellKind.FLOOR, CellKind.START)
 
 
 class Face(NamedTuple):
-    """All that makes a cell look as it does; ``text`` is its value, None where nothing can be done.
+    """Everything that decides the look of a cell.
 
-    ``greedy`` are its signs, none where all actions are as good or nothing is known. ``lead`` says by how
-    much the greedy one is ahead, from 0 to ``_LEADS``. ``stops`` marks a breakpoint, ``cursor`` the cell the
-    cursor stands on, ``differs`` greedy actions that are others in the lane beside this one.
+    ``greedy``: empty if all actions are equal or unknown. ``lead``: advantage of the greedy action, up to
+    ``_LEADS``. ``differs``: the second run has other greedy actions.
     """
 
     kind: CellKind
@@ -71,13 +70,13 @@ class Face(NamedTuple):
 
 
 class CellArtist:
-    """Draws cells of one form. What looks the same is drawn once."""
+    """Draws cells of one form, equal ones only once."""
 
     def __init__(self, look: Look, form: CellForm) -> None:
         self.look = look
         self.form = form
         self.veils = False
-        """Whether numbers that are missing are hidden."""
+        """Whether missing numbers are shown as hidden."""
         palette = look.palette
         self._end_styles = {
             CellKind.HOLE: palette.hole,
@@ -85,7 +84,7 @@ class CellArtist:
             CellKind.WALL: palette.wall,
             CellKind.CLIFF: palette.cliff,
         }
-        # what looks the same is drawn once
+        # equal rows are drawn once
         self.strips = lru_cache(MOST_ROWS)(self._strips)
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
@@ -94,7 +93,7 @@ class CellArtist:
         return strips_of_row([self.drawn(face) for face in faces], width, self.look.palette.text)
 
     def drawn(self, face: Face) -> Drawn:
-        """Return the rows of a cell. Cells that differ only by their numbers are drawn once without them."""
+        """Return the rows of a cell. Cells with other digits share a cached drawing."""
         if not face.text:
             return self._drawn(face)
         digits, place = _DIGIT * len(face.text), self.form.value_row
@@ -103,21 +102,21 @@ class CellArtist:
         for number, (text, style, _) in enumerate(told):
             if digits in text:
                 told[number] = Segment(text.replace(digits, face.text), style)
-            elif _DIGIT in text:  # a sign covers a part of it
+            elif _DIGIT in text:  # a sign covers part of the number
                 return self._drawn(face)
         return [*rows[:place], told, *rows[place + 1 :]]
 
     def shown_reward(self, reward: CellReward) -> str:
-        """Return how a cell without other signs shows what it pays."""
-        # a single row has one character for it, two rows have arrows beside it
+        """Return the reward of a cell as displayed."""
+        # one character in cells of one or two rows
         return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
     def face(
         self, cell: CellContent, scale: ValueScale, number_form: NumberForm, range_of_v: ValueScale
     ) -> Face:
-        """Return how ``cell`` looks, tinted by its number on ``scale``; fractions are ``.54``.
+        """Return the look of ``cell``, coloured on ``scale``.
 
-        Its greedy action is the paler the less it leads, compared with ``range_of_v``.
+        A small lead relative to ``range_of_v`` makes its greedy action pale.
         """
         palette, extra = self.look.palette, cell.extra or PLAIN
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra
@@ -134,7 +133,7 @@ class CellArtist:
             text = self._text(cell.value, number_form._replace(leading_zero=False))
             text = self.look.glyphs.no_room if "#" in text else text
         clear = CLEAR_LEAD * (range_of_v.high - range_of_v.low)
-        is_clear = not cell.lead < clear  # nor is a lead over a policy that may never end a number
+        is_clear = not cell.lead < clear  # also true for NaN, the lead over a policy that may never end
         lead = _LEADS if is_clear else int(_LEADS * cell.lead / clear)
         return Face(cell.kind, cell.agent, text, cell.greedy, style, lead, *marks)
 
@@ -144,8 +143,6 @@ def _drawn(face: Face, form: CellForm, look: Look) -> Drawn:
 
 
 class _Cell:
-    """One cell while it is drawn: its ground, then what is on it, then what keeps it apart."""
-
     def __init__(self, face: Face, form: CellForm, look: Look) -> None:
         self.face, self.form, self.look, self.glyphs = face, form, look, look.glyphs
         self.extra, self.name = face.extra, face.extra.name
@@ -154,7 +151,6 @@ class _Cell:
         self.has_blocks = form.has_blocks and look.glyphs.braille
 
     def drawn(self) -> Canvas:
-        """Return the cell."""
         if self.extra.draft is not None:
             self._draw_draft(self.extra.draft)
             return self.canvas
@@ -188,7 +184,7 @@ class _Cell:
     # The ground
 
     def _fill(self) -> None:
-        """Fill the cell; what is blank has the colour of the page as ink, for the seams."""
+        """Fill the cell. Blanks have the page as ink, for the seams."""
         width, height, glyphs, ink = self.form.width, self.form.height, self.glyphs, self.ink
         is_floor = self.face.kind in _ALIVE
         for row in range(height):
@@ -251,13 +247,12 @@ class _Cell:
         return signs.get(self.face.kind, "")
 
     def _put_block(self, name: SignName, rows: int, ink: Style) -> None:
-        """Put a sign into the middle of what the agent leaves of the cell, or its character."""
         free = self._plate_end
         if free + 2 * rows > self.form.inner:
             self.canvas.put(self.form.inner - 2, (self.form.height - 1) // 2, self._end_sign, ink)
             return
         left, top = free + (self.form.inner - free - 2 * rows) // 2, (self.form.height - rows) // 2
-        if self.face.reward is not None:  # which is above it
+        if self.face.reward is not None:  # the reward is above the sign
             top = self.form.height - rows
         self._put_rows(left, top, block_sign(name, 2 * rows, rows), ink)
 
@@ -282,7 +277,7 @@ class _Cell:
             canvas.put(*middle, self.glyphs.untried, paled(self.ink, 0.3))
             return
         columns, rows = sign_size(form.width, form.height) if self.has_blocks else (0, 0)
-        free = self._plate_end + (self._plate_end > 0 and form.has_plate)  # a gap: both may be black
+        free = self._plate_end + (self._plate_end > 0 and form.has_plate)  # a gap, because both may be black
         if form.inner - free < columns:  # one size smaller beside the agent
             columns, rows = columns - 2, rows - 1
         are_blocks = are_blocks and rows >= 2 and (len(directions) == 1 or rows >= 3)
@@ -302,7 +297,7 @@ class _Cell:
 
     @property
     def _plate_end(self) -> int:
-        """The first column that the agent leaves free at the left, 0 where it is not in this cell."""
+        """The first column right of the agent, or 0."""
         if not self.face.agent or not self.has_blocks:
             return 0
         if not self.form.has_plate:
@@ -312,11 +307,11 @@ class _Cell:
 
     @property
     def _plate(self) -> tuple[int, int, int]:
-        """First column, columns and rows of the plate of the agent."""
+        """First column, columns and rows of the agent's plate."""
         rows = 2 if self.form.height < 8 else 3
         columns = sign_size(self.form.width, self.form.height)[0]
         margins = self.form.inner - 2 * rows - columns
-        more = 2 if margins >= 4 else 1 if margins >= 2 else 0  # a smaller arrow leaves room for one
+        more = 2 if margins >= 4 else 1 if margins >= 2 else 0  # a smaller arrow leaves space for one more
         return (1 if self.form.width >= 13 else 0), 2 * rows + more, rows
 
     def _draw_letters(self, row: int) -> None:
@@ -328,13 +323,13 @@ class _Cell:
         self.canvas.put(max(0, left), max(0, row), text, self._sign_ink)
 
     def _letters(self, most: int, room: int) -> str:
-        """Return the greedy actions as letters; of several ``most`` characters, of one what ``room`` has."""
+        """Return several greedy letters in ``most`` characters, one in ``room``."""
         text = "".join(sign_text(each, self.look) for each in self.face.greedy)
         return text if len(text) <= (most if len(self.face.greedy) > 1 else max(1, room)) else SEVERAL
 
     @property
     def _text(self) -> str:
-        """The value, never cut: where it does not fit a sign says that there is one."""
+        """The value, or a sign if it does not fit."""
         text = self.face.text or ""
         return text if len(text) <= self.form.inner else self.glyphs.no_room
 
@@ -354,7 +349,7 @@ class _Cell:
             self._put_letters(start - len(letters), letters)
 
     def _put_letters(self, start: int, letters: str) -> None:
-        """Put letters of one row with the mark before them; what differs reverses them if it has no room."""
+        """Put letters and their mark. Differing ones are reversed if no corner is free."""
         face, is_dot = self.face, letters == self.glyphs.untried
         before = start - 2 if is_dot or not (letters or face.text is None) else start - 1
         if self._mark or face.stops or any(self.extra.marks) or face.reward:
@@ -372,10 +367,7 @@ class _Cell:
         return mark_of(self.face.kind, self.face.agent, self.extra.way, self.look)
 
     def _put_mark(self, x: int) -> None:
-        """Put the mark of a low cell, or where there is none that of the last edit, or of what it pays.
-
-        The agent on a breakpoint has the colour of one.
-        """
+        """Put the mark of a low cell, else of the last edit, else its reward."""
         palette, canvas, face = self.look.palette, self.canvas, self.face
         edit = next(self.extra.marks.signs(self.look), None)
         if face.stops:
@@ -438,7 +430,6 @@ class _Cell:
             self.canvas.put(x, y, one_way_sign(way, self.look), self.ink + _BOLD)
 
     def _put_differing(self, left: int) -> None:
-        """Put the corner that says that the lane beside differs, on the page: seen on every tint."""
         last, bottom = self.form.inner - 1, self.form.height - 1
         for place in ((left, 0), (last, 0), (0, bottom), (last, bottom)):
             if self.canvas.is_blank(*place, 1):
@@ -459,7 +450,7 @@ class _Cell:
         self._put_rows(left + (columns - 2 * rows) // 2, 1, block_sign("disc", 2 * rows, rows), style)
 
     def _take_name(self) -> None:
-        """Decide the place of the name: a corner, that of the value, or that of the arrows."""
+        """Choose the place of the name: a corner, the value's, or the arrows'."""
         form, face = self.form, self.face
         if len(self.name) > form.longest_name:
             self.name = ""

@@ -1,4 +1,4 @@
-"""Cells that a person has drawn and that are not in force yet: what stands in them, and how they look."""
+"""Drawn cells that are not active yet."""
 
 from __future__ import annotations
 
@@ -20,15 +20,12 @@ if TYPE_CHECKING:
     from rl_tui.worlds.grid.map import LegendEntry
 
 UNKNOWN: Final = "?"
-"""In place of what a character means that no legend explains."""
-_APART: Final = 5  # columns of a cell from which its sign stands between blanks
+"""Label of a character that the legend does not explain."""
+_APART: Final = 5  # columns of a cell from which its sign has blanks around it
 
 
 class DraftCell(NamedTuple):
-    """What a cell of a draft is: its kind, the ways out of it where not all are, and what it pays.
-
-    A character that means nothing has the sign ``UNKNOWN`` in place of ways.
-    """
+    """A cell of a draft: kind, restricted exits, and reward."""
 
     kind: CellKind
     ways: tuple[Sign, ...] = ()
@@ -36,9 +33,9 @@ class DraftCell(NamedTuple):
 
 
 def draft_cells(editor: EditorView, grid: Grid, part: MapPart) -> dict[int, DraftCell]:
-    """Return what is drawn in the cells of ``part`` of the map ``grid`` that differ from those in force.
+    """Return the drafted cells of ``part`` that differ from ``grid``.
 
-    Rows and columns that are new in the draft have no place on the map in force, and are left out.
+    New rows and columns have no place there and are left out.
     """
     draft, base = editor.draft, editor.base
     if draft is base or not isinstance(draft, GridDraft) or not isinstance(base, GridDraft):
@@ -60,7 +57,7 @@ def draft_cells(editor: EditorView, grid: Grid, part: MapPart) -> dict[int, Draf
 
 
 def _places(base: tuple[int, ...], draft: tuple[int, ...], lines: range) -> Mapping[int, int]:
-    """Return where those of ``lines`` are in the draft that it still has."""
+    """Return the draft positions of ``lines`` that still exist."""
     if base == draft:
         return {line: line for line in lines}
     place_of = {each: place for place, each in enumerate(draft)}
@@ -76,7 +73,7 @@ def _cell(entry: LegendEntry | None) -> DraftCell:
 def draw_draft_cell(
     canvas: Canvas, label: str, reward: str, style: Style, look: Look, *, is_wall: bool, row: int
 ) -> None:
-    """Hatch a cell, of a wall every other column; ``label`` in ``row``, what it pays below or beside."""
+    """Hatch a cell, with ``label`` in ``row`` and the reward below or beside."""
     for each in range(canvas.height):
         canvas.put(0, each, look.glyphs.drafted * canvas.width, look.palette.dim)
         for column in range(0, canvas.width * is_wall, 2):

@@ -1,4 +1,4 @@
-"""How large the cells of a map are drawn."""
+"""The size of map cells."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ MOST_DIGITS_NEEDED: Final = 4  # −100, −12k
 _WITH_DIGITS: Final = 2  # mark and arrow beside a value in one row
 LEAST_ARROWS: Final = 2  # mark and arrow
 MOST_HEIGHT: Final = 5
-_WITH_CORNER: Final = 10  # of two rows
+_WITH_CORNER: Final = 10  # columns of a cell with two rows
 _LEAST_WITH_SEAM: Final = 5
 _LEAST_BLOCKS: Final = (7, 3)
 _LEAST_PLATE: Final = (9, 4)
@@ -18,11 +18,10 @@ _LEAST_NUMBERED: Final = (11, 5)
 
 
 class CellForm(NamedTuple):
-    """Characters a cell, and by its size what is drawn in it. Values need ``least_digits`` characters.
+    """The size of a cell in characters, which decides its contents.
 
-    From 7 × 3 on the greedy action is an arrow of blocks above the value, in lower or narrower cells a
-    letter; in one row the letter stands before the value. From 5 columns on a seam at the right and, in three
-    rows and more, one below keep a cell apart from its neighbours, where there is room for it.
+    From 7 × 3 on, the greedy action is a block arrow, else a letter. From 5 columns on, seams separate
+    neighbours if they fit.
     """
 
     width: int
@@ -31,7 +30,7 @@ class CellForm(NamedTuple):
 
     @property
     def has_values(self) -> bool:
-        """Whether there is room for V(s); narrower cells have mark and arrow alone."""
+        """Whether V(s) fits beside the arrow."""
         return self.width >= _least_width(self.height, self.least_digits)
 
     @property
@@ -47,72 +46,72 @@ class CellForm(NamedTuple):
 
     @property
     def has_blocks(self) -> bool:
-        """Whether signs are made of blocks, where there are any, and the way of a step is shown."""
+        """Whether signs are blocks, and step paths are shown."""
         return self.width >= _LEAST_BLOCKS[0] and self.height >= _LEAST_BLOCKS[1]
 
     @property
     def has_plate(self) -> bool:
-        """Whether the agent is a disc of blocks."""
+        """Whether the agent is a block disc."""
         return self.width >= _LEAST_PLATE[0] and self.height >= _LEAST_PLATE[1]
 
     @property
     def has_number(self) -> bool:
-        """Whether the corner always has the number of the state."""
+        """Whether the corner always has the state number."""
         return self.width >= _LEAST_NUMBERED[0] and self.height >= _LEAST_NUMBERED[1]
 
     @property
     def says_start(self) -> bool:
-        """Whether there is room for more than a letter where episodes start."""
+        """Whether the start has more than a letter."""
         return self.width >= _LEAST_START and self.height > 1
 
     @property
     def value_row(self) -> int:
-        """The row of the value, which is where the cursor is drawn."""
+        """The row of the value and the cursor."""
         return self.height - 1
 
     @property
     def most_signs(self) -> int:
-        """How many greedy actions a cell without a mark has room for, as letters."""
+        """The greedy letters that fit in an unmarked cell."""
         if not self.has_values:
             return 1
         return self.width - 2 if self.height > 1 else max(1, self.inner - self.digits - 1)
 
     @property
     def has_corner(self) -> bool:
-        """Whether the name of a state has room in the corner; elsewhere it takes the place of the value."""
+        """Whether state names have a corner, or replace the value."""
         return self.height > 2 or (self.height == 2 and self.width >= _WITH_CORNER)
 
     @property
     def longest_name(self) -> int:
-        """How many characters of the name of a state there is room for."""
+        """The longest state name that fits."""
         return self.digits if self.has_values and not self.has_corner else self.width - 1
 
     @property
     def most_digits(self) -> int:
-        """The characters that there are for a whole number."""
+        """The characters available for a whole number."""
         return self.inner if self.height > 1 else self.digits
 
     @property
     def digits(self) -> int:
-        """The characters that a value has."""
+        """The characters available for a value."""
         if self.height == 1:
             return self.least_digits if self.width < 8 else 4
         return 6 if self.width >= 12 else min(4, self.width - 1)
 
 
 def digits_needed(least: float) -> int:
-    """Return the characters that values from ``least`` on can be written in: 4 below −99, else 3."""
+    """Return the width of values ≥ ``least``: 4 below −99, else 3."""
     return LEAST_DIGITS if least > -99.5 else MOST_DIGITS_NEEDED
 
 
 def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LEAST_DIGITS) -> CellForm:
-    """Return the largest form in which rows × columns cells fit into width × height characters.
+    """Return the largest form in which all cells fit ``width`` × ``height`` characters.
 
-    Values need ``digits`` characters. Where they fit only without their values, they go without. Where even
-    then they do not, the form is the smallest with values: a part of the map is in view.
+    Values need ``digits`` characters and go first. If the map still does not fit, the smallest form with
+    values shows a part.
     """
     if rows > height or columns * LEAST_ARROWS > width:
-        # more than fits scrolls anyway: a long value is kept apart from its arrows
+        # the map scrolls anyway, so separate long values from arrows
         least = _least_width(1, digits) + (digits > LEAST_DIGITS)
         return CellForm(max(least, min(8, width // columns)), 1, digits)
     cell_height = min(MOST_HEIGHT, height // rows)
@@ -123,5 +122,4 @@ def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LE
 
 
 def _least_width(height: int, digits: int) -> int:
-    """Return the width from which a cell has room for its value: beside the arrow, or in a row of its own."""
     return digits + (_WITH_DIGITS if height == 1 else 1)

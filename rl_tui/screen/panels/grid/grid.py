@@ -1,7 +1,4 @@
-"""The map of a grid world: cells coloured by V(s), with the greedy actions as arrows.
-
-A map larger than the panel is cut to the part around the agent or the cursor.
-"""
+"""The map of a grid world, coloured by V(s), with greedy arrows."""
 
 from __future__ import annotations
 
@@ -63,27 +60,27 @@ _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 
 
 class GridView(WorldView):
-    """A grid world; its places are the cells, row by row.
+    """A grid world. Its places are the cells, row by row.
 
-    Where the map is larger than the panel, the part around the agent is drawn, or that around the cursor.
+    A large map shows the part around agent or cursor.
     """
 
     _part: MapPart | None = None
     _form: CellForm | None = None
     _action_form: ActionForm | None = None  # while cells show every action
-    _origin = (0, 0)  # column and row of the first cell's first character
+    _origin = (0, 0)  # column and row of the upper left cell
     _requested: Cells | None = None
     _artist: CellArtist | None = None
     _action_artist: ActionArtist | None = None
     _landscapes: LandscapeArtist | None = None
-    _is_landscape = False  # whether it was drawn as one
-    _names_bins = False  # whether a heading above the map does
+    _is_landscape = False  # of the last picture
+    _names_bins = False  # in a heading above the map
     _digits = LEAST_DIGITS
     _action_digits = LEAST_DIGITS
-    _longest_name = 0  # of those in view, where names are shown
+    _longest_name = 0  # of the visible names
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
-        """Take ``world`` for the one that is drawn, and follow the agent in it, unless it ``goes_on``."""
+        """Switch to ``world``, and follow the agent unless it ``goes_on``."""
         assert isinstance(world.drawing, Grid)
         super().enter(world, goes_on=goes_on)
         self._map = GridMap(world.space, world.drawing)
@@ -94,12 +91,12 @@ class GridView(WorldView):
 
     @cached_property
     def mover(self) -> Mover:
-        """What lets the map move after a step."""
+        """The animation after a step."""
         return Mover(self)
 
     @property
     def cells(self) -> Cells | None:
-        """What is in view: where it was scrolled to by hand, or around the agent."""
+        """The visible part, or None if all is visible."""
         part = self._part
         if part is None or self._is_whole:
             return None
@@ -108,27 +105,27 @@ class GridView(WorldView):
 
     @property
     def is_complete(self) -> bool:
-        """Whether the newest snapshot has all that is in view."""
+        """Whether the newest snapshot contains all visible cells."""
         return not self.snapshot or not self._part or self._map.holds(self._part, self.snapshot)
 
     @property
     def is_away(self) -> bool:
-        """Whether cursor or view were moved away from the agent, and not back."""
+        """Whether cursor or view are away from the agent."""
         return not self._following or super().is_away
 
     def agent_place(self, snapshot: Snapshot) -> int:
-        """Return the cell the agent is in."""
+        """Return the cell of the agent."""
         return int(self._map.grid.cell_of_state[snapshot.counters.state])
 
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the cell so many rows below and columns to the right, or the last one there."""
+        """Return the cell that far below and right, within the map."""
         grid = self._map.grid
         row, column = divmod(place, grid.columns)
         row, column = max(0, min(row + rows, grid.rows - 1)), max(0, min(column + columns, grid.columns - 1))
         return row * grid.columns + column
 
     def place_at(self, x: int, y: int) -> int | None:
-        """Return the cell drawn at column ``x`` of row ``y``."""
+        """Return the cell at column ``x`` of row ``y``, or None."""
         part, form = self._part, self._form
         if part is None or form is None:
             return None
@@ -138,35 +135,35 @@ class GridView(WorldView):
         return (part.top + row) * self._map.grid.columns + part.left + column
 
     def state_at(self, place: int) -> int | None:
-        """Return the state of a cell: of several the agent's, else the first; None in a wall."""
+        """Return the agent's or first state of a cell, or None."""
         return self._map.state_at(place, self.snapshot)
 
     def name_at(self, place: int) -> str:
-        """Return which state stands in a cell, and whether the agent can never be there."""
+        """Return the name of a cell's state, and whether it is never reached."""
         name = super().name_at(place)
         return f"{name}, never reached" if place in self._map.unreached else name
 
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int:
-        """Return where a cell is; what is in view goes along with it."""
+        """Return the place of a cell after an edit. The view follows."""
         found, down, right = carried_place(place, before, now)
         self._top, self._left = self._top + down, self._left + right
         return found
 
     def place_in(self, place: int, world: World, other: World) -> int | None:
-        """Return the cell of ``other`` at the same row and column; None where it is of another size."""
+        """Return the cell of ``other`` at the same place, or None."""
         return place if are_same_size(world, other) else None
 
     def place_of(self, pair: int) -> int:
-        """Return the cell of the state that owns ``pair``."""
+        """Return the cell of the state that has ``pair``."""
         return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
 
     @property
     def page_size(self) -> tuple[int, int]:
-        """As many rows and columns as are in view."""
+        """The visible rows and columns."""
         return self._part[2:] if self._part else (1, 1)
 
     def keep_in_view(self, place: int) -> None:
-        """Scroll so far that a cell is seen, in a map that is not whole in view."""
+        """Scroll until a cell is visible."""
         if self._part is not None and not self._is_whole:
             row, column = divmod(place, self._map.grid.columns)
             self._following = False
@@ -175,12 +172,12 @@ class GridView(WorldView):
 
     @property
     def stance(self) -> object:
-        """The cursor, the part in view and the width of the numbers."""
+        """The cursor, the visible part and the width of numbers."""
         digits = self._digits, self._action_digits
         return self.cursor, self._following, self._top, self._left, digits
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take the stance of the map ``twin``; numbers are as wide as the wider ones."""
+        """Take the stance of ``twin``, with the wider numbers."""
         super().align_with(twin)
         if isinstance(twin, GridView):
             if self.takes_stance_of(twin):
@@ -189,7 +186,7 @@ class GridView(WorldView):
             self._action_digits = max(self._action_digits, twin._action_digits)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
+        """Draw ``snapshot``. Numbers only get wider during a run."""
         if self.begins_anew(snapshot):
             self._digits = self._action_digits = LEAST_DIGITS + self.waits_for_study(snapshot)
             self._action_artist = None
@@ -199,12 +196,12 @@ class GridView(WorldView):
 
     @property
     def _moves(self) -> bool:
-        """Whether the map shows V of every state and no drawing, so that a step may move it."""
+        """Whether a step may animate the map."""
         shows_v = self.studied is None and self.drawn_layer is Layer.Q
         return shows_v and self._is_whole and not (self._action_form or self.is_drawn_on)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the map, or the part of it that fits, with its labels and the body above it."""
+        """Return the visible map with labels, and the body above."""
         margins = NO_MARGINS
         if self.cell and not self.shows_actions:
             margins = margins_in(self._map.grid, self.cell, width, height)
@@ -230,7 +227,7 @@ class GridView(WorldView):
             strips.insert(self._part.rows * self._form.height, row)
         elif self._following:
             line = wind_line(grid, self._part, self.look)
-            # which part is in view comes first: wind alone would pass for that of all columns
+            # the visible part comes first: wind without it would seem to be that of all columns
             forms = (f"{line} · {self.footing}", self.footing) if self.footing else (line,)
             self.footing = self.fitting(forms, width)
         return strips
@@ -256,13 +253,13 @@ class GridView(WorldView):
             picked=self.picked,
         )
         self._longest_name = max((len(each.extra.name) for each in cells if each.extra), default=0)
-        if self._longest_name > self._room_for_names(form):  # all have their numbers, or none
+        if self._longest_name > self._room_for_names(form):  # names replace numbers in all cells or in none
             cells = [each if each.extra is None else with_extra(each, name="") for each in cells]
         artist = self._artist_for(form)
         values = all_v(snapshot) if actions is None else all_q(snapshot)
         needed = digits_needed(ends(values)[0])
         if needed > (self._digits if actions is None else self._action_digits):
-            if actions is None:  # they stay as wide, lest the map jump to and fro
+            if actions is None:  # steady width, so that the map does not jump
                 self._digits = needed
             else:
                 self._action_digits = needed
@@ -284,12 +281,12 @@ class GridView(WorldView):
 
     @property
     def has_landscape(self) -> bool:
-        """Whether V is known, its cells are large enough for a landscape, and nobody draws in it."""
+        """Whether V can be drawn as a landscape here."""
         return not (self.title or self.lacks_table) and has_landscape(self.world, self.cell, self.look)
 
     @property
     def named_scale(self) -> NamedScale | None:
-        """The scale of the tints, with the step of the lines in a landscape."""
+        """The colour scale, with the line step of a landscape."""
         named = super().named_scale
         if named is None or not self._is_landscape or self._landscapes is None:
             return named
@@ -306,14 +303,13 @@ class GridView(WorldView):
         return artist.strips(cells, part, cell, self.tints, Size(width, height))
 
     def _number_form(self, values: FloatArray, form: CellForm | ActionForm) -> NumberForm:
-        """Return the form of all ``values`` of the layer, not only those in view; visits are whole."""
         key, layer = type(form).__name__, self.drawn_layer
         if layer is Layer.VISITS and isinstance(form, CellForm):
             return self.number_forms.form((key, layer), values, form.most_digits, most=0)
         return self.number_forms.form((key, layer), values, form.digits, most=_DECIMALS)
 
     def _cell_form(self, width: int, height: int) -> CellForm:
-        """Return the form of cells; first it settles whether they show every action."""
+        """Return the form of cells, and decide whether they show every action."""
         grid = self._map.grid
         self._action_form = actions = self._form_of_actions(width, height)
         if actions is not None:
@@ -331,7 +327,6 @@ class GridView(WorldView):
         return whole_map_form(kinds, *size, tints=self.look.palette.tints) or part_form(kinds, *size)
 
     def _what_is_drawn(self, form: CellForm, width: int) -> str:
-        """Return the heading."""
         actions, arrows = self._action_form, self.policy_shown
         if studies := self.study_headings("V" if actions is None else "Q"):
             return self.fitting(studies, width) or studies[-1]
@@ -343,12 +338,12 @@ class GridView(WorldView):
 
     @property
     def lacks_room(self) -> bool:
-        """Whether cells are too small for Q of every action, though they are to show it."""
+        """Whether cells are too small to show every action as wanted."""
         is_wanted = self.shows_actions and self.drawn_layer in ACTION_LAYERS
         return is_wanted and self._form is not None and self._action_form is None
 
     def has_room_in(self, width: int, height: int) -> bool:
-        """Return whether cells have room for what they are to show in a panel of that size."""
+        """Return whether cells of this panel size show what is wanted."""
         return not self.shows_actions or self._form_of_actions(width, height) is not None
 
     def _room_for_names(self, form: CellForm) -> int:
@@ -359,12 +354,11 @@ class GridView(WorldView):
         return "" if self.snapshot is None else self.world.space.state_names[self.snapshot.counters.state]
 
     def _name_beside_arrows(self, form: CellForm) -> str:
-        """Return a name where names stand beside arrows, or in place of them; else none."""
         has_names = 0 < self._longest_name <= self._room_for_names(form) and not form.has_values
         return self._own_name.rjust(self._longest_name) if has_names and not self._action_form else ""
 
     def signs(self) -> Iterator[LegendSign]:
-        """Yield the signs of cells that this map has."""
+        """Yield the signs that occur on this map."""
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs, actions = self._form, self._map.signs, self._action_form
         if self._is_landscape:
@@ -375,7 +369,7 @@ class GridView(WorldView):
         has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
         if form is not None and self.differing:
             yield differing_sign(form.width, name, self.look)
-        if form is not None and self._map.rewards:  # what is hardest to guess stands first
+        if form is not None and self._map.rewards:  # the least obvious comes first
             texts = [self._artist_for(form).shown_reward(each) for each in self._map.rewards]
             yield from reward_signs(self._map.rewards, texts, self.look)
         if actions is not None or (form and form.has_values):
@@ -405,27 +399,27 @@ class GridView(WorldView):
             yield LegendSign(sign, PALE if is_paled else self.policy_shown, palette.strong)
         says_start = form is not None and form.says_start and actions is None
         yield from place_signs(self._map, self._kinds, self.look, says_start=says_start)
-        if CellKind.WALL in self._kinds and not self._map.grid.legend:  # else it is as the page
+        if CellKind.WALL in self._kinds and not self._map.grid.legend:  # otherwise a wall looks like the page
             yield LegendSign(glyphs.wall, "wall", palette.wall)
         if form is not None and 0 < self._longest_name <= self._room_for_names(form):
             yield LegendSign(self._own_name, "state", palette.text)
 
     def redraw(self) -> None:
-        """Draw again; say so where another part of a large map has come into view."""
+        """Draw again. Report another visible part of a large map."""
         super().redraw()
         if self.cells != self._requested and self.is_attached and is_large(self.world):
             self._requested = self.cells
             self.post_message(Scrolled())
 
     def pan(self, rows: int, columns: int) -> None:
-        """Scroll a map that is not whole in view; it then stands still until :meth:`follow`."""
+        """Scroll a large map, and stop following the agent."""
         if self._is_whole:
             return
         self._following = False
         self._top, self._left = self._top + rows, self._left + columns
 
     def follow(self) -> None:
-        """Keep the agent in view again."""
+        """Keep the agent visible again."""
         self._following = True
 
     def _artist_for(self, form: CellForm) -> CellArtist | ActionArtist:
@@ -446,7 +440,7 @@ class GridView(WorldView):
         return part is None or (part.rows, part.columns) == (grid.rows, grid.columns)
 
     def _where(self, width: int) -> str:
-        """Return which part is in view, and how to follow again, or what rows and columns mean."""
+        """Return the visible part, or the meaning of rows and columns."""
         legend = self._map.grid.legend
         if self._is_whole or self._part is None:
             return "" if self._names_bins else self.fitting(shorter(legend), width)

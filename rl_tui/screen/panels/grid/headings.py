@@ -1,4 +1,4 @@
-"""What the border of a map says: what is drawn, and which part of it is in view."""
+"""Texts on the border of a map."""
 
 from __future__ import annotations
 
@@ -20,22 +20,21 @@ STATE_NUMBERS: Final = "state numbers"
 
 
 def heading_of_values(form: CellForm, arrows: str, look: Look) -> str:
-    """Return what cells with V and ``arrows``, the greedy ones or those of a policy, show."""
+    """Return the heading of cells with V and ``arrows``."""
     if form.has_values:
         return f"{TITLE} · V and {arrows}"
     return f"{TITLE} · {arrows}, V as tint" if look.palette.tints else f"{TITLE} · {arrows}"
 
 
 def heading_of_actions(form: ActionForm) -> str:
-    """Return what cells with every action show."""
+    """Return the heading of cells with every action."""
     return HEADING_TINTS if form.places is Places.TINTS else HEADING_ACTIONS
 
 
 def numbered(heading: str, form: CellForm, arrows: str, longest: int, *, in_corner: bool) -> tuple[str, ...]:
-    """Return headings for cells with the numbers of their states, the longest first.
+    """Return headings of cells with state numbers, longest first.
 
-    ``arrows`` are the greedy ones or those of a policy; ``longest`` characters take the longest in view;
-    ``in_corner`` says that they take the place of nothing.
+    ``longest``: characters of the longest number. ``in_corner``: numbers replace nothing.
     """
     if in_corner or form.has_corner:
         return f"{heading} · {STATE_NUMBERS}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
@@ -45,20 +44,20 @@ def numbered(heading: str, form: CellForm, arrows: str, longest: int, *, in_corn
 
 
 def shorter(legend: str) -> tuple[str, ...]:
-    """Return ``legend``, then rows and columns alone, without further parts and what precedes a colon."""
+    """Return ``legend`` and two shorter forms."""
     rows_and_columns = ", ".join(legend.split(", ")[:2])
     return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
 
 
 def stretch(first: int, shown: int, total: int) -> str:
-    """Return which of ``total`` rows are in view, the first being 0."""
+    """Return the range of visible rows, counted from 0."""
     return f"{first}–{first + shown - 1} of {total:,}"
 
 
 def where(grid: Grid, part: MapPart, *, follows: bool) -> tuple[str, ...]:
-    """Return which part is in view, the longest form first, and how to follow the agent again.
+    """Return forms of the visible part, and how to follow the agent.
 
-    Rows or columns that are all in view are not named. While it follows, what they mean comes first.
+    The legend comes first while following.
     """
     follow = FOLLOWS if follows else FOLLOW_HINT
     is_cut = part.rows < grid.rows, part.columns < grid.columns
@@ -72,6 +71,6 @@ def where(grid: Grid, part: MapPart, *, follows: bool) -> tuple[str, ...]:
         f"{named}, counted from 0 · {follow}",
         f"{named} · {follow}",
         f"{brief} · {follow}",
-        *((named, brief) if follows else ()),  # that it follows is seen
+        *((named, brief) if follows else ()),  # following is obvious
         follow,
     )

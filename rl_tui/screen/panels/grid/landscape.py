@@ -1,7 +1,6 @@
-"""A map as a landscape: V is its height, lit from the upper left, with a line at every round step.
+"""A map as a landscape: V is its height, lit from the upper left, with contour lines.
 
-A character has two pixels, an upper and a lower one. V is interpolated between the middles of cells. Half
-of a height is the rank of V, so that a plateau has its slopes too.
+A character has two pixels. Half of a height is the rank of V, so that plateaus have slopes too.
 """
 
 from __future__ import annotations
@@ -31,18 +30,18 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.world import World
 
 _LEAST_CELL: Final = Size(5, 2)
-_LEAST_RELIEF: Final = 0.05  # of the scale; where V differs by less there is nothing to see
+_LEAST_RELIEF: Final = 0.05  # share of the scale: smaller differences of V are not visible
 _HALF: Final = "▀"
-_LIGHTS: Final = 6  # steps of light, and as many of shade
+_LIGHTS: Final = 6  # steps of light, and equally many of shade
 _MOST_LIGHT: Final = 0.38
-_STEEPNESS: Final = 1.1  # of the scale a cell: a slope that is lit fully, or half of it
-_RANKS: Final = 0.5  # of a height; the rest is V
+_STEEPNESS: Final = 1.1  # share of the scale per cell: a fully lit slope, or half of it
+_RANKS: Final = 0.5  # share of the rank in a height, beside V
 _ALIKE: Final = 500  # parts of the scale: values within one have the same rank
-_LEAST_LINES: Final = 8  # steps of the scale, about
+_LEAST_LINES: Final = 8  # approximate steps of the scale
 _MOST_LINES: Final = 80
-_CELLS_A_LINE: Final = 1.5  # where V changes as it does between most cells
-_CLOSEST: Final = 2.5  # pixels from line to line; a slope that is steeper has none
-_INKS: Final = (0.0, 0.13, 0.6)  # how much black is in a pixel: none, that of a seam or that of a line
+_CELLS_A_LINE: Final = 1.5  # for the typical difference between cells
+_CLOSEST: Final = 2.5  # pixels between lines: steeper slopes have none
+_INKS: Final = (0.0, 0.13, 0.6)  # share of black in a pixel: none, seam, line
 _SEAM, _LINE = 1, 2
 _TINTS: Final = 32
 _MOST_KEPT: Final = 4_096
@@ -50,7 +49,7 @@ _BLACK, _WHITE = ColorTriplet(0, 0, 0), ColorTriplet(255, 255, 255)
 
 
 class Plate(NamedTuple):
-    """A ``text`` over the landscape from column ``x`` on, on a ground of its own if its ``style`` has one."""
+    """A ``text`` over the landscape from column ``x`` on."""
 
     x: int
     text: str
@@ -58,13 +57,13 @@ class Plate(NamedTuple):
 
 
 def has_landscape(world: World, cell: Size | None, look: Look) -> bool:
-    """Return whether ``world``, drawn in cells of that size, can be a landscape."""
+    """Return whether a world in cells of this size can be a landscape."""
     is_large = cell is not None and cell.width >= _LEAST_CELL.width and cell.height >= _LEAST_CELL.height
     return is_large and isinstance(world.drawing, Grid) and look.palette.has_shades and look.glyphs.braille
 
 
 def has_relief(values: Sequence[float], scale: ValueScale) -> bool:
-    """Return whether ``values`` of states differ so much that there is something to see; NaN does not."""
+    """Return whether ``values`` of states differ visibly."""
     low, high = scale.ends
     return high > low and max(values, default=low) - min(values, default=low) > _LEAST_RELIEF * (high - low)
 
@@ -72,7 +71,7 @@ def has_relief(values: Sequence[float], scale: ValueScale) -> bool:
 def line_step(values: FloatArray, scale: ValueScale) -> float:
     """Return the step of the lines: 1, 2 or 5 times a power of ten.
 
-    Most cells are about two thirds of a step apart in ``values``, [rows, columns].
+    Neighbours in ``values``, [rows, columns], are about two thirds of it apart.
     """
     low, high = scale.ends
     apart = np.abs(np.concatenate([np.diff(values, axis=axis).ravel() for axis in (0, 1)]))
@@ -82,9 +81,9 @@ def line_step(values: FloatArray, scale: ValueScale) -> float:
 
 
 def relief(values: FloatArray, scale: ValueScale) -> FloatArray:
-    """Return how high ``values`` are, from 0 to 1: the mean of V on its scale and of its rank; NaN stays.
+    """Return heights, 0 to 1, from V on its scale and its rank.
 
-    On a scale with both signs 0 is .5.
+    On a signed scale, 0 has the height .5.
     """
     low, high = scale.ends
     base = 0.0 if scale.is_signed else low
@@ -97,9 +96,9 @@ def relief(values: FloatArray, scale: ValueScale) -> FloatArray:
 
 
 def heights(values: FloatArray, cell: Size) -> FloatArray:
-    """Return V of each pixel, interpolated between ``values`` of cells, [rows, columns]; NaN in walls.
+    """Return V of each pixel, from ``values`` of cells, [rows, columns], NaN in walls.
 
-    A cell sees its own value in place of that of a wall, and of one beyond the edge.
+    Beside walls and edges, a cell continues its own value.
     """
     rows, columns = values.shape
     down, across = 2 * cell.height, cell.width
@@ -115,9 +114,9 @@ def heights(values: FloatArray, cell: Size) -> FloatArray:
 
 
 def pixels(values: FloatArray, cell: Size, scale: ValueScale, every: float) -> IntArray:
-    """Return the colour of each pixel, as a number that :func:`_colours` knows; −1 in walls.
+    """Return the colour of each pixel as an index into :func:`_colours`, −1 in walls.
 
-    There is a line where V passes a multiple of ``every``, but on slopes on which lines would touch.
+    Lines mark multiples of ``every``, unless they would touch.
     """
     z, height = heights(values, cell), heights(relief(values, scale), cell)
     tint = np.rint(np.nan_to_num(height) * (_TINTS - 1)).astype(np.int64)
@@ -135,7 +134,7 @@ def pixels(values: FloatArray, cell: Size, scale: ValueScale, every: float) -> I
 
 
 def _values(cells: Sequence[CellContent], part: MapPart, scale: ValueScale) -> FloatArray:
-    """Return V of ``cells``, [rows, columns]: at goals the greatest of the scale, at holes the least."""
+    """Return V of ``cells``, [rows, columns], with extremes at goals and holes."""
     low, high = scale.ends
     ends = {CellKind.GOAL: high, CellKind.HOLE: low, CellKind.CLIFF: low}
     values = [ends.get(each.kind, math.nan) if each.value is None else each.value for each in cells]
@@ -175,7 +174,7 @@ def _plates_of(content: CellContent, x: int, width: int, look: Look) -> Iterator
 
 
 class LandscapeArtist:
-    """Draws landscapes of one look; rows that look the same are drawn once."""
+    """Draws landscapes of one look, equal rows only once."""
 
     def __init__(self, look: Look) -> None:
         self.look = look
@@ -189,10 +188,7 @@ class LandscapeArtist:
     def strips(
         self, cells: Sequence[CellContent], part: MapPart, cell: Size, scale: ValueScale, size: Size
     ) -> list[Strip] | None:
-        """Return the landscape of ``cells``, those of ``part``, on ``size`` characters.
-
-        None where V differs so little that there is nothing to see.
-        """
+        """Return the landscape of ``cells``, or None without visible differences."""
         if not has_relief([each.value for each in cells if each.value is not None], scale):
             return None
         values = _values(cells, part, scale)
@@ -231,7 +227,7 @@ class LandscapeArtist:
         return Style(color=self._colour(upper, is_signed), bgcolor=self._colour(lower, is_signed))
 
     def _ink_on(self, pixel: int, is_signed: bool) -> Style:
-        """Return black or white, whichever contrasts more with ``pixel``, on that."""
+        """Return the style of ink that contrasts with ``pixel``."""
         ground = self._colour(pixel, is_signed)
         inks = map(Color.from_triplet, (_BLACK, _WHITE))
         return Style(color=max(inks, key=lambda ink: contrast(ink, ground)), bgcolor=ground, bold=True)
@@ -242,10 +238,7 @@ class LandscapeArtist:
 
 @lru_cache(8)
 def _colours(palette: Palette, is_signed: bool) -> tuple[Color, ...]:
-    """Return the colour of every pixel: for each tint, light and shade, with each of the inks.
-
-    That of walls is the last one.
-    """
+    """Return the colour of every pixel, by tint, light and ink, walls last."""
     ramp = [each.bgcolor for each in (palette.signed if is_signed else palette.values)]
     wall = palette.wall.bgcolor
     assert wall is not None

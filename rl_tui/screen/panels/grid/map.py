@@ -1,4 +1,4 @@
-"""The content of every cell of a map at one moment of a run."""
+"""The contents of map cells at one moment of a run."""
 
 from __future__ import annotations
 
@@ -30,14 +30,13 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
-    """Return the cells with a state, cliffs left out, that no way leads to from any start.
+    """Return the cells that cannot be reached, except cliffs.
 
-    None where it is not known what the actions lead to. Into a cliff the agent steps, but it is put back at
-    once.
+    Cliffs put the agent back at once. Empty without a transition table.
     """
     if not isinstance(space, TabularMDP):
         return frozenset()
-    # what cannot be reached has no pairs, and so leads nowhere
+    # states that cannot be reached have no pairs, so they lead nowhere
     reached = np.diff(space.first_pair) > 0
     reached[space.next_state] = True
     reached[space.start_state] = True
@@ -52,9 +51,9 @@ def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
 
 
 def carried_place(place: int, before: Snapshot, now: Snapshot) -> tuple[int, int, int]:
-    """Return the cell of ``now`` that was ``place`` in ``before``, and how far down and right it has gone.
+    """Return the cell of ``now`` that was ``place``, and its shift down and right.
 
-    Where its row or column is gone, or nobody draws, it is the one at the same row and column, or the last.
+    If its row or column is gone, it keeps their numbers within the map.
     """
     was, grid = before.world.drawing, now.world.drawing
     assert isinstance(was, Grid)
@@ -76,11 +75,11 @@ def _line(line: int, old: tuple[int, ...], new: tuple[int, ...]) -> int:
 # The cells
 
 
-_MOST_WALLS: Final = 0.45  # of a map; where there are more they are what is around it
+_MOST_WALLS: Final = 0.45  # share of the map: more walls look like its surroundings
 
 
 class MapPart(NamedTuple):
-    """The rows × columns cells from (top, left) on."""
+    """The ``rows`` × ``columns`` cells from (``top``, ``left``) on."""
 
     top: int
     left: int
@@ -89,9 +88,9 @@ class MapPart(NamedTuple):
 
 
 class ActionValue(NamedTuple):
-    """One action of a state: its direction or the first letter of its name, and Q.
+    """One action of a state: direction or first letter, and Q.
 
-    ``is_new`` says that the pair was never updated, ``is_greedy`` that it is one of the greedy ones.
+    ``is_new``: the pair was never updated.
     """
 
     sign: Sign
@@ -101,7 +100,7 @@ class ActionValue(NamedTuple):
 
 
 class Wall(Enum):
-    """How a wall looks: a slab, one whose upper edge is lit, or as the page around the map."""
+    """The look of a wall: a slab, one lit from above, or like the page."""
 
     SLAB = auto()
     LIT = auto()
@@ -109,13 +108,10 @@ class Wall(Enum):
 
 
 class CellExtra(NamedTuple):
-    """What only some cells have: in one field of theirs, since every field costs time in every frame.
+    """Rare contents, in one object because every field costs time per frame.
 
-    ``trace`` is what steps left. ``is_reached`` is False where no way leads to. ``name``
-    is that of the state where names were asked for: all are as long as the longest. ``is_off_way`` says that
-    the drawn policy acts at random there and never comes there. ``marks`` are those of the last edit,
-    ``draft`` is what is drawn there and not in force. ``way`` is the only direction in which it is left.
-    ``wall`` is how a wall is drawn. ``has_turned`` says that the last step has just turned its arrows.
+    ``name``: if wanted, padded to the longest. ``is_off_way``: without a drawn action, and never reached.
+    ``draft``: not active. ``way``: the only exit. ``has_turned``: the last step changed its arrows.
     """
 
     trace: Trace = Trace()
@@ -131,24 +127,18 @@ class CellExtra(NamedTuple):
 
 PLAIN: Final = CellExtra()
 PUSHES: Final[Mapping[str, Sign]] = {"left": (0, -1), "right": (0, 1)}
-"""How actions on a body are drawn: arrows, though none of them is a direction on the map."""
-_FAR: Final = 3  # cells, more than a step or a strong wind takes
+"""Arrows for actions on a body."""
+_FAR: Final = 3  # cells, more than a step or a strong wind covers
 _UNREACHED: Final = CellExtra(is_reached=False)
 
 
 class CellContent(NamedTuple):
     """One cell.
 
-    ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
-    ``known`` says that something was learned about the state: it was updated or its estimates differ.
-    ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
-    order in which actions are shown; it is empty where nothing is known, or all actions are as good. ``lead``
-    is by how much a single greedy one is better than the second best. Where policy iteration keeps a
-    policy, value and actions are those of that; where a drawn one is studied, the action is that drawn.
-    ``reward`` is what the cell pays where that is not the usual step's. ``stops`` marks a breakpoint,
-    ``cursor`` the cell the cursor is on. ``differs`` says that the greedy actions are others in the lane
-    beside this one. ``actions`` are all actions in the order in which they are shown, where they were asked
-    for. ``extra`` is what few cells have.
+    ``value``: V(s) = max over a of Q(s, a), or None. ``greedy``: all greedy actions, empty if all are equal
+    or unknown. ``lead``: advantage of a single one over the second best. Policy iteration and drawn policies
+    replace these by their own. ``reward``: if unusual. ``differs``: the second run has other greedy actions.
+    ``actions``: all, if wanted.
     """
 
     kind: CellKind
@@ -166,12 +156,12 @@ class CellContent(NamedTuple):
 
 
 def with_extra(content: CellContent, **more: Any) -> CellContent:
-    """Return ``content`` with ``more`` of what few cells have."""
+    """Return ``content`` with ``more`` rare contents."""
     return content._replace(extra=(content.extra or PLAIN)._replace(**more))
 
 
 def _walls(grid: Grid) -> dict[int, CellExtra]:
-    """Return how each wall is drawn: where nobody walks about, or most of a map is wall, not at all."""
+    """Return the look of walls, hidden where the map is mostly wall."""
     cells = [cell for cell, kind in enumerate(grid.kinds) if kind is CellKind.WALL]
     if grid.legend or len(cells) > _MOST_WALLS * len(grid.kinds):
         return dict.fromkeys(cells, CellExtra(wall=Wall.PAGE))
@@ -180,12 +170,10 @@ def _walls(grid: Grid) -> dict[int, CellExtra]:
 
 
 class GridMap:
-    """A map and its states. Reading a part of it costs the same in a map of any size.
+    """A map and its states. Reading a part takes equally long on any map.
 
-    ``signs`` are those of the actions, in their order: a direction, else the first letter of the name.
-    ``ends`` are the kinds of cells in which nothing can be done, each with what it is called, ``rewards`` the
-    different ones of cells, ``unreached`` the cells that no way leads to, ``ways`` signs of the cells that
-    are left in one direction only.
+    ``signs``: direction or first letter of each action. ``ends``: names of terminal kinds of cells. ``ways``:
+    signs of cells with one exit.
     """
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
@@ -214,7 +202,7 @@ class GridMap:
             self.ends[kind] = str(kind) if kind in self.ends else self._end_name(cell)
 
     def _exit_kinds(self) -> dict[int, CellKind]:
-        """Return the cells that can only be left by an action that ends it all and pays: as goal or hole."""
+        """Return the cells whose only action ends the episode, as goal or hole."""
         found = {}
         for cell, reward in self._rewards.items():
             own = self._space.pairs_of(int(self._states[divmod(cell, self.grid.columns)]))
@@ -223,27 +211,27 @@ class GridMap:
         return found
 
     def _end_name(self, cell: int) -> str:
-        """Return what the only end of its kind is called: its state's name where that is a word."""
+        """Return the name of an end: its state's, if that is a word."""
         state = self._states[divmod(cell, self.grid.columns)]
         name = "" if state == NO_STATE else self._space.state_names[state]
         return name if is_word(name) else str(self.grid.kinds[cell])
 
     @cached_property
     def action_kinds(self) -> ActionKinds:
-        """What the actions of all states have in common."""
+        """The common properties of the actions of all states."""
         return action_kinds(self._space, self.grid)
 
     def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
-        """Return the state in ``cell``: of several the agent's, else the first; None where there is none."""
+        """Return the agent's or first state in ``cell``, or None."""
         if snapshot is not None and self.grid.cell_of_state[snapshot.counters.state] == cell:
             return snapshot.counters.state
         state = int(self._states[divmod(cell, self.grid.columns)])
         return None if state == NO_STATE else state
 
     def cell_to_follow(self, snapshot: Snapshot) -> int:
-        """Return the cell that is to be in view: the agent's, or the one it acted in last.
+        """Return the cell to keep visible: the agent's, or where it acted last.
 
-        The latter where its episode ended far from there, as in an end that is drawn outside of the map.
+        The latter if it ended far away, in an end drawn outside of the map.
         """
         grid, last = self.grid, snapshot.counters.last_step
         here = int(grid.cell_of_state[snapshot.counters.state])
@@ -266,10 +254,9 @@ class GridMap:
         named: bool = False,
         picked: frozenset[int] = frozenset(),
     ) -> list[CellContent]:
-        """Return what stands in the cells of ``part``, row by row; the cursor stands in the cell ``cursor``.
+        """Return the contents of ``part``, row by row.
 
-        Cells that are ``picked`` look like that. Of several states in one cell it is the agent's, else the
-        first. With ``named`` they have their names.
+        ``named`` adds state names. A cell of several states shows the agent's, else the first.
         """
         kinds, columns = self.grid.kinds, self.grid.columns
         states = self._states_in(part, snapshot)
@@ -361,7 +348,7 @@ class GridMap:
         return tuple(own[action] for action in self._order if action in own)
 
     def holds(self, part: MapPart, snapshot: Snapshot) -> bool:
-        """Return whether ``snapshot`` has all that is to be seen in ``part``."""
+        """Return whether ``snapshot`` contains all data for ``part``."""
         if snapshot.agent.part is None:
             return True
         states = self._states_in(part, snapshot)
@@ -377,7 +364,6 @@ class GridMap:
         return states
 
     def _place(self, part: MapPart, cell: int) -> int | None:
-        """Return which cell of ``part``, counted row by row, ``cell`` is, None if it is outside."""
         row, column = divmod(cell, self.grid.columns)
         row, column = row - part.top, column - part.left
         inside = 0 <= row < part.rows and 0 <= column < part.columns
@@ -399,13 +385,12 @@ class GridMap:
     def _kept(
         self, content: CellContent, value: float, policy: list[float], signs: list[Sign]
     ) -> CellContent:
-        """Return ``content`` with the value and the actions of the policy that a planner keeps."""
         taken = [sign for sign, chance in zip(signs, policy, strict=True) if chance > 0.0]
         is_told = content.known and len(taken) < max(2, len(signs))
         return content._replace(value=value, greedy=self._in_order(taken) if is_told else ())
 
     def _drawn(self, content: CellContent, action: int | None, signs: list[Sign]) -> CellContent:
-        """Return ``content`` with the ``action`` that was drawn; None: with the only one, else at random."""
+        """Return ``content`` with the drawn ``action``, None for the only one or random."""
         chosen = self.signs[action] if action is not None else signs[0] if len(signs) == 1 else AT_RANDOM
         actions = tuple(each._replace(is_greedy=each.sign == chosen) for each in content.actions)
         return content._replace(greedy=(chosen,), lead=math.inf, actions=actions)

@@ -1,4 +1,4 @@
-"""What cells of a map are marked with: agent and start, what they pay, which way leads out, what differs."""
+"""Marks of map cells: agent, start, rewards, exits and differences."""
 
 from __future__ import annotations
 
@@ -17,25 +17,24 @@ from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-# Rewards: which cells pay something, so that they differ from the floor around them
+# Rewards that distinguish a cell from the floor around it
 
 
 MOST_CELLS: Final = 10_000
 
 
 class CellReward(NamedTuple):
-    """The ``reward`` of a cell; ``good`` says that it is more than the usual step's."""
+    """The ``reward`` of a cell. ``good``: above the usual one."""
 
     reward: float
     good: bool
 
 
 def cell_rewards(space: FiniteSpace, grid: Grid) -> dict[int, CellReward]:
-    """Return the cells in which every way to leave them, or else to enter them, pays the same unusual reward.
+    """Return cells with one unusual reward for leaving, or else entering them.
 
-    Usual is the commonest reward of the world. Cells where an episode has ended are left out: they have signs
-    of their own. Empty where it is not known what the actions lead to, where no action is a direction and for
-    maps of more than 10,000 cells.
+    Usual is the most frequent reward of the world. Ends have their own signs. Empty without table or
+    directions, and for over 10,000 cells.
     """
     if not isinstance(space, TabularMDP) or not any(grid.directions) or len(grid.kinds) > MOST_CELLS:
         return {}
@@ -57,7 +56,7 @@ def cell_rewards(space: FiniteSpace, grid: Grid) -> dict[int, CellReward]:
 
 
 def _only_reward(states: int, state: IntArray, reward: FloatArray) -> FloatArray:
-    """Return the reward of all outcomes at each state, [S]; NaN where they differ or there is none."""
+    """Return the common reward of all outcomes at each state, [S], or NaN."""
     low, high = np.full(states, np.inf), np.full(states, -np.inf)
     np.minimum.at(low, state, reward)
     np.maximum.at(high, state, reward)
@@ -67,46 +66,43 @@ def _only_reward(states: int, state: IntArray, reward: FloatArray) -> FloatArray
 # Marks of a cell
 
 
-SEVERAL: Final = "*"  # in place of the arrows where they do not fit
+SEVERAL: Final = "*"  # replaces arrows that do not fit
 START: Final = "S"
 _ONE_WAYS: Final = ((0, -1), (0, 1), (-1, 0), (1, 0))
 _BOLD: Final = Style(bold=True)
 
 
 def value_text(x: float, number_form: NumberForm, look: Look) -> str:
-    """Return a value in the form of all; a dash for NaN."""
+    """Return a value in the common format, or a dash."""
     return numbers.missing(look.glyphs) if math.isnan(x) else number_form.text(x, look.glyphs)
 
 
 def sign_text(sign: Sign, look: Look) -> str:
-    """Return the arrow of a direction, else the letter of the action."""
+    """Return the arrow or letter of an action."""
     return look.glyphs.direction(sign) if isinstance(sign, tuple) else sign
 
 
 def differing_style(style: Style) -> Style:
-    """Return ``style`` of an arrow for one that differs, where there is no room for a sign beside it."""
+    """Return ``style`` for a differing arrow without space beside it."""
     return style + Style(reverse=not style.reverse)
 
 
 def one_way_sign(way: Direction, look: Look) -> str:
-    """Return the sign of a cell that is left in one direction only."""
+    """Return the sign of a cell with one exit."""
     return look.glyphs.one_way[_ONE_WAYS.index(way)]
 
 
 def mark_of(kind: CellKind, agent: bool, way: Direction | None, look: Look) -> str:
-    """Return what marks a cell of ``kind``, in which the ``agent`` is or not, or the only ``way`` out of it.
-
-    Empty where nothing does.
-    """
+    """Return the mark of a cell: agent, start, or only exit."""
     if agent:
         return look.glyphs.agent
     return START if kind is CellKind.START else "" if way is None else one_way_sign(way, look)
 
 
 def put_reward(canvas: Canvas, x: int, y: int, room: int, reward: CellReward | None, look: Look) -> None:
-    """Put what a cell pays; where it does not fit, whether that is more or less than usual.
+    """Put the reward of a cell, or its sign if short of space.
 
-    It stands on the background of the panel, so that it is seen on every tint.
+    The panel's background keeps it readable.
     """
     if reward is None or room < 1:
         return
@@ -114,7 +110,7 @@ def put_reward(canvas: Canvas, x: int, y: int, room: int, reward: CellReward | N
 
 
 def reward_text(reward: CellReward, room: int, look: Look) -> str:
-    """Return what a cell pays in ``room`` characters; where it does not fit, whether that is much."""
+    """Return a reward in ``room`` characters, or only its sign."""
     text = ("+" if reward.reward > 0.0 else "") + numbers.brief(reward.reward, look.glyphs, decimals=2)
     if len(text) <= room:
         return text
@@ -122,5 +118,5 @@ def reward_text(reward: CellReward, room: int, look: Look) -> str:
 
 
 def reward_style(reward: CellReward, look: Look) -> Style:
-    """Return the style of what a cell pays."""
+    """Return the style of a cell's reward."""
     return (look.palette.good if reward.good else look.palette.bad) + _BOLD

@@ -1,7 +1,6 @@
-"""What moves on a map after a step: the estimate that travels into the updated cell, and its fading frame.
+"""The animation of a step on a map: a moving estimate and a fading frame.
 
-A motion is computed from two snapshots. Its picture depends only on its tick, and no clock is read: a timer
-counts the ticks.
+It depends on two snapshots and its tick. A timer counts the ticks. No clock is read.
 """
 
 from __future__ import annotations
@@ -32,19 +31,19 @@ from rl_tui.screen.theme.look import Look
 if TYPE_CHECKING:
     from rl_tui.worlds.drawing import Grid
 
-# What moves
+# The motion
 
 _PLAIN: Final = Style(underline=False)
-_SLOW: Final = 6.0  # steps a second; above it the value does not wait for the chip
-_QUICK: Final = 15.0  # steps a second; above it nothing travels
+_SLOW: Final = 6.0  # steps per second: above, the value does not wait for the chip
+_QUICK: Final = 15.0  # steps per second: above, nothing moves
 _WHOLE_WAY: Final = (0.0, 0.5, 1.0)
 _ON_THE_SEAM: Final = (0.5,)
 _TURNED_TICKS: Final = 4
-_SHARES: Final = (1.0, 1.0, 0.8, 0.8, 0.6, 0.6, 0.4)  # of the frame's colour, a tick each; the last stays
+_SHARES: Final = (1.0, 1.0, 0.8, 0.8, 0.6, 0.6, 0.4)  # share of the frame's colour per tick
 
 
 class Chip(NamedTuple):
-    """What travels to s: the estimate of s′, or the ``reward`` of a step that ends the episode.
+    """The number that moves to s: the estimate of s′, or a final ``reward``.
 
     ``way`` leads from s′ to s: rows down and columns right.
     """
@@ -54,7 +53,7 @@ class Chip(NamedTuple):
     way: Direction
 
     def text(self, form: NumberForm, look: Look) -> str:
-        """Return the number with its arrow head, which is ahead of it."""
+        """Return the number with an arrow head in front."""
         glyphs = look.glyphs
         if self.is_reward or abs(self.number) < numbers.NEGLIGIBLE:
             number = "+" * (self.number > 0.0) + numbers.brief(self.number, glyphs, decimals=2)
@@ -68,21 +67,21 @@ class Chip(NamedTuple):
         return f"{glyphs.head_down if down > 0 else glyphs.head_up}{number}"
 
     def style(self, look: Look) -> Style:
-        """Return the style of the chip, which brings its own ground."""
+        """Return the style of the chip."""
         palette = look.palette
         return palette.goal if self.is_reward and self.number > 0.0 else palette.source + _PLAIN
 
     @property
     def travels(self) -> bool:
-        """Whether it comes from a neighbour; from elsewhere, or from s itself, it appears in s."""
+        """Whether it comes from a neighbour, or appears in s."""
         return max(map(abs, self.way)) == 1
 
 
 class Motion(NamedTuple):
-    """What one step moves on a map, at one ``tick``.
+    """The effect of one step on a map, at one ``tick``.
 
-    The ``chip`` is drawn at the shares ``path`` of its way, each for a tick. If that is the whole way, the
-    ``cell`` of the updated pair has the value and the arrows of ``before`` until then. Its frame fades.
+    ``path``: the chip's fractions of its way. Over a whole way, the cell shows ``before`` until it arrives.
+    Then its frame fades.
     """
 
     cell: int
@@ -103,22 +102,20 @@ class Motion(NamedTuple):
 
     @property
     def scene(self) -> object:
-        """What decides the picture: the same one needs not be drawn again."""
+        """A key of the picture, to avoid equal redraws."""
         since, chip_at = self._since, min(self.tick, len(self.path))
         return chip_at, since < 0 or (_SHARES[min(since, len(_SHARES) - 1)], since < _TURNED_TICKS)
 
     @property
     def _since(self) -> int:
-        """The ticks since the value changed, negative before that."""
         return self.tick - self._changes
 
     @property
     def _changes(self) -> int:
-        """The tick at which the value changes."""
         return len(self.path) if self.path == _WHOLE_WAY else 0
 
     def contents(self, cells: Sequence[CellContent]) -> list[CellContent]:
-        """Return ``cells``, all of a map row by row, as they look at this tick."""
+        """Return all ``cells`` as they look at this tick."""
         moved, now, before = list(cells), cells[self.cell], self.before
         trace, since = (now.extra or PLAIN).trace, self._since
         if since < 0:
@@ -133,14 +130,14 @@ class Motion(NamedTuple):
     def laid_over(
         self, strips: list[Strip], form: CellForm, columns: int, number_form: NumberForm, look: Look
     ) -> list[Strip]:
-        """Return the ``strips`` of a map, which has ``columns`` of cells, with the chip over them."""
+        """Return ``strips`` of a map with the chip on top."""
         if self.chip is None or self.tick >= len(self.path):
             return strips
         text = self.chip.text(number_form, look)
         if len(text) > form.inner:
             return strips
         (row, column), (down, right) = divmod(self.cell, columns), self.chip.way
-        left = 1.0 - self.path[self.tick] if self.chip.travels else 0.0  # share of the way that is left
+        left = 1.0 - self.path[self.tick] if self.chip.travels else 0.0  # remaining fraction of the way
         x = round((column - left * right) * form.width) + (form.inner - len(text)) // 2
         above_number = min(form.height - 2, (form.height + 1) // 2)  # and below the agent
         y = round((row - left * down) * form.height) + above_number
@@ -150,9 +147,9 @@ class Motion(NamedTuple):
 
 
 def motion_between(before: Snapshot, now: Snapshot, grid_map: GridMap, pace: float) -> Motion | None:
-    """Return what moves from ``before`` to ``now``; None unless that is the next step of the same run.
+    """Return the motion of the next step of the same run, or None.
 
-    ``pace`` steps come a second; above 15 nothing travels. While a policy is studied nothing moves.
+    ``pace``: steps per second. Above 15 nothing travels.
     """
     last, lanes = followed_step(now), (before.run_group.shown, now.run_group.shown)
     if last is None or not last.learned or now.world is not before.world or lanes[0] != lanes[1]:
@@ -169,7 +166,7 @@ def motion_between(before: Snapshot, now: Snapshot, grid_map: GridMap, pace: flo
 
 
 def resting(now: Snapshot, grid_map: GridMap) -> Motion | None:
-    """Return what the last step of ``now`` moved, at rest; None if it updated nothing in view."""
+    """Return the finished motion of the last step, or None."""
     last = followed_step(now)
     if last is None or not last.learned or last.updated_pair < 0 or now.answers.studied is not None:
         return None
@@ -188,7 +185,7 @@ def _is_same_step(before: Snapshot, now: Snapshot) -> bool:
 
 
 def _chip_of(snapshot: Snapshot, last: LastStep, grid: Grid) -> Chip | None:
-    """Return what the update of one pair by one step looked up; None where it was another kind of update."""
+    """Return the number used by a one-step update, or None."""
     is_one_step = algorithm_row(snapshot.agent.learned_by[0]).updates_own_pair
     if not is_one_step or last.planned or last.others or last.updated_pair != last.pair:
         return None
@@ -202,30 +199,29 @@ def _chip_of(snapshot: Snapshot, last: LastStep, grid: Grid) -> Chip | None:
     return Chip(number, not bootstraps, (end[0] - start[0], end[1] - start[1]))
 
 
-# What lets it move
+# The timer
 
 
 class Mover:
-    """The motion of the map that ``panel`` draws, which a timer takes from tick to tick until it is over."""
+    """The motion of ``panel``'s map, driven by a timer."""
 
     def __init__(self, panel: Panel) -> None:
         self.motion: Motion | None = None
-        """What moves now, or was moved by the last step."""
+        """The current or last motion."""
         self._panel = panel
         self._timer: Timer | None = None
 
     @property
     def is_running(self) -> bool:
-        """Whether more ticks are to come."""
+        """Whether more ticks follow."""
         return self._timer is not None
 
     def follow(
         self, before: Snapshot | None, now: Snapshot, grid_map: GridMap, form: CellForm | None
     ) -> None:
-        """Begin the motion that leads from ``before`` to ``now``, in cells of ``form``.
+        """Start the motion from ``before`` to ``now``, in cells of ``form``.
 
-        Nothing moves where they have none, and where they have no frame. The same step goes on. What comes
-        otherwise than by the next step is at rest, so that a moment has one picture however it is reached.
+        Cells need a frame. Other jumps are at rest, so that a moment looks the same however it was reached.
         """
         if before is not None and form is not None and _is_same_step(before, now):
             return
@@ -240,7 +236,7 @@ class Mover:
             self._timer = self._panel.set_interval(1.0 / ticks, self.tick)
 
     def tick(self) -> None:
-        """Draw the next tick; where the terminal does not keep up, the end."""
+        """Draw the next tick, or the end on slow terminals."""
         before = self.motion
         if before is None:
             return
@@ -251,7 +247,7 @@ class Mover:
             self._panel.redraw()
 
     def _pace(self, now: Snapshot, ticks: float) -> float:
-        """Return how many steps come a second: those of a run, or those of keys since the last one."""
+        """Return steps per second, of a run or of key presses."""
         if now.playback.phase is Phase.RUNNING:
             return now.playback.speed or inf
         if self.motion is None or not self.is_running:
@@ -260,7 +256,6 @@ class Mover:
 
     @property
     def _ticks(self) -> float:
-        """How many ticks a second there may be now, 0 for no motion."""
         panel, look = self._panel, self._panel.look
         app = panel.app if panel.is_attached else None
         if not isinstance(app, LinkedApp) or not (look.glyphs.braille and look.palette.tints):

@@ -1,4 +1,4 @@
-"""The symbols of a map: its legend, and the row of wind below its columns."""
+"""The legend of a map, and its row of wind."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ WIND: Final = "wind"
 def wind_strip(
     grid: Grid, part: MapPart, form: CellForm, width: int, snapshot: Snapshot, look: Look
 ) -> Strip:
-    """Return a row of ``width`` cells with the wind of each column of ``part``."""
+    """Return a row with the wind of each column."""
     palette = look.palette
     gust = gust_of(snapshot.world, snapshot.counters.last_step)
     segments = []
@@ -48,19 +48,19 @@ def wind_strip(
 
 
 def wind_sign(grid: Grid, look: Look) -> LegendSign:
-    """Return what the numbers below a map mean, by the strongest wind."""
+    """Return the legend entry of the wind."""
     return LegendSign(wind_text(max(grid.wind, key=abs), look), WIND, look.palette.text)
 
 
 def wind_text(strength: int, look: Look) -> str:
-    """Return how many cells the wind blows, and whether up or down: ``↑2``."""
+    """Return strength and direction of the wind: ``↑2``."""
     if not strength:
         return "0"
     return f"{look.glyphs.up if strength > 0 else look.glyphs.down}{abs(strength)}"
 
 
 def wind_line(grid: Grid, part: MapPart, look: Look) -> str:
-    """Return the wind of the columns in ``part``, for the border: ``wind 0 0 1 2``."""
+    """Return the wind of ``part`` for the border: ``wind 0 0 1 2``."""
     winds = grid.wind[part.left : part.left + part.columns]
     return " ".join((WIND, *(wind_text(each, look) for each in winds)))
 
@@ -69,10 +69,7 @@ def wind_line(grid: Grid, part: MapPart, look: Look) -> str:
 
 
 def differing_sign(width: int, name: str, look: Look) -> LegendSign:
-    """Return how cells say that the lane beside this one has other arrows, greedy ones or a policy's.
-
-    They have room for ``width`` characters, of which ``name``, if any, takes that of the arrows.
-    """
+    """Return the mark of cells with other arrows in the second run."""
     glyphs, strong = look.glyphs, look.palette.strong
     if width - len(name) > LEAST_ARROWS:
         sign, style = glyphs.differs, look.palette.you
@@ -85,7 +82,7 @@ def differing_sign(width: int, name: str, look: Look) -> LegendSign:
 def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
     """Yield the signs of cells with every action."""
     palette, glyphs = look.palette, look.glyphs
-    # first: between others it would be taken for the dot that separates them
+    # first, because between others it would look like a separator
     yield LegendSign(glyphs.untried, "not tried", palette.unvisited)
     if form.places is Places.TINTS:
         yield LegendSign(glyphs.up, "greedy", palette.strong)
@@ -97,14 +94,14 @@ def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
 
 
 def letter_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
-    """Yield the letters of actions that are no directions, with their names."""
+    """Yield the letters of actions with their names."""
     for sign, name in zip(of.signs, of.action_names, strict=True):
         if isinstance(sign, str) and sign != name:
             yield LegendSign(sign, name, look.palette.strong)
 
 
 def ground_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
-    """Yield the signs of what takes the agent elsewhere than it would: wind, and cells with one way out."""
+    """Yield the signs of wind and one-way cells."""
     if of.grid.wind:
         yield wind_sign(of.grid, look)
     if of.ways:
@@ -115,7 +112,7 @@ def ground_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
 def place_signs(
     of: GridMap, kinds: frozenset[CellKind], look: Look, *, says_start: bool
 ) -> Iterator[LegendSign]:
-    """Yield the signs of cells in which nothing can be done, and of the start, unless cells say that."""
+    """Yield the signs of terminal cells, and of the start."""
     palette, glyphs = look.palette, look.glyphs
     ends = (
         (CellKind.HOLE, glyphs.hole, palette.hole),
@@ -128,10 +125,7 @@ def place_signs(
 
 
 def reward_signs(rewards: Sequence[CellReward], texts: Sequence[str], look: Look) -> Iterator[LegendSign]:
-    """Yield how cells show what they pay: as a number, or whether it is more or less than usual.
-
-    ``texts`` are what they show for each of ``rewards``.
-    """
+    """Yield the legend entry of rewards, shown as ``texts``."""
     if len(texts[0]) > 1:
         yield LegendSign(texts[0], "reward", reward_style(rewards[0], look))
         return

@@ -1,4 +1,4 @@
-"""What steps leave on a map: a trail, the frame of the pair that was updated, the way of the last step."""
+"""Traces of steps on a map: trail, updated frame, last path."""
 
 from __future__ import annotations
 
@@ -19,25 +19,23 @@ if TYPE_CHECKING:
     from rl_tui.worlds.drawing import Grid
 
 _RECENT: Final = 16
-"""Steps after which a cell that was left is no longer recent."""
+"""Steps after which a visited cell is no longer recent."""
 _LEAST_PADDED: Final = 11  # columns of a cell
 _UNDERLINED: Final = Style(underline=True)
 
 
 class LastWay(NamedTuple):
-    """Where the last step led, to a cell beside or across the corner, and whether it ``slipped``."""
+    """The direction of the last step, and whether it ``slipped``."""
 
     direction: Direction
     slipped: bool
 
 
 class Trace(NamedTuple):
-    """What steps leave in a cell.
+    """Traces of steps in a cell.
 
-    ``was_here`` says that the agent went through it in this episode, ``is_recent`` that this was not long
-    ago. ``error`` is the sign of the error of the update that a pair of this cell had last, None where it was
-    another cell's; of its frame's colour a ``share`` is left. ``way`` leads out of the cell in which
-    the last step was taken.
+    ``error``: sign of the last update's error, None if elsewhere. ``share``: remaining colour of its frame.
+    ``way``: the last step left this cell.
     """
 
     was_here: bool = False
@@ -48,7 +46,7 @@ class Trace(NamedTuple):
 
 
 def traces(snapshot: Snapshot, grid: Grid) -> dict[int, Trace]:
-    """Return the traces in each cell, not in that of the agent; frame and way only of slow steps."""
+    """Return the traces in each cell but the agent's."""
     found = {}
     trail, cell_of = snapshot.trail, grid.cell_of_state
     if trail:
@@ -71,10 +69,7 @@ def traces(snapshot: Snapshot, grid: Grid) -> dict[int, Trace]:
 
 
 def put_trail(canvas: Canvas, trace: Trace, look: Look, *, inner: int, ink: Style) -> None:
-    """Put the mark of the trail, in ``ink``, into an empty corner of the ``inner`` columns; of one row left.
-
-    Where a cell has no room at all, its lower row is underlined.
-    """
+    """Put the trail mark into an empty corner, or underline a full cell."""
     if not trace.was_here:
         return
     places = [(inner - 1, 0), (0, 0), (inner - 1, canvas.height - 1), (0, canvas.height - 1)]
@@ -88,9 +83,9 @@ def put_trail(canvas: Canvas, trace: Trace, look: Look, *, inner: int, ink: Styl
 
 
 def put_frame(canvas: Canvas, error: int, share: float, ground: Style, look: Look) -> None:
-    """Frame the cell of the pair that was updated, in the colour of the error's sign.
+    """Frame the updated cell in the colour of the error's sign.
 
-    A ``share`` of that colour is left, the rest is the cell's ``ground``.
+    The colour has the weight ``share``, the ``ground`` the rest.
     """
     glyphs, palette = look.glyphs, look.palette
     colour = palette.error(error)
@@ -108,20 +103,20 @@ def put_frame(canvas: Canvas, error: int, share: float, ground: Style, look: Loo
 
 
 def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:
-    """Put the way of the last step on ink at that edge of the cell over which it led."""
+    """Put the path of the last step on the crossed edge."""
     down, right = way.direction
     style = look.palette.agent + (Style(color=look.palette.bad.color) if way.slipped else Style.null())
     sign = way_text(way, look)
     if canvas.width >= _LEAST_PADDED and not right:
         sign = f" {sign} "
     row = 0 if down < 0 else canvas.height - 1 if down else canvas.height // 3
-    # next to the number, which is in the middle
+    # next to the number in the middle
     column = 0 if right < 0 else canvas.width - len(sign) - (not right)
     canvas.put(column, row, sign, style)
 
 
 def way_text(way: LastWay, look: Look) -> str:
-    """Return the sign of the way of a step: ``━▶``."""
+    """Return the sign of a step's path: ``━▶``."""
     glyphs = look.glyphs
     match way.direction:
         case (0, 1):
@@ -136,7 +131,7 @@ def way_text(way: LastWay, look: Look) -> str:
 
 
 def trace_signs(left: dict[int, Trace], look: Look, *, has_ways: bool) -> Iterator[LegendSign]:
-    """Yield the signs of trail and slip, as far as there are any; cells may have room for ways."""
+    """Yield the signs of trail and slip, if present."""
     if any(trace.was_here for trace in left.values()):
         yield LegendSign(look.glyphs.trail, "trail", look.palette.strong)
     slips = (trace.way for trace in left.values() if trace.way is not None and trace.way.slipped)

@@ -1,4 +1,4 @@
-"""The last step, or the last backup of a planner: what happened, why, and the update in numbers."""
+"""The last step, or a planner's last backup, in words and numbers."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ _BETWEEN: Final = " · "
 _SURPRISE: Final = "surprise δ "
 _ERROR: Final = 8  # cells of the number at the end of the bar
 _LEAST_BAR: Final = 9
-_MOST: Final = 20_000  # pairs whose range is worked out for each picture
-_FULL: Final = 0.25  # of the range of all estimates: an error that fills one half of the bar
+_MOST: Final = 20_000  # pairs: the range of more is not computed for each picture
+_FULL: Final = 0.25  # share of the range of all estimates: an error that fills half of the bar
 _MOST_ROWS: Final = 7
-_LEAST_ROWS: Final = 4  # below this words have no line of their own
+_LEAST_ROWS: Final = 4  # with fewer rows, words have no line of their own
 
 
 class StepWriter:
     """Writes the lines of one step.
 
-    ``cells`` are those of each term in the equation of the step before, which stand still while it runs.
+    ``cells``: widths of the previous terms, to keep the equation steady.
     """
 
     def __init__(self, words: StepWords, look: Look, width: int, cells: Sequence[int] = ()) -> None:
@@ -59,7 +59,7 @@ class StepWriter:
         self._error = Piece(words.update.error, self._equation.label.style)
 
     def tall(self, height: int) -> list[Line]:
-        """Return what happened, words above numbers, and how large δ is, in ``height`` rows (at least 4)."""
+        """Return the full story in ``height`` ≥ 4 rows, words above numbers."""
         if self.words.backup is not None:
             return self._state_backup(self.words.backup, height)
         happened, remark = self._happened(), self._remark()
@@ -71,7 +71,7 @@ class StepWriter:
         start = [happened, remark] if height > _LEAST_ROWS else [happened]
         lines = self._steady().lines(self.width, self._look)
         room = max(2, height - len(start) - 1)
-        if len(lines) > max(room, 3) and not remark[-1].text:  # it goes on in a second line
+        if len(lines) > max(room, 3) and not remark[-1].text:  # the equation needs a second line
             start, room = [happened], height - 2
         if len(lines) > max(room, 3):
             lines = [self._fitting([self._flat(), self._result()])]
@@ -79,7 +79,7 @@ class StepWriter:
         return [*lines, *([[]] * (height - len(lines) - 1)), self._bar()]
 
     def short(self, height: int) -> list[Line]:
-        """Return one to three lines: what happened, and the update in numbers."""
+        """Return one to three lines."""
         if self.words.backup is not None:
             line = self._bellman(self.words.backup, (self.words.backup.kind, self._which_sweep))
             return [line] if height == 1 else [self._happened(), line]
@@ -123,7 +123,7 @@ class StepWriter:
         return self._fitting(chain(forms, ([*whole, *error], [*result, *error], result)))
 
     def _steady(self) -> Equation:
-        """Return the equation with the cells of the one before, where it has as many terms and room."""
+        """Return the equation with the previous widths, if it fits."""
         whole = self._equation
         terms = [whole.left, *whole.terms]
         needed = [max(cell_len(term.word), cell_len(term.number)) for term in terms]
@@ -138,7 +138,7 @@ class StepWriter:
         )
         return Equation(left, right, whole.label)
 
-    # What happened
+    # Action and outcome
 
     def _happened(self, *, is_short: bool = False) -> Line:
         words = self.words
@@ -202,7 +202,7 @@ class StepWriter:
         return [self._dim(f" {self._equation.left.word} = "), self._strong(self.words.update.after)]
 
     def _bar(self) -> Line:
-        """Draw δ as a bar to the left or right of 0, as a share of the range of all estimates."""
+        """Return δ as a bar, relative to the range of all estimates."""
         glyphs, palette = self._look.glyphs, self._look.palette
         label, error = spelled([self._dim(f" {_SURPRISE}"), self._error], self._look)
         start = cell_len(label.text)
@@ -256,7 +256,7 @@ class StepWriter:
 
     def _planning(self) -> list[str]:
         planning = self._story.planning
-        if planning.startswith("sweep "):  # the line above has its number
+        if planning.startswith("sweep "):  # the line above shows its number
             planning = planning.partition(": ")[2]
         return [planning, planning.split(":")[0]]
 
@@ -304,12 +304,12 @@ OF_ANOTHER_WORLD: Final = "no step yet in this world: s takes one"
 
 
 class LastStepPanel(Panel):
-    """The last step: words above the numbers of the update, or one line of it."""
+    """The last step: words above numbers, or one line."""
 
     _cells: Sequence[int] = ()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the picture of the last step of ``snapshot``."""
+        """Return the picture of the last step."""
         titles = (f"Last step · {each}" for each in _choices(snapshot, self.look))
         self.heading = self.fitting((*titles, *self.captioned("Last step"), "Last step"), width)
         writer = None if snapshot is None else writer_of(snapshot, self.look, width, self._cells)
@@ -339,7 +339,7 @@ def nothing_yet(snapshot: Snapshot | None) -> str:
 def last_step_lines(
     snapshot: Snapshot | None, look: Look, width: int, height: int, writer: StepWriter | None = None
 ) -> list[Line]:
-    """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
+    """Return up to ``height`` lines of ``width`` cells."""
     if snapshot is not None:
         writer = writer or writer_of(snapshot, look, width)
     if writer is None:
@@ -348,7 +348,7 @@ def last_step_lines(
 
 
 def writer_of(snapshot: Snapshot, look: Look, width: int, cells: Sequence[int] = ()) -> StepWriter | None:
-    """Return what writes the last step of ``snapshot``, None where there is none."""
+    """Return the writer of the last step, or None."""
     story = story_of(snapshot)
     if story is None:
         return None

@@ -1,4 +1,4 @@
-"""The Bellman equation of the state that a planner backs up, in symbols and in numbers."""
+"""The Bellman equation of a planner's backup in numbers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 _FEWEST: Final = 2
-_MOST: Final = 5  # decimals more than the zeros behind the point
+_MOST: Final = 5  # decimals beyond the leading zeros
 _NAMES: Final = {None: "optimality", "evaluation": "evaluation", "improvement": "improvement"}
 _LAWS: Final = {
     None: "V(s) ← max Σ p [r + γ V(s′)]",
@@ -29,7 +29,7 @@ _LAWS: Final = {
 
 
 class ActionText(NamedTuple):
-    """The sign of an action, its ``0 + .99·.34`` or nothing, the result, and whether that counts."""
+    """An action's sign, terms (``0 + .99·.34``), value, and whether it counts."""
 
     sign: str
     worked_out: str
@@ -39,7 +39,7 @@ class ActionText(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class BackupText:
-    """The texts of a backup: ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``; the longest form of ``right`` first."""
+    """The texts of ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``. ``right`` has forms."""
 
     kind: str
     law: str
@@ -49,14 +49,14 @@ class BackupText:
     actions: Sequence[ActionText]
 
     def lines(self, arrow: str) -> Sequence[str]:
-        """Return the whole equation, the longest form first, the result alone last."""
+        """Return forms of the equation, the bare result last."""
         start = f"{self.left} {arrow} "
         return (*(f"{start}{each} = {self.result}" for each in self.right), f"{start}{self.result}")
 
 
 @lru_cache(maxsize=2)
 def backup_text(world: World, backup: StateBackup, glyphs: Glyphs) -> BackupText:
-    """Return the texts of ``backup``, with as few decimals as let the printed arithmetic come out."""
+    """Return the texts of ``backup``, with decimals that keep arithmetic consistent."""
     fewest = _FEWEST + leading_zeros(backup.value, *backup.q.tolist())
     text = _Writer(world, backup, glyphs, fewest)
     for decimals in range(fewest, fewest + _MOST):
@@ -93,7 +93,7 @@ class _Writer:
 
     @property
     def comes_out(self) -> bool:
-        """Whether the printed numbers give the printed result, and the best is seen to be the best."""
+        """Whether printed numbers give the result, and the best is recognizable."""
         backup = self._backup
         if backup.phase == "evaluation":
             mean = sum(parsed(each.q, self._glyphs) for each in self._taken) / max(1, len(self._taken))
@@ -102,7 +102,7 @@ class _Writer:
         else:
             of_best = {each.q for each in self._taken}
             others = {each.q for each in self._actions if not each.counts}
-            if len(of_best) > 1:  # they are as good, but are rounded to either side
+            if len(of_best) > 1:  # equally good, but rounded differently
                 return False
             if of_best & others and float(np.ptp(backup.q)) > 10.0 ** -(self._decimals + 2):
                 return False
@@ -119,7 +119,6 @@ class _Writer:
         return self._figure(float(reward)), self._figure(float(bootstrap))
 
     def text(self) -> BackupText:
-        """Return all texts."""
         backup, glyphs = self._backup, self._glyphs
         is_bandit = isinstance(self._world.drawing, Arms)
         state = "" if is_bandit else f"({names.state_name(self._world, backup.state, glyphs)})"
@@ -159,7 +158,7 @@ class _Writer:
         return [f"{of}{{{each}}}" for each in forms]
 
     def _elided(self, signed: Sequence[str], between: str) -> Iterator[str]:
-        """Yield ``signed`` without the lowest, then without more, until one of the best is left."""
+        """Yield ``signed`` with fewer and fewer low ones."""
         values = self._backup.q[self._places].tolist()
         ranks = [(not each.counts, -value) for each, value in zip(self._actions, values, strict=True)]
         best_first = sorted(range(len(signed)), key=ranks.__getitem__)

@@ -1,4 +1,4 @@
-"""The update of the last step in numbers, rounded so that it can be checked with a calculator."""
+"""The update of the last step, rounded for recalculation."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from rl_tui.screen.draw.precision import agrees, figure, leading_zeros, magnitud
 from rl_tui.screen.theme.glyphs import Glyphs
 
 _FEWEST: Final = 2
-_MOST_FOR_CHANGE: Final = 4  # a change that only shows further behind need not be seen in the estimate
-_FINER: Final = 2  # decimals that terms may have beyond those of the results
-_CLOSER: Final = 4  # decimals more that are worth it for results that come out to half a digit
-_DIGITS: Final = 6  # behind the first one of the largest term; results below them are shown as 0
-_NOISE: Final = 1e-12  # of the largest term: what rounding errors may leave of a term
-_EXACT_FINER: Final = 1  # decimals more that are worth it for a δ that is the printed difference
-_EXACT: Final = 1e-12  # what binary fractions leave of an exact difference
-_FACTOR: Final = 4  # decimals of a factor that is no short number
+_MOST_FOR_CHANGE: Final = 4  # a smaller change need not be visible in the estimate
+_FINER: Final = 2  # additional decimals of terms, compared with results
+_CLOSER: Final = 4  # additional decimals acceptable for results that agree within half a digit
+_DIGITS: Final = 6  # digits after the first one of the largest term: smaller results are shown as 0
+_NOISE: Final = 1e-12  # share of the largest term: rounding errors
+_EXACT_FINER: Final = 1  # additional decimals acceptable for a δ equal to the printed difference
+_EXACT: Final = 1e-12  # rounding error of an exact difference
+_FACTOR: Final = 4  # decimals of a long factor
 
 
 @dataclass(frozen=True, slots=True)
 class UpdateText:
-    """The terms of before + step_size · (gathered + discount · bootstrap − before) = after, as written."""
+    """The texts of before + step_size · (gathered + discount · bootstrap − before) = after."""
 
     before: str
     step_size: str
@@ -41,12 +41,12 @@ class _Rounding(NamedTuple):
 
 
 def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
-    """Write the numbers of ``last`` with as few decimals as let the printed arithmetic come out.
+    """Return the numbers of ``last``, with the fewest consistent decimals.
 
-    It comes out up to half of the last digit, or a whole one where half takes too many decimals. A step of
-    1/N that is not ``alpha`` is a fraction. Without ``bootstraps`` the target is what was gathered.
+    Results agree within half of the last digit, or one if half takes too many decimals. Without
+    ``bootstraps``, the target is ``gathered``.
     """
-    closest: dict[float, UpdateText] = {}  # the first one that comes out to so much of the last digit
+    closest: dict[float, UpdateText] = {}  # the first consistent text, by accuracy in digits
     most = _DIGITS - magnitude(_largest(last))
     fewest = min(_decimals_that_show(last), most)
     longest = most + _FINER
@@ -67,7 +67,7 @@ def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstrap
 
 
 def subtracts(text: UpdateText, glyphs: Glyphs) -> bool:
-    """Return whether target − before is δ to the last digit of what is printed; else it is about δ."""
+    """Return whether the printed target − before is exactly δ."""
     target, before, error = (parsed(each, glyphs) for each in (text.target, text.before, text.error))
     return abs(target - before - error) <= _EXACT * max(abs(target), abs(before))
 
@@ -98,7 +98,7 @@ def _written(
 
 
 def setting(x: float, glyphs: Glyphs) -> str:
-    """Return a hyper-parameter with two decimals, more where it has more: ``.10``, ``.125``, ``1``."""
+    """Return a hyperparameter with at least two decimals: ``.10``, ``.125``, ``1``."""
     if _has_no_more_decimals(x, 0):
         return numbers.brief(x, glyphs)
     if _has_no_more_decimals(x, 2):
@@ -114,7 +114,7 @@ def _step_size(last: LastStep, alpha: float | str, decimals: int, glyphs: Glyphs
 
 
 def _factor(x: float, factor: float, decimals: int, glyphs: Glyphs) -> str:
-    """Return ``x`` with as many digits as so many decimals of its product with ``factor`` need."""
+    """Return ``x`` with enough digits for its product with ``factor``."""
     short = setting(x, glyphs)
     if abs(parsed(short, glyphs) - x) <= 1e-12 * abs(x):
         return short
@@ -127,7 +127,7 @@ def _largest(last: LastStep) -> float:
 
 
 def _decimals_that_show(last: LastStep) -> int:
-    """Return the fewest decimals that show the change, two digits of δ, and no fraction as a whole."""
+    """Return the fewest decimals that show the change and δ honestly."""
     terms = (last.before, last.bootstrap, last.after, last.td_error)
     zeros = leading_zeros(last.before, last.target, last.after)
     most = _MOST_FOR_CHANGE + zeros
@@ -149,7 +149,7 @@ def _comes_out(
     )
     step_size = last.step_size if "/" in text.step_size else parsed(text.step_size, glyphs)
     target = gathered + (discount * bootstrap if bootstraps else 0.0)
-    # the panel's chain works on from printed results: δ = target − before, Q ← before + α · δ
+    # the panel continues from printed results: δ = target − before, Q ← before + α · δ
     chained = (
         (target, text.target),
         (target - before, text.error),

@@ -1,6 +1,6 @@
-"""A step in words, and its update as an equation: Sutton & Barto, 2nd ed., Fig. 3.1.
+"""A step in words and as an equation (Sutton & Barto, 2nd ed., Fig. 3.1).
 
-Most texts have several forms, the longest first.
+Most texts have forms, longest first.
 """
 
 from __future__ import annotations
@@ -34,16 +34,15 @@ from rl_tui.screen.theme.look import Look
 _TABLES = ("", "₁", "₂")
 _NOT_KNOWN: Final = "the update is not known"
 _FEWEST: Final = 2  # decimals of an estimate
-_MORE: Final = 6  # decimals beyond those that show its first digit
+_MORE: Final = 6  # decimals beyond the first significant digit
 
 
 @dataclass(frozen=True, slots=True)
 class StepWords:
-    """The texts of ``story``; empty where there is nothing to say.
+    """The texts of ``story``.
 
-    ``choices`` say how the action came about, ``endings`` how the episode ended. ``meant`` and ``went`` are
-    empty without slipping. ``estimate`` is what was updated, ``bootstrap`` the estimate in its target,
-    ``others`` counts further updates, ``why_no_equation`` is about programs whose rule is unknown.
+    ``choices``: how the action was chosen. ``meant`` and ``went``: empty unless it slips. ``estimate`` was
+    updated, ``bootstrap`` is in its target. ``others``: further updates.
     """
 
     story: StepStory
@@ -67,31 +66,31 @@ class StepWords:
 
     @property
     def outcome(self) -> str:
-        """What the environment made of the action: ``wind ↑ 1, → 4``, ``meant ←, slipped ↓``, ``→ Pass``."""
+        """The outcome: ``wind ↑ 1, → 4``, ``meant ←, slipped ↓``, ``→ Pass``."""
         moved = f"meant {self.meant}, {self.slip}" if self.went else f"→ {self.next_state}"
         return f"{self.wind}, {moved}" if self.wind else moved
 
     @property
     def changes_nothing(self) -> bool:
-        """Whether all that is known of the update is that it left the estimate as it was."""
+        """Whether the update seems to have changed nothing."""
         last = self.story.last
         return not self.story.has_equation and not last.others and last.before == last.after
 
     @property
     def wind(self) -> str:
-        """The wind that blew the agent on, in cells: ``wind ↑ 1``; empty where none did."""
+        """The effect of wind in cells: ``wind ↑ 1``."""
         cells = self.story.wind
         return f"wind {'↑' if cells > 0 else '↓'} {abs(cells)}" if cells else ""
 
     @property
     def slip(self) -> str:
-        """Which action really happened: ``slipped ↓``."""
+        """The action that really happened: ``slipped ↓``."""
         return f"{'went' if self.went == self.meant else 'slipped'} {self.went}"
 
 
 @lru_cache(maxsize=1)
 def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
-    """Return the words of ``story``; they are kept, since all panels of a frame show the same."""
+    """Return the words of ``story``, shared by all panels of a frame."""
     world, last, others = story.world, story.last, f"{story.last.others:,}"
     if story.has_equation:
         update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
@@ -131,7 +130,7 @@ def _bootstrap(story: StepStory, glyphs: Glyphs) -> str:
     last, symbols = story.last, story.terms.bootstrap
     if last.planned or not story.bootstraps:
         return symbols if last.planned else ""
-    # of a remembered pair it is another state than the one that the step led to
+    # for a remembered pair, it is not the next state of this step
     is_next = last.bootstrap_state == last.next_state
     return symbols.format(
         next=names.state_name(story.world, last.next_state, glyphs) if is_next else "s′",
@@ -180,7 +179,7 @@ def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
     policy = story.policy
     values = {name: story.hyperparameters.value(name) for name in policy.parameters if PARAMETERS[name].slide}
     if "epsilon" in values:
-        values["epsilon"] = story.last.epsilon  # a schedule may have moved it
+        values["epsilon"] = story.last.epsilon  # a schedule may have changed it
     written = ", ".join(
         f"{PARAMETERS[name].symbol} = {value if isinstance(value, str) else setting(value, glyphs)}"
         for name, value in values.items()
@@ -192,7 +191,7 @@ def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
 
 
 def _choice_texts_of_program(pair: int, best: Sequence[int], count: int) -> Sequence[str]:
-    """Return how a program chose ``pair``; never called random, since how it explores is unknown."""
+    """Return how a program chose ``pair``, never "random": its exploration is unknown."""
     if not best:
         return "your program chose it", "its choice"
     if pair not in best:
@@ -206,7 +205,7 @@ def _choice_texts_of_program(pair: int, best: Sequence[int], count: int) -> Sequ
 
 
 def _change_text(last: LastStep, glyphs: Glyphs) -> UpdateText:
-    """Write the estimate before and after, and the difference, with the decimals that show the change."""
+    """Return estimates and difference, with decimals that show the change."""
     before = 0.0 if math.isnan(last.before) else last.before
     difference, first = last.after - before, _FEWEST + leading_zeros(before, last.after)
     texts = ["", "", ""]
@@ -241,7 +240,7 @@ def _why_no_equation(story: StepStory) -> Sequence[str]:
 # The update as an equation
 
 
-NOW: Final = "now"  # the word for the estimate of the pair that was taken, once it is updated
+NOW: Final = "now"  # the updated estimate of the pair that was taken
 _WHICH: Final = {
     Lookup.BEST: "best",
     Lookup.NEXT: "next",
@@ -249,13 +248,13 @@ _WHICH: Final = {
     Lookup.OTHER: "other",
     Lookup.POLICY: "next",
 }
-"""In a word, the estimate in the target."""
+"""Words for the estimate in the target."""
 
 
 def equation(
     words: StepWords, look: Look, before: Style, bootstrap: Style, after: Style, label: str
 ) -> Equation:
-    """Return ``now = was + α·(r + γ·best − was)`` with its numbers; a planner has neither ``was`` nor α."""
+    """Return ``now = was + α·(r + γ·best − was)`` with its numbers."""
     story, update, glyphs = words.story, words.update, look.glyphs
     is_own = story.last.updated_pair == story.last.pair and not story.last.table
     left = Term("", NOW if is_own else words.estimate, update.after, after)
@@ -277,7 +276,7 @@ def equation(
 
 
 def error_style(words: StepWords, look: Look) -> Style:
-    """Return the style of the sign of δ."""
+    """Return the style for the sign of δ."""
     error = words.update.error
     falls = look.palette.bad if error.startswith(look.glyphs.minus) else look.palette.text
     return look.palette.good if error.startswith("+") else falls

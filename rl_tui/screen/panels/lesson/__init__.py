@@ -1,1 +1,1 @@
-"""The lesson beside the world: its pages, what they ask, and how that stands."""
+"""The panel of a lesson: its pages, questions and progress."""

@@ -1,6 +1,6 @@
-"""The open page of a lesson: its text, and apart from that what is to do now.
+"""The open page of a lesson, with the current task below.
 
-It stands beside the world, or in its place; in one row where the world has the place.
+It is beside the world, replaces it, or has one row.
 """
 
 from __future__ import annotations
@@ -52,17 +52,17 @@ _BOLD: Final = Style(bold=True)
 _BAR: Final = "┃"  # beside the task
 _SIGN: Final = 3  # cells of a sign before a text
 _WIDEST: Final = 60  # cells of a line of text
-_MARGIN: Final = 2  # cells before it
+_MARGIN: Final = 2  # cells before a line
 _AROUND_A_TITLE: Final = 4  # cells
-_TRACKS: Final = (24, 12, 0)  # cells of the line of progress
+_TRACKS: Final = (24, 12, 0)  # cells of the progress line
 _LEAST_TEXT: Final = 6  # rows kept for the text above the task
 
 
 @dataclass(frozen=True, slots=True)
 class Spotlight:
-    """The panel that a page says to look at: its ``title``, and the ``key`` that opens it.
+    """The panel that a page points at, and the ``key`` that opens it.
 
-    ``is_seen`` says that it has a place on the screen. The key is empty where none opens it.
+    ``is_seen``: it is on the screen.
     """
 
     title: str
@@ -71,9 +71,9 @@ class Spotlight:
 
 
 class PageLines(NamedTuple):
-    """The lines of a page, and those of what it asks ``now``.
+    """The lines of a page, and of what it asks ``now``.
 
-    ``news`` is the place of what came last: answer, hint or explanation.
+    ``news``: line of the newest answer, hint or explanation.
     """
 
     text: list[Line]
@@ -84,7 +84,7 @@ class PageLines(NamedTuple):
 def page_lines(
     view: LessonView, snapshot: Snapshot, look: Look, width: int, spotlight: Spotlight | None = None
 ) -> PageLines:
-    """Return the open page in ``width`` cells, all of it but for the keys."""
+    """Return the open page without its keys."""
     page = _Page(view, snapshot, look)
     text, news = _lines(page.text(spotlight), " ", look.palette.text, width, look)
     now, _ = _lines(page.now(), _BAR, look.palette.you, width, look)
@@ -94,7 +94,6 @@ def page_lines(
 def _lines(
     blocks: Iterable[Block], margin: str, style: Style, width: int, look: Look
 ) -> tuple[list[Line], int]:
-    """Return ``blocks`` behind ``margin`` in each line, and the place of the news."""
     lines: list[Line] = []
     news = 0
     for block in blocks:
@@ -107,26 +106,21 @@ def _lines(
 
 
 _NEWS: Final = Flow(())
-"""What stands below it came last."""
+"""A marker: everything below it is new."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Prose:
-    """A text with paragraphs, lists and equations, words without a mark in ``style``; None: the usual one."""
-
     text: str
     style: Style | None = None
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return its lines behind a margin."""
         margin = Piece(" ", look.palette.text)
         lines = prose_lines(self.text, max(1, width - 1), look, self.style)
         return [[margin, *line] if line else [] for line in lines]
 
 
 class _Page:
-    """What stands on the open page, where it has come to."""
-
     def __init__(self, view: LessonView, snapshot: Snapshot, look: Look) -> None:
         self._view = view
         self._record = view.record
@@ -137,7 +131,6 @@ class _Page:
         self._palette = look.palette
 
     def text(self, spotlight: Spotlight | None) -> Iterator[Block]:
-        """Yield what is to read."""
         page, is_done = self._page, self._stage in DONE
         if spotlight is not None:
             yield self._look_at(spotlight)
@@ -153,7 +146,6 @@ class _Page:
             yield from (BLANK, _Prose(page.explanation))
 
     def now(self) -> Iterator[Block]:
-        """Yield what the page asks for, nothing once it is done."""
         if self._stage in DONE:
             return
         ask, task = self._page.asked, self._page.task
@@ -172,7 +164,6 @@ class _Page:
                 yield Text(watch, self._palette.dim)
 
     def _head(self) -> Block:
-        """Return the word above what the page asks; it stands out until that is done."""
         palette = self._palette
         style = palette.strong if self._stage in DONE else palette.you + _BOLD
         return self._row(Piece(name_of_deed(self._page), style))
@@ -228,7 +219,6 @@ class _Page:
             yield self._beside(condition_sign(condition.holds, self._look), f"{condition.text}{found}")
 
     def _found(self, task: Task) -> Iterator[Block]:
-        """Yield what was found of a program, and the hints."""
         view = self._view.task
         yield from (BLANK, _NEWS) if view is not None and view.remarks else ()
         for remark in () if view is None else view.remarks:
@@ -241,10 +231,7 @@ class _Page:
         yield from self._hints(task)
 
     def _conditions(self, task: Task) -> Sequence[ConditionView]:
-        """Return how the conditions stood when the task was passed, until then how they stand.
-
-        Of a task that is rightly called impossible they never hold all.
-        """
+        """Return the conditions at the moment of passing, before that the current ones."""
         passed = next((each for each in self._record.passed if each.page == self._page.id), None)
         if passed is not None and not passed.claim:
             return [ConditionView(each.text, True) for each in task.conditions]
@@ -270,30 +257,27 @@ class _Page:
         return Labelled(sign.text, sign.style, _SIGN, Text(text, self._palette.text, "", ""))
 
     def _row(self, *pieces: Piece) -> Block:
-        """Return ``pieces`` in a row, in further ones of the first one's style where they are too long."""
+        """Return ``pieces`` in one row, or wrapped."""
         text = "".join(piece.text for piece in pieces)
         whole = [Piece(" ", self._palette.text), *pieces]
         return Row(whole, instead=[Text(text, pieces[0].style, rest="   ")])
 
 
 _Shown = tuple[str, PageStage | None, int, tuple[str, ...]]
-"""The open page, where it stands, how many hints and answers there were, and the remarks on a program."""
+"""Page, stage, number of hints and answers, and remarks."""
 
 
 class LessonPanel(ScrolledPanel, WaitingRow):
-    """Draws the open page of the lesson in the newest snapshot; a new page begins at its top.
+    """The open page of the lesson.
 
-    What is to do now is always in view, at the end; the text above it scrolls. What is new there, such as an
-    answer or a hint, comes into view. In one row it says how the page stands; where that ``replaces_header``,
-    first why nothing goes on.
-
-    ``spotlight`` is the panel that the page says to look at; ``is_manual`` says that a person acts in place
-    of the agent, ``takes_turns`` that the page hides the world. ``following`` is the title of the next
-    lesson, empty where there is none or that is not known. ``offers`` are the keys of what is to do now.
+    The task stays visible at the bottom, the text above scrolls to news. One row shows the progress, or with
+    ``replaces_header`` why the run waits. ``spotlight``: the panel to look at. ``is_manual``: a person acts.
+    ``takes_turns``: the page hides the world. ``following``: title of the next lesson. ``offers``: current
+    keys.
     """
 
     class Offered(Message):
-        """Something else is to do now."""
+        """The current task changed."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("up", "scroll_rows(-1)", "lesson.up", "Scroll up"),
@@ -327,7 +311,6 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         return self._page(snapshot.lesson, snapshot, width, height)
 
     def _page(self, view: LessonView, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the text, what is to do, and its keys: of what is too long the text alone scrolls."""
         text, now, self._news = page_lines(view, snapshot, self.look, width - 1, self.spotlight)
         gap: list[Line] = [[]] if text else []
         if len(text) + len(now) + 4 <= height:
@@ -354,7 +337,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         return [*strips, *strips_of(foot, width, height - len(strips), self.look)]
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the rows of the page that scroll."""
+        """Return the scrolling rows of the page."""
         if snapshot is not None and snapshot.lesson is not None:
             view, record = snapshot.lesson, snapshot.lesson.record
             told = record.hints_on(record.page) + len(record.given)
@@ -363,23 +346,21 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         return strips_of(self._lines, width, len(self._lines), self.look)
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
-        """Return nothing: the lower border has the progress."""
+        """Return nothing: the lower border shows the progress."""
         return ()
 
     def scroll_page(self, pages: int) -> bool:
-        """Scroll by so many pages; return whether there was more."""
+        """Scroll by ``pages``. Return whether anything moved."""
         before = self._first
         self.action_scroll_pages(pages)
         return self._first != before
 
     def _offer(self, offers: tuple[Offer, ...]) -> None:
-        """Let the key line name what is to do now."""
         if offers != self.offers:
             self.offers = offers
             self.post_message(self.Offered())
 
     def _key_row(self, view: LessonView, snapshot: Snapshot, width: int, *, is_alone: bool) -> Line:
-        """Return the keys of what is to do now, in a row; a word for it first where that ``is_alone``."""
         palette, hint = self.look.palette, next_hint(view.record)
         start = [self._margin(view, snapshot)]
         word = [Piece(f" {name_of_deed(open_page(view.record))} ", palette.you + _BOLD)] if is_alone else []
@@ -392,12 +373,10 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         return first_that_fits(forms, width, self.look)
 
     def _margin(self, view: LessonView, snapshot: Snapshot) -> Piece:
-        """Return what stands before the keys: a line where the page asks for something."""
         is_done = stage_of(view, snapshot) in DONE
         return Piece(" " if is_done else _BAR, self.look.palette.you)
 
     def _label(self, record: LessonRecord, below: int, width: int) -> None:
-        """Write the title of the page above it, and below it how far the lesson has come."""
         title = open_page(record).title
         self.heading = self.fitting((title, shortened(title, width - _AROUND_A_TITLE, "…")), width)
         tracks = [progress(record, cells, self.look.glyphs) for cells in _TRACKS]
@@ -405,7 +384,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         self.footing = self.fitting((*more, *tracks), width)
 
     def _follow(self, shown: _Shown, height: int) -> None:
-        """Begin a new page at its top, and bring into view what is new on it."""
+        """Start a new page at its top, and scroll to news."""
         before, self._shown = self._shown, shown
         news, rows = self._news, len(self._lines)
         if before[0] != shown[0]:
@@ -414,7 +393,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
             self._first = max(0, min(news - 1, rows - height))
 
     def on_click(self, event: events.Click) -> None:
-        """Read the page where its row was clicked."""
+        """Open the page when its row is clicked."""
         if self.size.height == 1:
             event.stop()
             self.app.simulate_key("enter")

@@ -1,4 +1,4 @@
-"""The texts of a lesson as lines: paragraphs, bullets, **bold**, `code` and indented equations."""
+"""Lesson texts: paragraphs, bullets, **bold**, `code` and equations."""
 
 from __future__ import annotations
 
@@ -17,19 +17,18 @@ _BULLET: Final = re.compile(r"\s{0,3}[-*•]\s+")
 _MARKED: Final = re.compile(r"\*\*(.+?)\*\*|`([^`]+)`")
 _EQUATION: Final = "    "
 _EQUATION_INDENT: Final = "  "
-_LEAST_INDENTED: Final = 12  # cells of an equation whose further lines are
+_LEAST_INDENTED: Final = 12  # cells of an equation whose continuation lines are indented
 
 
 def plain(text: str) -> str:
-    """Return ``text`` in one line, without the signs of bold and code: for a dialog or a message."""
+    """Return ``text`` in one line without marks."""
     return " ".join(_MARKED.sub(lambda match: match[1] or match[2], text).split())
 
 
 def prose_lines(text: str, width: int, look: Look, style: Style | None = None) -> list[Line]:
-    """Return ``text`` in lines of at most ``width`` cells, a blank line between its paragraphs.
+    """Return ``text`` in lines of at most ``width`` cells.
 
-    It is plain text: whatever else looks like markup is shown as it stands. ``style`` is that of words
-    without a mark; None: the usual one.
+    Other markup is shown unchanged. ``style`` applies to unmarked words.
     """
     style = style or look.palette.text
     lines: list[Line] = []
@@ -71,11 +70,10 @@ def _blocks(text: str) -> Iterator[list[str]]:
 
 
 def _equation(row: str, width: int, look: Look) -> Iterator[Line]:
-    """Yield ``row`` with its own blanks, broken only where it is too long."""
     spelled = to_ascii(row.removeprefix(_EQUATION).rstrip(), look.glyphs)
     room = max(1, width - len(_EQUATION_INDENT))
     further = _EQUATION_INDENT if room >= _LEAST_INDENTED else ""
-    start = 0  # of what is not indentation
+    start = 0  # after the indentation
     while cell_len(spelled) > room:
         cut = spelled.rfind(" ", start + 1, room + 1)
         head = spelled[:cut] if cut > 0 else _chopped(spelled, room)
@@ -85,7 +83,6 @@ def _equation(row: str, width: int, look: Look) -> Iterator[Line]:
 
 
 def _paragraph(text: str, width: int, style: Style, look: Look, first: str, rest: str) -> Iterator[Line]:
-    """Yield ``text`` broken at blanks; ``first`` stands before the first line, ``rest`` before the others."""
     line: list[Piece] = [Piece(first, style)] if first else []
     used, is_begun = len(first), False
     for word in _words(text, style, look):
@@ -108,7 +105,7 @@ def _paragraph(text: str, width: int, style: Style, look: Look, first: str, rest
 
 
 def _pieces_that_fit(word: Sequence[Piece], room: int, whole: int) -> Iterator[Piece | None]:
-    """Yield the pieces of ``word``; None stands where a line ends in a word that is too long for one."""
+    """Yield the pieces of ``word``. None breaks a long word."""
     if sum(cell_len(piece.text) for piece in word) <= max(room, 1):
         yield from word
         return
@@ -125,12 +122,11 @@ def _pieces_that_fit(word: Sequence[Piece], room: int, whole: int) -> Iterator[P
 
 
 def _chopped(text: str, room: int) -> str:
-    """Return the start of ``text`` that fits into ``room`` cells, a character at least."""
     return chop_cells(text, room)[0] or text[0]
 
 
 def _words(text: str, style: Style, look: Look) -> Iterator[list[Piece]]:
-    """Yield the words of ``text``, each in pieces of one style: a mark may begin or end within a word."""
+    """Yield the words of ``text`` as pieces of one style each."""
     word: list[Piece] = []
     for run, run_style in _runs(text, style, look):
         for number, part in enumerate(re.split(r"\s+", to_ascii(run, look.glyphs))):

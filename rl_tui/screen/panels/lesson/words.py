@@ -1,4 +1,4 @@
-"""How far the open page of a lesson has come, and what the lesson says of it in a line."""
+"""The stage of a lesson page, and short texts about it."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
 Offer = tuple[tuple[str, str], ...]
-"""What is to do now: keys, and what they do, in one way to write it."""
+"""One form of the keys to press now, with their effects."""
 
 
 class PageStage(Enum):
-    """Where a page stands."""
+    """The stage of a page."""
 
     TO_READ = auto()  # it asks nothing
     TO_PREDICT = auto()  # a prediction is open: no step is taken
-    LOCKED = auto()  # it is given, and the steps that tell the truth are to be taken
-    TOLD = auto()  # the truth stands beside it
-    TO_ANSWER = auto()  # a question, not answered or answered wrong
+    LOCKED = auto()  # predicted: steps to the true result remain
+    TOLD = auto()  # the true result is shown
+    TO_ANSWER = auto()  # a question, unanswered or answered wrong
     ANSWERED = auto()
     TO_DO = auto()  # a task
     PASSED = auto()
 
 
 DONE: Final = (PageStage.TO_READ, PageStage.TOLD, PageStage.ANSWERED, PageStage.PASSED)
-"""Stages in which a page asks nothing any more."""
+"""Stages in which a page asks nothing more."""
 
 
 def open_page(record: LessonRecord) -> Page:
-    """Return the page that is open."""
+    """Return the open page."""
     return record.lesson.page(record.page)
 
 
 def stage_of(view: LessonView, snapshot: Snapshot) -> PageStage:
-    """Return where the open page stands beside the run of ``snapshot``."""
+    """Return the stage of the open page."""
     record, page = view.record, open_page(view.record)
     if page.task is not None:
         return PageStage.PASSED if record.has_passed(page.id) else PageStage.TO_DO
@@ -59,10 +59,10 @@ def stage_of(view: LessonView, snapshot: Snapshot) -> PageStage:
 
 
 def steps_to_truth(ask: Ask, given: Given, snapshot: Snapshot) -> int:
-    """Return how many steps are missing to the truth of a prediction; 0 once the run has been there.
+    """Return the steps missing to a prediction's result.
 
-    The run may have gone back since: how far the branch has come counts. And it may have been set up again,
-    or be that of another setup: who has done something on a later page, or all of it, is told.
+    The furthest step of the branch counts, because the run may have gone back. Work on a later page also
+    reveals the result.
     """
     record = None if snapshot.lesson is None else snapshot.lesson.record
     if given.step == NO_STEP or not ask.steps or (record is not None and _is_past(record, given.page)):
@@ -78,7 +78,7 @@ def _is_past(record: LessonRecord, page: str) -> bool:
 
 
 def keeping_page(record: LessonRecord, what: str) -> Page | None:
-    """Return the page that keeps ``what`` back, the open one or the first behind it; None if none does."""
+    """Return the first page from here on that hides ``what``, or None."""
     if what not in record.hidden:
         return None
     lesson = record.lesson
@@ -90,38 +90,38 @@ def keeping_page(record: LessonRecord, what: str) -> Page | None:
 
 
 def name_of_deed(page: Page) -> str:
-    """Return in a word what ``page`` asks for."""
+    """Return one word for what ``page`` asks."""
     if page.prediction is not None:
         return "Guess" if page.guess else "Predict"
     return "Do" if page.task is not None else "Question"
 
 
 def asks_for_program(record: LessonRecord) -> bool:
-    """Return whether the task of the open page asks for a program."""
+    """Return whether the open task needs a program."""
     task = open_page(record).task
     return task is not None and task.program is not None
 
 
 def turns_to_truth(record: LessonRecord) -> bool:
-    """Return whether the steps to the truth of the open prediction are to be taken on the next page."""
+    """Return whether the predicted steps happen on the next page."""
     ask = open_page(record).prediction
     return ask is not None and ask.keys[:1] == ("enter",)
 
 
 def page_place(record: LessonRecord) -> str:
-    """Return the place of the open page among all, such as 3/9."""
+    """Return the place of the open page, such as 3/9."""
     return f"{record.lesson.number_of(record.page) + 1}/{len(record.lesson.pages)}"
 
 
 def progress(record: LessonRecord, cells: int, glyphs: Glyphs) -> str:
-    """Return the place of the open page, and a line of ``cells`` that shows how far that is."""
+    """Return the place of the open page, with a progress line."""
     done = round(cells * (record.lesson.number_of(record.page) + 1) / len(record.lesson.pages))
     place = f"page {page_place(record).replace('/', ' of ')}"
     return f"{place} {glyphs.track_done * done}{glyphs.track_rest * (cells - done)}".rstrip()
 
 
 def is_last_page(record: LessonRecord) -> bool:
-    """Return whether no page follows the one that is open."""
+    """Return whether the open page is the last one."""
     return record.page == record.lesson.pages[-1].id
 
 
@@ -130,25 +130,25 @@ NOT_COUNTED: Final = "A guess does not count as a prediction."
 _LEAST_TITLE = 8
 _LONGEST_SAID = 16
 _MOST_ONE_BY_ONE = 12
-"""Steps that people take one by one; more of them run."""
+"""Steps that people take one by one, rather than run."""
 
 
 def number_text(x: float, glyphs: Glyphs) -> str:
-    """Return an answer as people write it: 0.5, −1.5, 184,616."""
+    """Return an answer as people write it: 0.5, 184,616."""
     if x == int(x) and 10_000 <= abs(x) < 1e12:
         return numbers.whole(x, glyphs)
     return numbers.brief(x, glyphs, leading_zero=True)
 
 
 def answer_text(ask: Ask, answer: float, glyphs: Glyphs) -> str:
-    """Return what was answered to ``ask``: the number, or the text of the choice."""
+    """Return the answer to ``ask`` as text."""
     if not ask.choices:
         return number_text(answer, glyphs)
     return plain(ask.choices[min(max(int(answer), 0), len(ask.choices) - 1)].text)
 
 
 def truth_text(ask: Ask, given: Given, glyphs: Glyphs) -> str:
-    """Return what stands behind the verdict on ``given``: what is right, of a right choice nothing more."""
+    """Return the correct answer after a verdict."""
     if ask.answer is not None:
         return f" – it is {number_text(ask.answer, glyphs)}"
     if given.is_right:
@@ -157,24 +157,21 @@ def truth_text(ask: Ask, given: Given, glyphs: Glyphs) -> str:
 
 
 def in_run_text(in_run: float | str | bool, glyphs: Glyphs) -> str:
-    """Return what a prediction shows of the run, or why there is nothing to show."""
+    """Return the result in the run, or why there is none."""
     if isinstance(in_run, bool):
         return "yes" if in_run else "no"
     return in_run if isinstance(in_run, str) else number_text(in_run, glyphs)
 
 
 def went_another_way(ask: Ask, in_run: float | str | bool | None) -> bool:
-    """Return whether the run came to something else than the answer, further off than its tolerance.
-
-    Of a choice that cannot be told.
-    """
+    """Return whether the run differs from the answer beyond its tolerance."""
     if in_run is None or ask.choices:
         return False
     return isinstance(in_run, str) or not ask.is_right(float(in_run))
 
 
 def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
-    """Return what the author says to an answer, empty where nothing: of a number only known wrong ones."""
+    """Return the author's reply to an answer."""
     if ask.choices:
         return ask.choices[min(max(int(answer), 0), len(ask.choices) - 1)].reply
     if is_right:
@@ -185,13 +182,13 @@ def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
 
 
 def named_hints(task: Task) -> dict[str, str]:
-    """Return the hints of ``task`` by what they are called; the last one is the solution."""
+    """Return the hints of ``task`` by name, the solution last."""
     hints = {f"hint {number} of {len(task.hints)}": each for number, each in enumerate(task.hints, 1)}
     return hints | ({"solution": task.solution} if task.solution else {})
 
 
 def next_hint(record: LessonRecord) -> str:
-    """Return what the next hint of the open page is called; empty where there is none."""
+    """Return the name of the next hint, or nothing."""
     page = open_page(record)
     names = [] if page.task is None or record.has_passed(page.id) else [*named_hints(page.task)]
     return next(iter(names[record.hints_on(page.id) :]), "")
@@ -206,11 +203,10 @@ def next_keys(
     is_manual: bool = False,
     following: str = "",
 ) -> tuple[Offer, ...]:
-    """Return keys and what they do now, that of enter first, the longest form before the others.
+    """Return forms of the keys to press now, enter first.
 
-    ``is_more`` says that there is text below; where the page ``takes_turns`` with the world, a key leads
-    there. ``is_manual`` says that a person acts in place of the agent. ``following`` is the title of the next
-    lesson.
+    ``is_more``: text continues below. ``takes_turns``: a key leads to the world. ``is_manual``: a person
+    acts.
     """
     world: Offer = (("esc", "world"),) if takes_turns else ()
     does: tuple[str, ...]
@@ -241,10 +237,7 @@ def next_keys(
 
 
 def _ways_to_truth(view: LessonView, snapshot: Snapshot, *, is_manual: bool) -> tuple[tuple[str, str], ...]:
-    """Return the keys that take the steps to the truth, and how many, the longest form first.
-
-    These are the keys that the page asks for, where it names any. Who acts already need not begin to.
-    """
+    """Return forms of the keys that lead to the predicted result."""
     ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
     assert ask is not None
     assert given is not None
@@ -265,7 +258,7 @@ def _ways_to_truth(view: LessonView, snapshot: Snapshot, *, is_manual: bool) -> 
 
 
 def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:
-    """Return in one row how the open page stands, for where it is not in view."""
+    """Return the progress of the page in one row."""
     record, palette = view.record, look.palette
     page, marks = open_page(record), list(_marks(view, snapshot, look))
     tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []
@@ -315,7 +308,7 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
 
 
 def condition_sign(holds: bool | None, look: Look) -> Piece:
-    """Return the sign before a condition: it holds, it does not yet, or that is not known."""
+    """Return the sign of a condition."""
     if holds is None:
         return Piece(look.glyphs.ellipsis, look.palette.dim)
     if holds:
@@ -324,7 +317,7 @@ def condition_sign(holds: bool | None, look: Look) -> Piece:
 
 
 def verdict_piece(is_right: bool, look: Look) -> Piece:
-    """Return whether an answer was right, as a sign and a word."""
+    """Return the verdict as sign and word."""
     if is_right:
         return Piece(f"{look.glyphs.holds} right", look.palette.good)
     return Piece(f"{look.glyphs.fails} not so", look.palette.bad)

@@ -1,1 +1,1 @@
-"""The microscope: the last step taken apart."""
+"""The microscope: the last step in detail."""

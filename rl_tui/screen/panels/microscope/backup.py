@@ -1,7 +1,6 @@
-"""The last backup as a tree: the state, the action below it, and its outcomes in columns hanging from it.
+"""The last backup as a tree (Sutton & Barto, 2nd ed., Fig. 3.4).
 
-The tree is that of Sutton & Barto, 2nd ed., Fig. 3.4; below it stand the target of the sample, the expected
-one, and their difference.
+Below are the sampled target, the expected one, and the difference.
 """
 
 from __future__ import annotations
@@ -40,10 +39,9 @@ _MORE: Final = 5  # decimals beyond the fewest
 
 
 def backup_section(words: StepWords, look: Look, *, secret: Sequence[str]) -> Section:
-    """Return the tree over all outcomes and the targets below it.
+    """Return the tree with the targets below.
 
-    ``secret`` stands in place of what true rewards decide, the longest form first; none where they may be
-    seen.
+    ``secret``: forms of a text in place of true rewards, empty unless hidden.
     """
     world, backup = words.story.world, words.story.backup
     if backup is None:
@@ -66,15 +64,15 @@ def _why_none(words: StepWords) -> str:
         return AFTER_END
     if story.has_equation and words.bootstrap:
         return f"your program looked up {words.bootstrap}: the book has no such backup"
-    return NOT_KNOWN  # the update says why
+    return NOT_KNOWN  # the update explains why
 
 
 def backup_rows(world: World) -> int:
-    """Return how many rows the tree of any pair of ``world`` and the targets take."""
+    """Return the most rows that tree and targets of ``world`` take."""
     return _HEAD_ROWS + _leaf_rows(world) + TARGET_ROWS
 
 
-@lru_cache(maxsize=1)  # one world is on screen; no other is kept alive
+@lru_cache(maxsize=1)  # only one world is on screen: keep no other alive
 def _most_outcomes(mdp: TabularMDP) -> int:
     return int(np.diff(mdp.first_outcome).max())
 
@@ -109,10 +107,7 @@ def _tree(world: World, backup: Backup, look: Look, *, secret: bool) -> Iterator
 
 
 def _chosen(leaves: Sequence[Leaf]) -> tuple[list[Leaf], list[Leaf]]:
-    """Return the leaves that are drawn, in their order, and those that have no room: the least likely.
-
-    What happened always is drawn.
-    """
+    """Return the leaves to draw, including what happened, and the rest."""
     if len(leaves) <= MOST_LEAVES:
         return list(leaves), []
     ranked = sorted(enumerate(leaves), key=lambda each: (not each[1].happened, -(each[1].probability or 0.0)))
@@ -126,10 +121,10 @@ def _chosen(leaves: Sequence[Leaf]) -> tuple[list[Leaf], list[Leaf]]:
 def outcome_table(
     world: World, backup: Backup, leaves: Sequence[Leaf], look: Look, *, is_whole: bool, secret: bool
 ) -> Table:
-    """Return a row for each of ``leaves`` at its branch; with ``is_whole`` the last branch ends the tree.
+    """Return a row for each of ``leaves`` at its branch.
 
-    What an outcome adds to the expected target is left out first, then a long head, then what is said of the
-    next state. ``secret`` hides true rewards.
+    ``is_whole``: the last branch ends the tree. Dropped first: contributions, then the long head, then
+    remarks. ``secret`` hides true rewards.
     """
     glyphs, palette = look.glyphs, look.palette
     decimals = _decimals_that_agree(backup, leaves, look)
@@ -182,7 +177,7 @@ def outcome_table(
 
 
 def _went(world: World, backup: Backup, leaves: Sequence[Leaf], look: Look) -> list[str]:
-    """Return what really happens, where the world slips; else nothing."""
+    """Return the actions that happen if the world slips."""
     meant = int(world.space.pair_action[backup.pair])
     if all(leaf.action in (UNKNOWN_ACTION, meant) for leaf in backup.leaves):
         return []
@@ -200,21 +195,20 @@ def _reward(leaf: Leaf, look: Look, *, secret: bool) -> str:
 
 
 def _landing(world: World, leaf: Leaf, look: Look, *, remarks: bool) -> str:
-    """Return the next state, with what is to be said of it."""
     name = names.state_name(world, leaf.next_state, look.glyphs)
     remark = names.landmark(world, leaf.next_state) or ("ends" if leaf.terminated else "")
     return f"{name}: {remark}" if remark and remarks else name
 
 
 def _share(backup: Backup, leaf: Leaf, value: float | None) -> float | None:
-    """Return what an outcome of this ``value`` adds to the expected target, where that is known."""
+    """Return the outcome's contribution to the expected target, or None."""
     if leaf.probability is None or value is None:
         return None
     return leaf.probability * (leaf.reward + backup.gamma * value)
 
 
 def _decimals_that_agree(backup: Backup, leaves: Sequence[Leaf], look: Look) -> int:
-    """Return the fewest decimals with which the shares are those of the printed values."""
+    """Return the fewest decimals that keep the contributions consistent."""
 
     def agree(decimals: int) -> bool:
         for leaf in leaves:
@@ -242,9 +236,9 @@ _MORE_OF_TARGETS: Final = 6
 
 
 def target_blocks(words: StepWords, backup: Backup, look: Look, *, secret: Sequence[str]) -> Iterator[Block]:
-    """Yield the sampled target, the expected one and their difference, each where it is known.
+    """Yield sampled target, expected target and difference.
 
-    ``secret`` stands in place of the expected one, the longest form first; none where that may be seen.
+    ``secret``: forms of a text in place of the expected one, empty unless hidden.
     """
     dim, planned = look.palette.dim, words.story.last.planned
     if backup.sampled is None:
@@ -314,10 +308,7 @@ def _not_known(story: StepStory) -> str:
 
 
 def _decimals(sampled: float, expected: float | None, look: Look) -> int:
-    """Return the fewest decimals with which the printed difference is that of the printed targets.
-
-    Two at least, three where both are fractions, more where both are small.
-    """
+    """Return the fewest decimals that keep the difference consistent."""
     known = [sampled] if expected is None else [sampled, expected]
     is_large = max(map(abs, known)) >= 1.0
     fewest = _FEWEST if is_large else _FEWEST + max(1, leading_zeros(*known))

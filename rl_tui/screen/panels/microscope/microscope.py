@@ -1,7 +1,7 @@
-"""The microscope: the last step in detail, from the agent's choice to the updated cell.
+"""The microscope: the last step in detail.
 
-The step follows Sutton & Barto, 2nd ed., Fig. 3.1, the backup tree Fig. 3.4. The sections form two
-columns where there is room. While steps pass too fast, only the history of the cell is drawn.
+The step follows Sutton & Barto, 2nd ed., Fig. 3.1, the backup tree Fig. 3.4. While steps pass too fast, only
+the history is drawn.
 """
 
 from __future__ import annotations
@@ -55,14 +55,14 @@ LEAST_HEIGHT: Final = 4
 _LEAST_WIDTH: Final = 16
 _TICK_COLUMNS: Final = 9
 _VALUE_COLUMNS: Final = 7
-# What stands for a cell of which the line takes neither half, the upper one, the lower one, both
+# Characters by covered halves of a cell: none, upper, lower, both
 _HALVES: Final = np.array([ord(each) for each in " '.:"])
 
 
 def history_strips(snapshot: Snapshot, pair: int | None, look: Look, width: int, height: int) -> list[Strip]:
-    """Return how the estimate of ``pair`` went, in ``height`` rows, heading included.
+    """Return the history of ``pair``'s estimate, with a heading.
 
-    The exact value is shown where it is known and not hidden.
+    The exact value is included unless unknown or hidden.
     """
     rows, dim, cell = height - 1, look.palette.dim, snapshot.cell
     if pair is None:
@@ -82,7 +82,7 @@ def history_strips(snapshot: Snapshot, pair: int | None, look: Look, width: int,
 
 
 def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look) -> tuple[str, ...]:
-    """Return the value now and the exact one, with as many decimals, longest form first."""
+    """Return forms of current and exact value with equal decimals."""
     q = float(snapshot.agent.q[pair])
     form = number_form([q] if exact is None else [q, exact], _VALUE_COLUMNS)
     now = form.text(q, look.glyphs) if snapshot.agent.holds(pair) else look.glyphs.ellipsis
@@ -95,9 +95,9 @@ def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look)
 
 
 def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int, height: int) -> list[Strip]:
-    """Return ``height`` strips of ``width`` cells; ``exact`` is None where it is not known, or secret.
+    """Return the chart of a history. ``exact`` is None if unknown or hidden.
 
-    The value holds from the step after which it was reached to the next one in the history.
+    A value holds until the next step in the history.
     """
     canvas = Canvas(width, height, look.palette.text)
     if width < _LEAST_WIDTH or height < LEAST_HEIGHT or not len(cell.step):
@@ -145,7 +145,7 @@ _Form = tuple[str, str, str]  # symbol, value and remark
 
 
 def step_section(words: StepWords, look: Look) -> Section:
-    """Return state, action and why, reward, next state, and what was updated: a line each."""
+    """Return state, action, reward, next state, and updated cell."""
     rows = [
         Labelled(label, look.palette.dim, _LABEL, Row(*(_pieces(form, look) for form in forms)))
         for label, forms in _parts(words)
@@ -220,15 +220,14 @@ def _which(story: StepStory) -> Sequence[str]:
 
 ROOM_FOR_TWO: Final = 96
 TOO_FAST: Final = f"steps pass too fast to show one: space pauses, −{KEPT_BLANK}slows down"
-_HISTORY_ROWS: Final = 7  # its heading, some rows of dots and the steps below them
+_HISTORY_ROWS: Final = 7  # a heading, some rows of dots and the steps below
 _GAP: Final = 2
 
 
 class Microscope(ScrolledPanel):
-    """Sections below one another, in two columns where there is room; arrows and pgup, pgdn scroll them.
+    """The last step in sections, in two columns if they fit.
 
-    ``pair`` is the one whose history is shown. Where steps pass too fast to be taken apart, only that history
-    is drawn.
+    ``pair`` is the cell of the history.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("microscope")
@@ -237,29 +236,29 @@ class Microscope(ScrolledPanel):
 
     @property
     def is_complete(self) -> bool:
-        """Whether the newest snapshot has the history that is to be shown."""
+        """Whether the newest snapshot contains the history to show."""
         cell = None if self.snapshot is None else self.snapshot.cell
         return self.pair is None or (cell is not None and cell.pair == self.pair)
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return all rows of the page."""
+        """Return all rows."""
         return page(snapshot, self.pair, self.look, width, height)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the key that closes it, and those that choose the cell."""
+        """Return forms of the keys."""
         return "tab: another cell · esc: close", "esc: close"
 
 
 def lit_sources(snapshot: Snapshot) -> frozenset[int]:
-    """Return the pairs that the table lights up as looked up; none where steps pass too fast to follow."""
+    """Return the looked-up pairs to highlight in the table."""
     story = None if passes_too_fast(snapshot) else story_of(snapshot)
     return frozenset() if story is None else frozenset(story.sources)
 
 
 def page(snapshot: Snapshot | None, pair: int | None, look: Look, width: int, height: int) -> list[Strip]:
-    """Return all rows of the microscope, at least ``height`` where the history may grow.
+    """Return all rows of the microscope.
 
-    ``pair`` is the one whose history is shown.
+    ``pair`` is the cell of the history, which grows to ``height``.
     """
     columns = 2 if width >= ROOM_FOR_TWO else 1
     room = (width - _GAP * (columns - 1)) // columns
@@ -297,7 +296,6 @@ def _sections(snapshot: Snapshot, story: StepStory, look: Look) -> list[Section]
 
 
 def _strips(sections: Sequence[Section], look: Look, width: int, height: int = 0) -> list[Strip]:
-    """Return ``sections`` below one another, set apart if ``height`` has room for that."""
     lines = stacked(sections, width, height, look)
     return strips_of(lines, width, len(lines), look)
 

@@ -1,6 +1,6 @@
-"""The last update under the microscope: every number of the equation, and the cell it comes from.
+"""The last update in detail, with the sources of its numbers.
 
-The discounted return of the episode so far is written out below (Sutton & Barto, 2nd ed., equation 3.8).
+The discounted return so far follows (Sutton & Barto, 2nd ed., equation 3.8).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _MOST_DECIMALS: Final = 6
 
 
 def return_section(story: StepStory, look: Look) -> Section:
-    """Return the return from the start of the episode, its first and last terms, and what it means."""
+    """Return the return so far, with first and last terms."""
     remarks = (f"t = {story.steps:,}",) if story.rewards and not story.last.planned else ()
     return Section(RETURN_HEADING, [*_return_blocks(story, look)], RETURN_ROWS, remarks)
 
@@ -76,7 +76,7 @@ def _return_blocks(story: StepStory, look: Look) -> Iterator[Block]:
 
 
 def has_open_discount(story: StepStory) -> bool:
-    """Return whether nobody knows the γ of a program: what its rewards come to, discounted, is open too."""
+    """Return whether a program's γ is unknown."""
     return story.program is not None and story.program.verdict.update.gamma is None
 
 
@@ -89,10 +89,9 @@ def _meaning(story: StepStory) -> str:
 
 
 def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, room: int, *, total: str) -> str:
-    """Return as many terms as ``room`` holds: all, or the first and the last with an ellipsis between.
+    """Return all terms that fit ``room``, or the first and last ones.
 
-    They have as many decimals as let them come out at the printed ``total``. Of an episode of more steps than
-    there are rewards the first ones are not known any more; the rest has three.
+    Their decimals add up to the printed ``total``. Rewards no longer known are skipped.
     """
     skipped = steps - len(rewards)
     rewards = _rounded(rewards, gamma, total, look, _FEWEST_DECIMALS if skipped else _MOST_DECIMALS)
@@ -113,7 +112,7 @@ def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, roo
 
 
 def _rounded(rewards: Sequence[float], gamma: float, total: str, look: Look, most: int) -> list[float]:
-    """Return ``rewards`` with the fewest decimals, three to ``most``, with which they add up to ``total``."""
+    """Return ``rewards`` with the fewest decimals that add up to ``total``."""
     rounded: list[float] = []
     for decimals in range(_FEWEST_DECIMALS, most + 1):
         rounded = [round(reward, decimals) or reward for reward in rewards]
@@ -131,7 +130,7 @@ def _joined(terms: Sequence[str]) -> str:
 
 
 def _term(rewards: Sequence[float], skipped: int, place: int, gamma: float, look: Look) -> str:
-    """Return ``.99²·1``, the reward of step ``place`` (from 0) as it counts at the start."""
+    """Return ``.99²·1``, a discounted reward."""
     reward = numbers.brief(rewards[place - skipped], look.glyphs)
     if place == 0:
         return reward
@@ -142,7 +141,7 @@ def _term(rewards: Sequence[float], skipped: int, place: int, gamma: float, look
 
 
 def power(base: float, exponent: int, look: Look) -> str:
-    """Return ``.99²``, in ASCII ``.99^2``."""
+    """Return ``.99²``, or ``.99^2`` in ASCII."""
     text = setting(base, look.glyphs)
     if exponent == 1:
         return text
@@ -164,7 +163,7 @@ _GAP: Final = "   "
 
 
 def update_section(words: StepWords, look: Look) -> Section:
-    """Return the update in numbers and where each comes from; of a planner also what becomes of the state."""
+    """Return the update in numbers with their sources."""
     terms = words.story.terms
     if not words.estimate:
         blocks: list[Block] = [Text(terms.waiting, look.palette.text)]
@@ -192,7 +191,7 @@ def _equation_blocks(words: StepWords, look: Look) -> list[Block]:
 
 
 def update_rows(terms: UpdateTerms) -> int:
-    """Return how many rows an update of these ``terms`` mostly takes."""
+    """Return the usual rows of an update."""
     return _LEAST_ROWS + (terms.lookup in (Lookup.MEAN, Lookup.OTHER) or not terms.one_step)
 
 
@@ -215,11 +214,11 @@ def _change_blocks(words: StepWords, look: Look) -> list[Block]:
 
 
 def _evidence(story: StepStory, look: Look) -> list[Block]:
-    """Return the update that fits a program, its α and γ, and the share of steps; nothing for ours."""
+    """Return the update that fits a program, with its evidence."""
     if story.program is None:
         return []
     update, dim = story.program.verdict.update, look.palette.dim
-    equations = update_texts(update, look.glyphs)[:-1]  # without the rule alone, which stands below
+    equations = update_texts(update, look.glyphs)[:-1]  # without the bare rule, which is shown below
     if not equations:
         return []
     is_open, texts = open_text(update, look.glyphs), fit_texts(update)
@@ -232,7 +231,7 @@ def _evidence(story: StepStory, look: Look) -> list[Block]:
 
 
 def _terms(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
-    """Yield δ, and what a word above the numbers does not say: which N, which estimate was looked up."""
+    """Yield δ, and details missing above the numbers."""
     story, update, palette = words.story, words.update, look.palette
     yield [Piece(" δ = ", palette.dim), Piece(update.error, error_style(words, look))]
     if "/" in update.step_size:
@@ -247,7 +246,7 @@ def _terms(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
 
 
 def _mixture(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
-    """Yield the cells of a weighted mean in their order, ``.58 = .925·.62 + .025·.31``; else none."""
+    """Yield a weighted mean, ``.58 = .925·.62 + .025·.31``."""
     story, palette, glyphs = words.story, look.palette, look.glyphs
     is_mean = words.bootstrap and story.terms.lookup is Lookup.MEAN
     if not is_mean or not 1 < len(story.sources) <= _MOST_CELLS:
@@ -259,7 +258,7 @@ def _mixture(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
 
 
 def _mixed(words: StepWords, glyphs: Glyphs) -> list[tuple[str, str]]:
-    """Return weights and estimates with the fewest decimals that give the bootstrap as it is printed."""
+    """Return weights and estimates, with decimals that give the bootstrap."""
     mixed = dict(zip(words.story.sources, words.story.looked_up, strict=True))
     shown: list[tuple[str, str]] = []
     for decimals in range(_FEWEST, _MOST + 1):
@@ -274,7 +273,7 @@ def _mixed(words: StepWords, glyphs: Glyphs) -> list[tuple[str, str]]:
 
 
 def _gathered(words: StepWords, look: Look) -> Iterator[Block]:
-    """Yield the rewards of a target of several steps, ``.3 = 0 + .9·0 + .9²·.37``; nothing elsewhere."""
+    """Yield the rewards of a multi-step target, ``.3 = 0 + .9·0 + .9²·.37``."""
     rewards, total = words.story.gathered_rewards, words.update.gathered
     if rewards:
         terms = partial(terms_of, rewards, len(rewards), words.story.last.gamma, look, total=total)

@@ -1,1 +1,1 @@
-"""The model of a world: what may follow each action."""
+"""The model of a world: the possible outcomes of each action."""

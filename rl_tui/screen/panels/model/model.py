@@ -1,4 +1,4 @@
-"""The model of a scenario, ⟨S, A, P, R, γ⟩, and one of its pairs in full.
+"""The model of a scenario, ⟨S, A, P, R, γ⟩, and one pair in full.
 
 The notation follows Sutton & Barto, 2nd ed., section 3.1.
 """
@@ -36,12 +36,12 @@ from rl_tui.worlds.world import World
 
 
 ALIKE: Final = "none: the agent cannot tell some states apart (not Markov)"
-_MANY_NAMES: Final = 100  # no two lines hold more
+_MANY_NAMES: Final = 100  # two lines never hold more
 _LABEL: Final = 9
 
 
 def model_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
-    """Yield the five parts, the start and the end of episodes."""
+    """Yield the model, and start and end of episodes."""
     world, space, mdp = snapshot.world, snapshot.world.space, snapshot.world.mdp
     others = _without_pairs(space)
     actors = f"; {space.states - len(others):,} with actions" if len(others) else ""
@@ -65,7 +65,7 @@ def model_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
         yield Labelled(label, look.palette.strong, _LABEL, Text(text, look.palette.text, "", ""))
 
 
-# What takes a look at every state is worked out once for the world on screen, not for every frame
+# Questions about every state are answered once per world, not in every frame
 @lru_cache(maxsize=1)
 def _without_pairs(space: FiniteSpace) -> IntArray:
     return np.flatnonzero(np.diff(space.first_pair) == 0)
@@ -121,9 +121,9 @@ def _time_limit(space: FiniteSpace) -> str:
 
 
 def _listed(items: Sequence[str], room: int, look: Look) -> str:
-    """Return ``items`` separated by commas; the first ones and the last if they take more than two lines.
+    """Return ``items`` in up to two lines, with the first and the last.
 
-    Where the names themselves have commas, semicolons keep them apart.
+    Semicolons separate names that contain commas.
     """
     between = "; " if any("," in item for item in items[:1]) else ", "
     shown: list[str] = []
@@ -143,7 +143,7 @@ WAITING: Final = "the world is being built"
 
 
 class ModelPanel(ScrolledPanel):
-    """⟨S, A, P, R, γ⟩ above one pair: up and down change its state, left and right its action."""
+    """⟨S, A, P, R, γ⟩ above one pair, chosen by arrows."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         *page_bindings("model"),
@@ -154,11 +154,11 @@ class ModelPanel(ScrolledPanel):
     ]
     title = "Model"
     _pair: int | None = None
-    _highest = 0  # rows of a pair shown so far: the box only grows, so that it stays calm
+    _highest = 0  # most rows of a pair so far: the box only grows, to stay calm
 
     @property
     def pair(self) -> int | None:
-        """The pair whose outcomes are shown, None before the first snapshot."""
+        """The displayed pair, or None."""
         if self._pair is None and self.snapshot is not None:
             space, mdp = self.snapshot.world.space, self.snapshot.world.mdp
             start = self.snapshot.counters.state if mdp is None else int(mdp.start_state[0])
@@ -174,27 +174,27 @@ class ModelPanel(ScrolledPanel):
             self.post_message(Scrolled())
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return how many rows the model and the highest pair so far take."""
+        """Return the most rows so far."""
         lines = lines_of(self.blocks(self.snapshot, 0), width, self.look)
         self._highest = max(self._highest, len(lines))
         return self._highest
 
     def redraw(self) -> None:
-        """Draw again, in a higher box where the pair takes more rows than any before."""
+        """Draw again, and enlarge the box if needed."""
         super().redraw()
         if self.is_attached and self._rows_wanted > self._highest:
             self._highest = self._rows_wanted
             self.refresh(layout=True)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the part of the model that is in view."""
+        """Return the visible part of the model."""
         strips = super().picture(snapshot, width, height)
         if snapshot is not None:
             self.heading = f"Model ⟨S, A, P, R, γ⟩ · {snapshot.recipe.scenario.title}"
         return strips
 
     def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterator[Block]:
-        """Yield the model and one pair; where not all fits, that is above, so that it stays in view."""
+        """Yield model and pair. The pair comes first if short of space."""
         pair = self.pair
         if snapshot is None or pair is None:
             yield Text(WAITING, self.look.palette.dim)
@@ -206,7 +206,7 @@ class ModelPanel(ScrolledPanel):
         yield from below
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
-        """Return the keys, the longest form first; arrows choose a pair."""
+        """Return forms of the keys."""
         pair, close = "↑ ↓: state   ← →: action", "esc: close"
         if not is_scrolled:
             return f"{pair}   {close}", close
@@ -214,7 +214,7 @@ class ModelPanel(ScrolledPanel):
         return f"{pair}   {scroll}", scroll, close
 
     def action_move_state(self, step: int) -> None:
-        """Go to the next state that owns pairs, ``step`` of them on, keeping the action where it is legal."""
+        """Go to the next state with actions. Keep the action if available."""
         if self.snapshot is None or self.pair is None:
             return
         world, space = self.snapshot.world, self.snapshot.world.space

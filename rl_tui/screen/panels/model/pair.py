@@ -1,4 +1,4 @@
-"""One pair of a model: its outcomes, its estimate, and the Bellman optimality equation with numbers put in.
+"""One pair of a model, with its Bellman optimality equation in numbers.
 
 The equation is 3.20 of Sutton & Barto, 2nd ed.
 """
@@ -40,7 +40,7 @@ _CONTINUED: Final = "     "
 
 
 def pair_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]:
-    """Yield which pair it is, its outcomes, what was learned of it, and its equation."""
+    """Yield the pair's name, outcomes, estimate and equation."""
     world, palette, glyphs = snapshot.world, look.palette, look.glyphs
     state, action = world.space.state_of(pair), int(world.space.pair_action[pair])
     pairs, place = world.space.pairs_of(state), names.place(world, state)
@@ -74,14 +74,14 @@ def pair_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]:
 
 
 def action_text(world: World, action: int, look: Look) -> str:
-    """Return the arrow and the name of ``action``, or its name alone."""
+    """Return arrow and name of ``action``."""
     name = world.space.action_names[action]
     arrow = names.action_name(world, action, look.glyphs)
     return f"{arrow} {name}" if names.is_direction(world, action) and arrow != name else name
 
 
 def _learned(snapshot: Snapshot, pair: int, taken: int, look: Look) -> str:
-    """Return the estimate of ``pair``, with as many decimals as the exact value shown below it."""
+    """Return the estimate, with decimals like the exact value."""
     if not snapshot.agent.holds(pair):  # the next snapshot of a large world will have it
         return look.glyphs.ellipsis
     if not taken:
@@ -119,7 +119,7 @@ def _outcomes(world: World, mdp: TabularMDP, pair: int, look: Look, *, secret: b
 
 
 def _prospects(world: World, pair: int, look: Look) -> Iterator[Block]:
-    """Yield the same of a pair whose outcomes depend on how one came there, as far as they do not."""
+    """Yield outcomes that depend on the history, as far as known."""
     glyphs, prospects = look.glyphs, world.prospects[pair]
     known = [" or ".join(numbers.brief(r, glyphs, decimals=4) for r in each.rewards) for each in prospects]
     depends = [f" {names.DEPENDS}" if len(each.rewards) > 1 else "" for each in prospects]
@@ -137,7 +137,6 @@ def _prospects(world: World, pair: int, look: Look) -> Iterator[Block]:
 
 
 def _table(columns: Mapping[str, Sequence[str]], ends: Sequence[bool], look: Look, remark: str = "") -> Table:
-    """Return ``columns`` by their heads, where an episode ends with it, and ``remark`` behind each row."""
     text, ended = look.palette.text, Piece("ends", look.palette.strong)
     parts = [Column(head, cells, text, head[0] in "pr", 3) for head, cells in columns.items() if cells]
     if any(ends):
@@ -151,7 +150,7 @@ def _table(columns: Mapping[str, Sequence[str]], ends: Sequence[bool], look: Loo
 
 
 def bellman_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]:
-    """Yield Q*(s,a) = Σ p [r + γ max Q*(s′,·)] in symbols and in numbers, or why there are none."""
+    """Yield Q*(s,a) = Σ p [r + γ max Q*(s′,·)] in symbols and numbers."""
     palette = look.palette
     name = names.pair_name(snapshot.world, pair, look.glyphs)
     total = "sum of" if look.glyphs.name == "ascii" else "Σ"
@@ -174,17 +173,14 @@ def bellman_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]
 
 
 def means_key(snapshot: Snapshot) -> tuple[str, ...]:
-    """Return what stands in place of what the true means of arms decide, the longest form first.
-
-    None where they are not hidden.
-    """
+    """Return forms of a text in place of hidden means."""
     if not hides_means(snapshot):
         return ()
     return (ANSWER_KEPT,) if keeps_back(snapshot, "answer") else (SECRET, "hidden until w h")
 
 
 def decimals_of(mdp: TabularMDP, exact: Solution, pair: int) -> int:
-    """Return four decimals, more where all values are small: the sum is that of the printed terms."""
+    """Return four decimals, or more for small values."""
     values = [float(exact.v[mdp.next_state[outcome]]) for outcome in mdp.outcomes_of(pair)]
     return _DECIMALS + max(0, leading_zeros(float(exact.q[pair]), *values) - 1)
 

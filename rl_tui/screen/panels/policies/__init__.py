@@ -1,1 +1,1 @@
-"""What policies are worth, and what the other panels show of the one that is studied."""
+"""The panel of policies, and the studied policy in other panels."""

@@ -1,4 +1,4 @@
-"""What policies are worth: each in a row, and what exploring costs."""
+"""The panel of policies: exact returns, and the cost of exploring."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from rl_tui.worlds.drawing import Arms
 
 
 class PolicyColumn(NamedTuple):
-    """A number of every policy: its field of an answer, and its head."""
+    """A number of every policy: its field and head."""
 
     id: str
     head: str
@@ -50,7 +50,7 @@ FIGURES: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
 
 
 def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
-    """Yield a row for each policy, that which is studied with the cursor: high bars, low ones, none."""
+    """Yield tables with a row per policy, from high bars to none."""
     known = known_answers(snapshot)
     figures = _figures(snapshot, known)
     found = [getattr(each, figure.id) for each in known for figure in figures if figure is not ENDS]
@@ -64,7 +64,7 @@ def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
     named = Column("", names, look.palette.text, right=False, gap=0)
     column = cache(partial(_column, snapshot, look))
     most = min(WIDEST, max(WIDEST - 2, needed))
-    # numbers are cut before columns are left out, the last one first
+    # numbers are shortened before the last columns are dropped
     forms: list[Columns] = [
         (named, *(column(each, cells) for each in figures if each in _first(figures, left)))
         for left, cells in product(range(len(figures), 0, -1), range(most, WIDEST - 3, -1))
@@ -98,7 +98,7 @@ def _figures(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[PolicyCo
 
 
 def _first(figures: Sequence[PolicyColumn], count: int) -> Sequence[PolicyColumn]:
-    """Return the ``count`` columns that matter most: how likely an episode ends before how long it is."""
+    """Return the ``count`` most important columns."""
     return sorted(figures, key=(RETURN, REWARD, VALUE, ENDS, STEPS).index)[:count]
 
 
@@ -110,7 +110,7 @@ def _column(snapshot: Snapshot, look: Look, figure: PolicyColumn, cells: int) ->
 
 
 def _said(snapshot: Snapshot, kind: PolicyKind, figure: PolicyColumn, cells: int, look: Look) -> str:
-    """Return a number; in its place a dash where there is none, … while it is computed, ? where hidden."""
+    """Return a number, or a dash (none), … (pending), ? (hidden)."""
     if is_kept_back(snapshot, kind):
         return "?"
     answer = answer_of(snapshot, kind)
@@ -138,7 +138,7 @@ class PolicyChosen(Message):
 
 
 class Policies(Panel, can_focus=True):
-    """A row a policy; the one under the cursor is studied: the world shows its values and actions."""
+    """One row per policy. The world shows the one under the cursor."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("up", _CHOOSE.format(-1), "policies.up", "The policy above"),
@@ -147,10 +147,10 @@ class Policies(Panel, can_focus=True):
         binding("end", _CHOOSE.format(9), "policies.last", "The last policy"),
         binding("enter", "screen.do('policies.keep')", "policies.keep", "Keep it on screen"),
     ]
-    _places: Sequence[int] = ()  # the row of the picture in which each policy stands
+    _places: Sequence[int] = ()  # the picture row of each policy
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the answer, the table and the notes, of which the last ones go where there is no room."""
+        """Return answer, table and notes."""
         self.heading = self.fitting(self._headings(snapshot), width)
         self._places = ()
         palette = self.look.palette
@@ -175,7 +175,7 @@ class Policies(Panel, can_focus=True):
     def _hints(self, snapshot: Snapshot) -> Iterator[str]:
         if not self.has_focus:
             return key_hints(("click or tab here to choose", "tab here to choose"), ("esc: close",))
-        # arms show their bars all the time: there is no V to go back to
+        # arms always show their bars, so there is no V to return to
         leave = "esc: close" if isinstance(snapshot.world.drawing, Arms) else "esc: back to V"
         return key_hints(
             ("↑ ↓: which", "↑ ↓"),
@@ -193,12 +193,12 @@ class Policies(Panel, can_focus=True):
         return *named, f"{run} · {TITLE}", run
 
     def watch_has_focus(self, has_focus: bool) -> None:
-        """Tell the keys that choose only where they do."""
+        """Show the choosing keys only while focused."""
         super().watch_has_focus(has_focus)
         self.redraw()
 
     def on_click(self, event: events.Click) -> None:
-        """Choose the policy under the pointer."""
+        """Choose the clicked policy."""
         offset = event.get_content_offset(self)
         if offset is not None and offset.y in self._places:
             kind = list(POLICY_NAMES)[list(self._places).index(offset.y)]
@@ -212,12 +212,12 @@ OF_MEANS_NOW: Final = "of the current means"
 WITHOUT_LIMIT: Final = "without the limit"
 AS_MUCH_AS_OPTIMAL: Final = "greedy earns as much as optimal"
 THAN_OPTIMAL: Final = "than optimal"
-_NO_ENDING: Final = 0.9995  # from there on it is written as 100 %
+_NO_ENDING: Final = 0.9995  # probabilities from here on are written as 100 %
 WIDEST: Final = 8  # cells of the widest number
 
 
 def notes(snapshot: Snapshot, look: Look) -> Iterator[str]:
-    """Yield the notes below the table, those that matter most first."""
+    """Yield the notes below the table, most important first."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
         yield f"hidden, since returns reveal the arms: {shown_by(snapshot, 'them')}"
@@ -242,22 +242,22 @@ def amount(x: float, look: Look, width: int = WIDEST) -> str:
 
 
 def answer_of(snapshot: Snapshot, kind: PolicyKind) -> PolicyAnswer:
-    """Return what is known of a policy."""
+    """Return the known answer for ``kind``."""
     return snapshot.answers.policies.get(kind, PENDING)
 
 
 def known_answers(snapshot: Snapshot) -> list[PolicyAnswer]:
-    """Return what is known of the policies that may be seen."""
+    """Return the known answers that are not hidden."""
     return [answer_of(snapshot, kind) for kind in POLICY_NAMES if not is_kept_back(snapshot, kind)]
 
 
 def may_not_end(known: Iterable[PolicyAnswer]) -> bool:
-    """Return whether an episode of any of these policies may go on; then a column says how likely it ends."""
+    """Return whether an episode of any policy may not end."""
     return any(each.ends is not None and each.ends < _NO_ENDING for each in known)
 
 
 def gaps(snapshot: Snapshot, look: Look) -> Iterator[str]:
-    """Yield the answer: how far greedy is from optimal, and what exploring costs."""
+    """Yield how far greedy is from optimal, and the cost of exploring."""
     acts, greedy, best = (
         None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
         for kind in (PolicyKind.BEHAVIOUR, PolicyKind.GREEDY, PolicyKind.OPTIMAL)
@@ -273,7 +273,7 @@ def gaps(snapshot: Snapshot, look: Look) -> Iterator[str]:
 
 
 def _exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
-    """Return the cost of exploring with the current ε, or what it brings where greedy earns less."""
+    """Return the cost, or gain, of exploring with the current ε."""
     values = snapshot.agent.hyperparameters
     rate = ""
     if POLICY_BY_ID[values.policy].explores_by_epsilon:

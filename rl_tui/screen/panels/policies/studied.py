@@ -1,4 +1,4 @@
-"""The policy that is studied, as other panels show and name it."""
+"""The studied policy, as other panels show and name it."""
 
 from __future__ import annotations
 
@@ -22,19 +22,18 @@ POLICY_NAMES: Final = {
     PolicyKind.OPTIMAL: "optimal",
     PolicyKind.DRAWN: "drawn",
 }
-"""In the order in which they are listed."""
+"""In display order."""
 
 
 def policy_name(kind: PolicyKind) -> str:
-    """Return the name of a policy behind ``V of``."""
+    """Return the name of a policy after ``V of``."""
     return "the agent" if kind is PolicyKind.BEHAVIOUR else f"the {POLICY_NAMES[kind]} policy"
 
 
 def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
-    """Return whether what a policy is worth would give away what is to be found out.
+    """Return whether the return of a policy must be hidden.
 
-    Of a bandit that is the worth of any policy, since it tells of the means; where a lesson keeps the answer
-    back, of any but that of acting at random.
+    Any policy of a bandit reveals its means. If a lesson hides the answer, only the random policy is shown.
     """
     if kind is PolicyKind.OPTIMAL:
         return is_secret(snapshot)
@@ -42,7 +41,7 @@ def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
 
 
 def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:
-    """Return the values of the policy that is studied; None where there is none, or it is not to be seen."""
+    """Return the values of the studied policy, or None if hidden."""
     answers = snapshot.answers
     if answers.studied is None or is_kept_back(snapshot, answers.studied):
         return None
@@ -51,7 +50,7 @@ def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:
 
 
 def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
-    """Return which policy a world shows; None: what the agent has learned. A bandit shows its arms."""
+    """Return the policy that a world shows, or None if learned."""
     if isinstance(snapshot.world.drawing, Arms) or studied_answer(snapshot) is None:
         return None
     return snapshot.answers.studied
@@ -60,10 +59,9 @@ def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
 def study_headings(
     snapshot: Snapshot, shown: PolicyKind | None, title: str, what: str, *, names_key: bool
 ) -> tuple[str, ...]:
-    """Return headings for ``what``, V or Q, of the policy ``shown``, the longest first.
+    """Return headings for ``what`` (V or Q) of ``shown``, longest first.
 
-    ``names_key`` lets them name the key that opens the panel of policies. Where one is to be shown that has
-    to wait, they say so; none where there is nothing to say.
+    They also mention a policy that waits for a pause.
     """
     if shown is not None:
         said = f"{what} of {policy_name(shown)}"
@@ -80,7 +78,7 @@ def study_headings(
 
 
 def shown_actions(snapshot: Snapshot, kind: PolicyKind, policy: FloatArray) -> BoolArray:
-    """Return the likeliest actions of ``policy`` in each state, [P]; of a drawn one those that were drawn."""
+    """Return the likeliest, or drawn, actions of ``policy``, [P]."""
     space = snapshot.world.space
     likeliest = best_pairs(space, policy)
     if kind is PolicyKind.DRAWN:
@@ -91,10 +89,7 @@ def shown_actions(snapshot: Snapshot, kind: PolicyKind, policy: FloatArray) -> B
 
 
 def as_studied(snapshot: Snapshot) -> Snapshot:
-    """Return ``snapshot`` with values and actions of the policy studied in place of what the agent learned.
-
-    The lane beside it has its own; ``snapshot`` itself where nothing is studied that may be seen.
-    """
+    """Return ``snapshot`` with the studied policy in place of the learned one."""
     answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.policy is None or answer.v is None or answer.q is None:
         return snapshot

@@ -1,1 +1,1 @@
-"""Panels of a program of somebody's own that is watched."""
+"""Panels of a watched program."""

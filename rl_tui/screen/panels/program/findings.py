@@ -1,4 +1,4 @@
-"""What is wrong with a watched program: each finding with its line in the source and the correction."""
+"""Findings in a watched program, with source line and correction."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from rl_tui.screen.theme.look import Look
 NOTHING: Final = "nothing wrong found"
 NO_JUDGEMENT: Final = "nothing can be judged yet"
 WORTH_SAYING: Final = 100
-"""Steps before which nothing could be found wrong."""
+"""Fewest steps for the statement that nothing is wrong."""
 NO_STEP_YET: Final = "Nothing to examine yet. space runs your program."
 EXAMINED: Final = (
     "Examined: the target, the ends of episodes, the table, which cells change, and the choice of actions."
@@ -49,7 +49,7 @@ _INDENT: Final = "   "
 
 
 class FindingsPanel(ScrolledPanel):
-    """The findings below one another, the one under the cursor in full; below them what cannot be told."""
+    """A list of findings, the one under the cursor in full."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         *page_bindings("findings"),
@@ -59,11 +59,11 @@ class FindingsPanel(ScrolledPanel):
     ]
     title = "Findings"
     _chosen = 0
-    _has_moved = False  # then the finding under the cursor is brought into view
+    _has_moved = False  # then scroll to the finding under the cursor
 
     @dataclass
     class StepWanted(Message):
-        """The user wants to see what the run was like once so many steps were taken."""
+        """The user wants to see the run after ``step`` steps."""
 
         step: int
 
@@ -74,12 +74,12 @@ class FindingsPanel(ScrolledPanel):
 
     @property
     def chosen(self) -> CodeFinding | None:
-        """The finding under the cursor, None where there is none."""
+        """The finding under the cursor, or None."""
         findings = self._findings
         return findings[min(self._chosen, len(findings) - 1)] if findings else None
 
     def action_choose(self, by: int) -> None:
-        """Put the cursor on the next finding; where there is none, scroll by a row."""
+        """Move the cursor to the next finding, or scroll."""
         count = len(self._findings)
         place = min(self._chosen, count - 1) + by
         if 0 <= place < count:
@@ -89,7 +89,7 @@ class FindingsPanel(ScrolledPanel):
             self._scroll(by)
 
     def action_go_to_step(self) -> None:
-        """Ask for the step that the finding under the cursor was first seen at, once it was taken."""
+        """Request the first step that shows the finding."""
         if self.chosen is not None:
             self.post_message(self.StepWanted(step_number(self.chosen.step)))
 
@@ -122,7 +122,7 @@ class FindingsPanel(ScrolledPanel):
 def finding_blocks(
     finding: CodeFinding, program: ProgramView, look: Look, width: int, *, is_chosen: bool
 ) -> Iterator[Block]:
-    """Yield what is said of ``finding``: one line, or all of it where it ``is_chosen``."""
+    """Yield ``finding`` in one line, in full if it ``is_chosen``."""
     palette = look.palette
     place = place_text(finding.file, finding.line, program)
     style = palette.bad if finding.kind == "fault" else palette.strong
@@ -132,11 +132,11 @@ def finding_blocks(
     if not is_chosen:
         return
     said = sentence(finding.text)
-    if place and length(spelled([name, where], look)) > width:  # there was no room for it
+    if place and length(spelled([name, where], look)) > width:  # its place did not fit above
         said = f"{place}: {said}"
     yield Text(said, palette.text, _INDENT, _INDENT)
     yield Text(evidence_text(finding), palette.dim, _INDENT, _INDENT)
-    if finding.line is not None and is_own(finding.file, program):  # of another file there is no source
+    if finding.line is not None and is_own(finding.file, program):  # only the program's own source is known
         code = source_lines(program.source, finding.line, look, width)
         yield from (BLANK, *map(Row, code), BLANK) if code else ()
     if finding.correction:
@@ -145,7 +145,7 @@ def finding_blocks(
 
 
 def evidence_text(finding: CodeFinding) -> str:
-    """Return how certain a finding is: how many steps speak for it, and which is the first."""
+    """Return the certainty of a finding, with its steps."""
     if finding.certainty == "declared":
         certain = "Declared: this relies on a value read from your code"
     elif finding.kind == "risk":

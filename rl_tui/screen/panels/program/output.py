@@ -1,4 +1,4 @@
-"""What a watched program wrote: its last lines, each with the step, and at the end what it raised."""
+"""The output of a watched program, with steps and traceback."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from rl_tui.screen.theme.look import Look
 
 NOTHING_WRITTEN: Final = "your program has printed nothing yet: space runs it"
 MOST_LINES: Final = 400
-"""Lines of output that can be scrolled to."""
+"""Lines of output available by scrolling."""
 
-_MOST_ROWS: Final = 6  # of one line that is broken
+_MOST_ROWS: Final = 6  # of one wrapped line
 _MOST_TRACEBACK: Final = 60  # lines
 _LEAST_COLUMNS: Final = 10
 _MOST_KEPT: Final = 2_048  # the same lines are drawn in every frame
 
 
 class OutputPanel(ScrolledPanel):
-    """The lines below one another; the last one stays in view, unless a person has scrolled up."""
+    """The lines of output. The last stays visible until scrolled."""
 
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("output")
     title = "Output"
     _follows = True
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return all rows of the page, the oldest line first."""
+        """Return all rows of the page, oldest line first."""
         program = None if snapshot is None else snapshot.program
         if program is None:
             return []
@@ -101,7 +101,6 @@ def _ending(program: ProgramView, look: Look, width: int) -> list[Line]:
 
 
 def _calls(traceback: str) -> Sequence[str]:
-    """Return the last lines of ``traceback`` without the exception itself, which is not indented."""
     lines = traceback.splitlines()[-_MOST_TRACEBACK:]
     return lines[:-1] if lines and not lines[-1].startswith(" ") else lines
 
@@ -110,20 +109,20 @@ def _calls(traceback: str) -> Sequence[str]:
 
 
 _AROUND: Final = 2  # lines on either side
-_LONGEST: Final = 300  # characters of a line it reads
+_LONGEST: Final = 300  # characters of a line
 _TAB: Final = 4
 _ROOMY: Final = 48  # columns
 
 
 def safe_line(text: str) -> str:
-    """Return a line of a file, or one that a program wrote, with tabs as blanks and no control characters."""
+    """Return a line without tabs and control characters."""
     return printable(text[:_LONGEST].rstrip("\r\n").expandtabs(_TAB))
 
 
 def broken(text: str, room: int, most: int) -> Iterator[str]:
-    """Yield ``text`` in parts of at most ``room`` (at least 1) cells, at least one part, ``most`` at most.
+    """Yield ``text`` in 1 to ``most`` parts of at most ``room`` cells.
 
-    A part ends behind a blank, where there is one in its second half.
+    A part ends after a blank in its second half, if any.
     """
     for _ in range(most):
         part = text
@@ -139,15 +138,14 @@ def broken(text: str, room: int, most: int) -> Iterator[str]:
 
 
 def in_characters(text: str, look: Look) -> str:
-    """Return code, or what a program wrote, in the characters that there are; it is not spelled out."""
+    """Return ``text`` in the available characters."""
     return text if look.glyphs.name != "ascii" else text.encode("ascii", "replace").decode("ascii")
 
 
 def source_lines(source: Sequence[str], line: int, look: Look, width: int) -> list[Line]:
-    """Return ``line`` (from 1) of ``source`` with those around it, numbered, the one meant marked and whole.
+    """Return ``line`` (from 1) of ``source``, marked, with its neighbours.
 
-    What all of them are indented by is left out, and half of the rest where there is little room. Empty
-    where there is no such line.
+    Common indentation is removed. Narrow panels halve the rest.
     """
     if not 1 <= line <= len(source):
         return []

@@ -1,4 +1,4 @@
-"""The program that is watched, where the sliders of an agent stand: table, update, findings."""
+"""The panel of a watched program: table, update, findings."""
 
 from __future__ import annotations
 
@@ -49,10 +49,7 @@ _HINTS: Final = ("a f findings · a w output", "a f · a w")
 
 
 class _Part(NamedTuple):
-    """Some blocks; where there is no room for all parts, those of the highest ``rank`` are left out.
-
-    They are cut off after ``most`` lines, and behind that stands where there is ``more``.
-    """
+    """Some blocks, cut after ``most`` lines. High ``rank`` is dropped first."""
 
     rank: int
     blocks: Sequence[Block]
@@ -61,10 +58,10 @@ class _Part(NamedTuple):
 
 
 class ProgramPanel(Panel):
-    """What there is to know of a program in a few lines, the most important where there is little room."""
+    """The main facts about a program in a few lines."""
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the picture of the program of ``snapshot``."""
+        """Return the picture of the program."""
         program = None if snapshot is None else snapshot.program
         name = "Program" if program is None else f"Program · {name_of(program)}"
         self.heading = self.fitting((*self.captioned(name), name, "Program"), width)
@@ -79,7 +76,7 @@ class ProgramPanel(Panel):
 def program_lines(
     snapshot: Snapshot, program: ProgramView, look: Look, width: int, height: int
 ) -> list[Line]:
-    """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
+    """Return up to ``height`` lines of ``width`` cells."""
     parts = list(_parts(snapshot, program, look))
     shown: dict[int, list[Line]] = {}
     for place in sorted(range(len(parts)), key=lambda place: parts[place].rank):
@@ -106,7 +103,6 @@ def _unfinished(line: Line, look: Look, width: int, more: str) -> Line:
 
 
 def _parts(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[_Part]:
-    """Yield the parts in the order in which they stand below one another."""
     palette, error, steps = look.palette, program.error, snapshot.counters.step
 
     def text(words: str, style: Style) -> Sequence[Block]:

@@ -1,4 +1,4 @@
-"""What is said of a watched program, in words: its table, its update in the book's symbols, its findings."""
+"""Texts about a watched program: table, update, findings."""
 
 from __future__ import annotations
 
@@ -67,14 +67,14 @@ _FORMS: Final = {
 
 
 def name_of(program: ProgramView) -> str:
-    """Return the name of the program, short and with nothing in it that a terminal might obey."""
+    """Return the short, printable name of the program."""
     return one_line(program.title or Path(program.path).name, LONGEST_NAME)
 
 
 def table_texts(table: FoundTable) -> tuple[str, ...]:
-    """Return the table in words, the longest form first: ``table q: array 16×4, float64``.
+    """Return forms of the table: ``table q: array 16×4, float64``.
 
-    A dictionary has no shape: it grows with the states that are met.
+    A dictionary has no shape, because it grows with visited states.
     """
     name = one_line(table.name, LONGEST_NAME)
     form = form_text(table.form)
@@ -85,14 +85,14 @@ def table_texts(table: FoundTable) -> tuple[str, ...]:
 
 
 def form_text(form: str) -> str:
-    """Return the ``form`` of a table in words: ``list of lists``."""
+    """Return the ``form`` in words: ``list of lists``."""
     return _FORMS.get(form, one_line(form, LONGEST_NAME))
 
 
 def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return the update in the symbols of the book, the longest form first, with the numbers that are known.
+    """Return forms of the update in the book's symbols.
 
-    An α or a γ that nothing tells stands there as a letter. Empty for an update that is not known.
+    An unknown α or γ stays a letter.
     """
     if update.rule is Rule.UNKNOWN:
         return ()
@@ -113,20 +113,20 @@ def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
 
 
 def clause(sentence: str) -> str:
-    """Return ``sentence`` as it stands within another one: without its full stop, and begun in small."""
+    """Return ``sentence`` as a clause."""
     text = one_line(sentence, LONGEST_SENTENCE).removesuffix(".")
     is_word = text[:1].isupper() and (text[1:2].islower() or text[1:2] == " ")
     return text[:1].lower() + text[1:] if is_word else text
 
 
 def sentence(text: str) -> str:
-    """Return ``text`` with a full stop; it may begin with a name, so its first letter stays."""
+    """Return ``text`` with a full stop. Its first letter may belong to a name."""
     line = one_line(text, LONGEST_SENTENCE)
     return line if line.endswith((".", "…")) else f"{line}."
 
 
 def notes_of(program: ProgramView) -> list[str]:
-    """Return what cannot be told, and what had to be done otherwise, a sentence each; each is said once."""
+    """Return one sentence per unknown fact and per workaround, without repeats."""
     update = program.verdict.update
     notes, known = [*program.verdict.notes, *program.notes], update.reason.removesuffix(".")
     return [
@@ -137,20 +137,20 @@ def notes_of(program: ProgramView) -> list[str]:
 
 
 def fitting_numbers(update: UpdateFound, glyphs: Glyphs) -> str:
-    """Return the α and the γ that fit though the rule is open: ``α .1, γ .99``; empty where none do."""
+    """Return known α and γ: ``α .1, γ .99``."""
     known = (("α", update.alpha), ("γ", update.gamma))
     return ", ".join(f"{sign} {number_text(x, glyphs)}" for sign, x in known if x is not None)
 
 
 def is_early(update: UpdateFound) -> bool:
-    """Return whether so little is known of an update yet that nothing can be judged by it."""
+    """Return whether too little is known to judge an update."""
     reason = update.reason.removesuffix(".")
     is_open = update.rule is Rule.UNKNOWN and update.alpha is None and update.gamma is None
     return is_open and (not reason or reason.endswith(" yet"))
 
 
 def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
-    """Return what the equation does not hold: a step size that varies, a γ that is open, the ε of a mean."""
+    """Return what the equation omits, such as an unknown γ."""
     parts = []
     if update.alpha is None and update.alpha_schedule == "by-episode":
         parts.append("α varies by episode")
@@ -164,14 +164,14 @@ def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
 
 
 def number_text(x: float, glyphs: Glyphs) -> str:
-    """Return a step size or a discount with as many digits as it has, four of them at the most."""
+    """Return a number with up to four decimals."""
     if abs(x) >= 1e-3 or not x:
         return numbers.brief(x, glyphs, decimals=4)
     return numbers.scientific(x, 2, glyphs)
 
 
 def fit_texts(update: UpdateFound) -> tuple[str, ...]:
-    """Return how well the update fits, longest form first; empty for an update that is not known."""
+    """Return forms of how well the update fits."""
     if update.fits is None:
         return ()
     fits = f"fits {share_text(update.fits)} of steps"
@@ -183,31 +183,31 @@ def fit_texts(update: UpdateFound) -> tuple[str, ...]:
 
 
 def share_text(share: float) -> str:
-    """Return a share of steps in percent; what is not all of them is not written as 100."""
+    """Return a share in percent, 100 only if complete."""
     if share >= 1.0:
         return "100 %"
     return f"{min(99.99, share * 100):.2f}".rstrip("0").rstrip(".") + " %"
 
 
 def ranked(findings: Sequence[CodeFinding]) -> list[CodeFinding]:
-    """Return ``findings``, the worst first: proven faults, declared ones, risks; of those the earliest."""
+    """Return ``findings``, worst first."""
     return sorted(findings, key=lambda each: (each.kind == "risk", each.certainty == "declared", each.step))
 
 
 def counted(findings: Sequence[CodeFinding]) -> str:
-    """Return how many faults and risks there are: ``1 fault, 2 risks``."""
+    """Return the counts: ``1 fault, 2 risks``."""
     faults = sum(each.kind == "fault" for each in findings)
     counts = ((faults, "fault"), (len(findings) - faults, "risk"))
     return ", ".join(f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts if count)
 
 
 def is_own(file: str, program: ProgramView) -> bool:
-    """Return whether ``file`` is that of ``program``, whose path may be written as a person gave it."""
+    """Return whether ``file`` belongs to ``program``."""
     given = [part for part in Path(os.path.normpath(program.path)).parts if part != ".."]
     return not file or list(Path(file).parts[-len(given) :]) == given
 
 
 def place_text(file: str, line: int | None, program: ProgramView) -> str:
-    """Return ``line 12``, with the file's name where that is not the program's own; empty if unknown."""
+    """Return ``line 12``, with a foreign file's name."""
     name = "" if is_own(file, program) else f"{one_line(Path(file).name, LONGEST_NAME)}, "
     return f"{name}line {line:,}" if line is not None else name.removesuffix(", ")

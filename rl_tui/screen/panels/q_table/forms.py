@@ -1,4 +1,4 @@
-"""The forms of a Q-table: a matrix of states and actions, or a list of pairs where few are legal."""
+"""The forms of a Q-table: a matrix, or a list of pairs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, veiled
 from rl_tui.screen.panels.q_table.layers import LEARNED_NOT
 from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene, aligned_right, boxed, framed, padded
 
-# The matrix, in several blocks where that helps
+# The matrix, in several blocks if useful
 
 
 LEAST_FIELD: Final = 3  # .54
@@ -31,7 +31,7 @@ _AROUND_LABEL: Final = 2  # the agent's mark before it, a blank after it
 
 @dataclass(frozen=True, slots=True)
 class MatrixForm:
-    """``field`` cells a number, between two marks and a ``gap``; ``label`` cells for the name of a state."""
+    """A matrix with ``field`` cells per number, ``label`` per state name."""
 
     scene: Scene
     blocks: int
@@ -45,28 +45,28 @@ class MatrixForm:
 
     @property
     def block_width(self) -> int:
-        """The cells that a block takes."""
+        """The width of a block in cells."""
         return self.label + _AROUND_LABEL + len(self.scene.world.action_names) * self._column
 
     @property
     def entries(self) -> int:
-        """How many entries there are: one for each live state."""
+        """The number of entries, one per live state."""
         return len(self.scene.world.live)
 
     def heads(self) -> Pieces:
-        """Return the actions, each above the middle of its column."""
+        """Return the action names above their columns."""
         width, ellipsis = self.field + _MARKS, self.scene.look.glyphs.ellipsis
         text = " " * (self.label + _AROUND_LABEL)
         names = [self.scene.world.action_names[action] for action in self.scene.world.shown_actions]
         for name, following in zip(names, (*names[1:], ""), strict=True):
-            # the gap may be used where no other name begins right behind it
+            # a head may extend into the gap if no other name starts right after it
             reach = self._column if cell_len(following) < width - 1 else width
             head = shortened(name, reach, ellipsis)
             text += padded(" " * ((width - cell_len(head)) // 2) + head, self._column)
         return [Segment(text, self.scene.look.palette.dim)]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
-        """Return the row of a state, empty where an action is not legal."""
+        """Return the row of a state, blank for unavailable actions."""
         scene, world, shown = self.scene, self.scene.world, self.scene.shown
         palette = scene.look.palette
         state = int(world.live[entry])
@@ -101,11 +101,11 @@ class MatrixForm:
         return self.scene.world.row_of(state)
 
     def entry_of_pair(self, pair: int) -> int:
-        """Return the row of the state that owns ``pair``."""
+        """Return the row of the state of ``pair``."""
         return self.scene.world.row_of(self.scene.world.space.state_of(pair))
 
     def moved(self, pair: int, rows: int, columns: int) -> int:
-        """Return the nearest pair so many rows below, or so many legal actions to the right."""
+        """Return the nearest pair that far below or right."""
         world, state = self.scene.world, self.scene.world.space.state_of(pair)
         if rows:
             row = max(0, min(self.entries - 1, world.row_of(state) + rows))
@@ -114,7 +114,7 @@ class MatrixForm:
         return pairs[max(0, min(len(pairs) - 1, pairs.index(pair) + columns))]
 
     def pair_at(self, entry: int, x: int) -> int | None:
-        """Return the pair of the action whose column is at ``x``."""
+        """Return the pair at column ``x``, or None."""
         column = (x - self.label - _AROUND_LABEL) // self._column
         if not 0 <= column < len(self.scene.world.shown_actions):
             return None
@@ -123,9 +123,9 @@ class MatrixForm:
 
 
 def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:
-    """Return the form for ``width`` cells and ``lines`` rows of states, None where the columns do not fit.
+    """Return the form for ``width`` cells and ``lines`` rows, or None.
 
-    Several blocks stand side by side only where they save all scrolling.
+    Several blocks are used only to avoid scrolling.
     """
     needed = -(-len(scene.world.live) // max(1, lines))
     if needed > 1:
@@ -148,7 +148,7 @@ def _form(
 
 
 def _fits_narrow(scene: Scene) -> bool:
-    """Return whether three cells say enough: fractions without a sign, now and with any reward to come."""
+    """Return whether three cells are enough, now and for future rewards."""
     figures = scene.shown
     if figures.layer not in (Layer.Q, *LEARNED_NOT) or scene.world.least_reward < 0.0:
         return False
@@ -174,9 +174,9 @@ Draw = Callable[[int, bool], Pieces]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of ``width`` cells; the one of the highest ``rank`` is left out first.
+    """A column of ``width`` cells. High ``rank`` is dropped first.
 
-    ``draw`` takes the pair and whether its state was not named above.
+    ``draw`` takes the pair, and whether to name its state.
     """
 
     head: str
@@ -188,36 +188,36 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class ListForm:
-    """The columns that fit, from the left."""
+    """A list with one row per pair."""
 
     scene: Scene
     columns: tuple[Column, ...]
-    blocks: ClassVar[int] = 1  # blocks in a row
+    blocks: ClassVar[int] = 1  # blocks side by side
 
     @property
     def block_width(self) -> int:
-        """The cells that the columns take."""
+        """The total width of the columns."""
         return sum(column.width for column in self.columns)
 
     @property
     def entries(self) -> int:
-        """How many entries there are: one for each pair."""
+        """The number of entries, one per pair."""
         return self.scene.world.space.pairs
 
     def heads(self) -> Pieces:
-        """Return the heads, aligned as what stands below them."""
+        """Return the heads, aligned with their columns."""
         glyphs = self.scene.look.glyphs
         texts = [column.align(to_ascii(column.head, glyphs), column.width) for column in self.columns]
         return [Segment("".join(texts), self.scene.look.palette.dim)]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
-        """Return the row of a pair; the state is named in its first row and in the first of all."""
+        """Return the row of a pair, with its state in the first row."""
         world, pair = self.scene.world, self._pair_of(entry)
         is_new = is_first or entry == world.siblings(pair).start
         return [segment for column in self.columns for segment in column.draw(pair, is_new)]
 
     def pairs_in(self, entry: int) -> range:
-        """Return the pairs of the state of the row, among them that of the row."""
+        """Return all pairs of the row's state."""
         return self.scene.world.siblings(entry)
 
     def entry_of(self, state: int) -> int:
@@ -226,12 +226,12 @@ class ListForm:
         return first if first < end else NO_ROW
 
     def entry_of_pair(self, pair: int) -> int:
-        """Return the row of ``pair``: states are listed in their order."""
+        """Return the row of ``pair``."""
         world = self.scene.world
         return world.siblings(pair).start + world.pairs_shown(world.space.state_of(pair)).index(pair)
 
     def moved(self, pair: int, rows: int, columns: int) -> int:
-        """Return the pair so many rows below."""
+        """Return the pair ``rows`` below."""
         return self._pair_of(max(0, min(self.entries - 1, self.entry_of_pair(pair) + rows)))
 
     def pair_at(self, entry: int, x: int) -> int | None:
@@ -240,12 +240,12 @@ class ListForm:
 
     def _pair_of(self, entry: int) -> int:
         world = self.scene.world
-        state = world.space.state_of(entry)  # its rows are as many as its pairs, and in the same place
+        state = world.space.state_of(entry)  # a state has equally many rows and pairs, in the same place
         return world.pairs_shown(state)[entry - world.siblings(entry).start]
 
 
 def list_form(scene: Scene, width: int) -> ListForm:
-    """Return the form for ``width`` cells. Where one value has room, it is that of the layer in force."""
+    """Return the form for ``width`` cells, with the current layer."""
     columns = _arm_columns(scene, width) if scene.world.is_bandit else _pair_columns(scene, width)
     while columns and sum(column.width for column in columns) > width:
         columns.remove(max(columns, key=lambda column: column.rank))
@@ -253,7 +253,7 @@ def list_form(scene: Scene, width: int) -> ListForm:
 
 
 def greedy_line(scene: Scene) -> str:
-    """Return the actions framed in all states, ties joined by =; empty where nothing is known."""
+    """Return the greedy actions of all states, ties joined by ``=``."""
     world = scene.world
     states = []
     for state in world.live.tolist():
@@ -274,15 +274,15 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
         values = [Layer.Q if scene.shown.layer is Layer.VISITS else scene.shown.layer]
     room = width - around - BOX * len(values)
     gap = _STATE_GAP
-    if room < natural:  # names matter more than the column that is left out first
+    if room < natural:  # names matter more than the first column to drop
         room += BOX if scene.shown.layer is Layer.VISITS else COUNT
     if room < natural:
         gap, room = _LEAST_GAP, room + _STATE_GAP - _LEAST_GAP
     end = 1
-    if room < world.brief_width + world.action_width:  # the frame of a value separates it as well
+    if room < world.brief_width + world.action_width:  # the frame of a value separates it too
         end, room = 0, room + 1
     state, action = _shared(world.state_width, world.action_width, room)
-    # the heads may reach over the gaps, and where there is room the columns are made wide enough for them
+    # heads may extend over gaps, and columns grow to fit them if there is space
     state += _widening(len("state") - gap + 1 - state, room - state - action)
     action += _widening(len("action") - action, room - state - action)
 
@@ -352,14 +352,14 @@ def _compared(scene: Scene) -> list[Layer]:
 
 
 def _beside(layer: Layer) -> list[Layer]:
-    """Return what stands side by side for ``layer``; nothing exact unless it is asked for."""
+    """Return the layers to show beside each other."""
     if layer is Layer.ERROR:
         return [Layer.Q, Layer.OPTIMAL, layer]
     return [Layer.Q, layer] if layer in (Layer.OPTIMAL, Layer.LANES, Layer.POLICY) else [Layer.Q]
 
 
 def _shared(first: int, second: int, room: int) -> tuple[int, int]:
-    """Return the widths of two names in ``room`` cells: the longer one is shortened first."""
+    """Return the widths of two names, the longer one shortened first."""
     while first + second > room and max(first, second) > _LEAST_NAME:
         if first > second:
             first -= 1
@@ -373,7 +373,7 @@ def _widening(wanted: int, room: int) -> int:
 
 
 def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
-    """Return a column per layer; one, the exact one if it applies, has the frames and the cursor."""
+    """Return a column per layer. The main one has frames and cursor."""
     _share_form(scene, layers)
     in_force = scene.shown.layer
     main = in_force if in_force in LEARNED_NOT and in_force in layers else layers[0]

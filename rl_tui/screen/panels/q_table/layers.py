@@ -1,4 +1,4 @@
-"""The layers of the Q-table: which number of a pair is shown, how it is written and in which style."""
+"""The layers of the Q-table: numbers, texts and styles."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
-LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)  # layers of which nothing was learned
+LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)  # layers without learned numbers
 _OF_THE_MAP: Final = (Layer.Q, *EXACT_LAYERS, Layer.VISITS)  # layers with the scale of the map
 
 
 def policy_q(snapshot: Snapshot) -> Exact | None:
-    """Return Q and the likeliest pairs of the studied policy, [P] each; None without one or for a bandit."""
+    """Return Q and likeliest pairs of the studied policy, [P] each, or None."""
     answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.q is None or answer.policy is None:
         return None
@@ -46,13 +46,13 @@ def policy_q(snapshot: Snapshot) -> Exact | None:
 
 
 def lacks_values(snapshot: Snapshot, layer: Layer) -> bool:
-    """Return whether pairs have no value in ``layer``, since a policy may never end from there."""
+    """Return whether ``layer`` lacks values, because a policy may never end."""
     known = policy_q(snapshot) if layer is Layer.POLICY else None
     return known is not None and bool(np.isnan(known[0]).any())
 
 
 def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
-    """Return the exact numbers that ``layer`` needs, and the pairs it frames; None where there are none."""
+    """Return the exact numbers and framed pairs of ``layer``, or None."""
     if layer is Layer.POLICY:
         return policy_q(snapshot)
     if layer is Layer.OPTIMAL:
@@ -61,7 +61,7 @@ def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
 
 
 def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
-    """Return the available layers: nothing that a hidden answer or a missing table, run or study lacks."""
+    """Return the available layers."""
     missing = {Layer.LANDSCAPE}
     if snapshot is None or other_lane(snapshot) is None:
         missing.add(Layer.LANES)
@@ -75,25 +75,23 @@ def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
 
 
 class Lit(NamedTuple):
-    """The ``pair`` that was just updated, and the sign of the ``error``: 1 where its estimate rose."""
+    """The ``pair`` just updated, and the sign of its ``error``."""
 
     pair: int
     error: int
 
 
 def lit_pair(snapshot: Snapshot) -> Lit | None:
-    """Return the pair that was just updated, None where steps pass too fast to follow."""
+    """Return the pair just updated, or None if too fast."""
     last = followed_step(snapshot)
     return None if last is None else Lit(last.updated_pair, last.error_sign)
 
 
 class Figures:
-    """The numbers of one layer at one moment, their texts and their styles.
+    """The numbers of one layer at one moment, with texts and styles.
 
-    Greedy pairs are exactly equal, as the agent compares; none is greedy where nothing is known of a state.
-    ``sources`` are the pairs that the last update looked up. All ``numbers``, those of the run beside
-    included, have one form, which ``forms`` keeps steady. Tints are those of the map where it shows this
-    layer.
+    Greedy pairs are exactly equal, as the agent compares. ``sources``: pairs looked up by the last update.
+    ``numbers`` of both runs share a form, kept steady by ``forms``.
     """
 
     def __init__(
@@ -117,7 +115,7 @@ class Figures:
         self._sources = sources if is_learned else frozenset()
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
         window = snapshot.agent.part if is_learned else None
-        self._held = None if window is None else window.held  # of a large world: which numbers are known
+        self._held = None if window is None else window.held  # of a large world: known numbers
         self._is_unknown = layer is Layer.Q and not has_estimates(snapshot)
         self.numbers = _numbers(snapshot, layer, exact)
         self.low, self.high = ends(self.numbers)
@@ -127,7 +125,7 @@ class Figures:
         self._forms: dict[int, NumberForm] = {}
 
     def text(self, pair: int, width: int) -> str:
-        """Return the number of ``pair`` in at most ``width`` cells; a dot for what has none yet."""
+        """Return the number of ``pair``, or a dot without one."""
         if self._held is not None and not self._held[pair]:
             return ""
         x = self._values[pair].item()
@@ -138,18 +136,18 @@ class Figures:
             return "." if glyphs.name == "ascii" else "·"
         if self.layer is Layer.VISITS:
             return numbers.count(int(x), width)
-        if self.layer is Layer.POLICY and math.isnan(x):  # an estimate that ran away is another matter
+        if self.layer is Layer.POLICY and math.isnan(x):  # unlike a diverged estimate
             return numbers.missing(glyphs)
         return self._form(width).text(x, glyphs)
 
     def cells(self, width: int) -> int:
-        """Return how many of ``width`` cells the longest number takes."""
+        """Return the width of the longest number."""
         if self.layer is Layer.VISITS:
             return len(numbers.count(int(self.high), width))
         return self._form(width).cells
 
     def style(self, pair: int, *, is_tinted: bool = True) -> Style:
-        """Return the style of the number of ``pair``: looked up, never tried, or tinted."""
+        """Return the style of ``pair``'s number."""
         palette = self._look.palette
         if is_tinted and self._held is not None and not self._held[pair]:
             return palette.text
@@ -160,23 +158,23 @@ class Figures:
         return self._tint(self._values[pair].item()) if is_tinted else palette.text
 
     def share(self, pair: int) -> float:
-        """Return how much of all visits went to ``pair``, 0 to 1."""
+        """Return the share of visits at ``pair``, 0 to 1."""
         if self._total_visits is None:
             self._total_visits = int(self._visits.sum())
         return int(self._visits[pair]) / max(1, self._total_visits)
 
     def error(self, pair: int) -> int | None:
-        """Return the sign of the error of the update of ``pair``, None where it was not just updated."""
+        """Return the sign of the last error of ``pair``, or None."""
         return self._lit.error if self._lit is not None and pair == self._lit.pair else None
 
     def side(self, pair: int) -> int:
-        """Return −1 where the number of ``pair`` lies below the scale of the tints, 1 where above, else 0."""
+        """Return −1 below the colour scale, 1 above, else 0."""
         if self.layer is Layer.VISITS or (self._held is not None and not self._held[pair]):
             return 0
         return self._scale.side(self._values[pair].item())
 
     def greedy(self, pairs: range) -> tuple[int, ...]:
-        """Return the greedy ones of ``pairs``, which are those of one state."""
+        """Return the greedy ones of a state's ``pairs``."""
         if self._held is not None and not self._held[pairs.start]:
             return ()
         inside = slice(pairs.start, pairs.stop)
@@ -191,12 +189,12 @@ class Figures:
         return tuple(pairs.start + place for place in np.flatnonzero(marked).tolist())
 
     def framed(self, pairs: range) -> tuple[int, ...]:
-        """Return the greedy ones of ``pairs``; none where all are: then no action looks better."""
+        """Return the greedy ones, unless all are equal."""
         greedy = self.greedy(pairs)
         return greedy if len(greedy) < len(pairs) else ()
 
     def _is_new(self, pair: int) -> bool:
-        if self.layer is Layer.LANES and self._values[pair]:  # the other lane has been there
+        if self.layer is Layer.LANES and self._values[pair]:  # the other run has been there
             return False
         return self.layer not in LEARNED_NOT and not self._visits[pair]
 
@@ -209,7 +207,7 @@ class Figures:
     def _own_scale(self, snapshot: Snapshot, exact: Exact | None) -> ValueScale | None:
         if self.layer is Layer.LANES:
             return ValueScale(self.low, self.high, Ramp.ERRORS)
-        best = [np.empty(0)]  # of each state under the policy, in both lanes
+        best = [np.empty(0)]  # of each state under the policy, in both runs
         for lane in lanes_in_view(snapshot):
             known = exact if lane is snapshot else exact_of(lane, Layer.POLICY)
             if known is not None:
@@ -223,7 +221,7 @@ class Figures:
         return form
 
     def share_form(self, width: int, form: NumberForm) -> None:
-        """Write the numbers that get ``width`` cells like those of other layers beside them."""
+        """Use ``form`` for numbers of ``width`` cells."""
         self._forms[width] = form
 
 

@@ -1,4 +1,4 @@
-"""The Q-table as a heat map, with its layers: Q, exact Q*, error Q − Q*, visits, another run's."""
+"""The Q-table as a heat map, with its layers."""
 
 from __future__ import annotations
 
@@ -66,11 +66,10 @@ _MOST_CACHED: Final = 512  # rows
 
 
 class QTable(Panel, can_focus=True):
-    """The table of Q: a row per state and a column per action, or a row per pair.
+    """The table of Q: a row per state, or a row per pair.
 
-    It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back. With
-    ``lights`` the cell updated last is highlighted, and so are the ``sources`` that the update looked up.
-    Beside the table of another run it has the number ``lane`` and marks ``differing`` states.
+    It follows the agent until cursor or view are moved. Escape goes back. ``lights`` highlights the updated
+    cell and its ``sources``. ``lane`` is the number of one of two runs, ``differing`` are states to mark.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -87,7 +86,7 @@ class QTable(Panel, can_focus=True):
 
     @dataclass
     class CursorMoved(Message):
-        """The user moved the cursor to ``pair``; None where the table follows the agent again."""
+        """The user moved the cursor to ``pair``. None follows the agent."""
 
         pair: int | None
 
@@ -103,17 +102,17 @@ class QTable(Panel, can_focus=True):
         self.sources: frozenset[int] = frozenset()
         self.lane = ""
         self.differing: frozenset[int] = frozenset()
-        # where the user put the cursor; None while the table follows the agent
+        # set by the user, None while the table follows the agent
         self.cursor_pair: int | None = None
         self.heading = "Q"
         self.wanted_layer = Layer.Q
-        """What is shown of each pair, if there is that; the same as in the world beside it."""
-        self.cell: Size | None = None  # the size of a cell of the map beside it, as the board gives it
+        """The layer to show if available, also in the world."""
+        self.cell: Size | None = None  # size of a map cell, set by the board
         self._choices = layer_choices(None)
         self._following = True
         self.pointed = NOWHERE
         self._first = 0
-        self._height = 0  # of the picture drawn last
+        self._height = 0  # of the last picture
         self._world: TableWorld | None = None
         self._sheet: Sheet | None = None
         self._cache = LRUCache[tuple[Segment, ...], Strip](_MOST_CACHED)
@@ -123,7 +122,7 @@ class QTable(Panel, can_focus=True):
 
     @property
     def layer_choices(self) -> tuple[Layer, ...]:
-        """The layers that there are, of the world beside it too."""
+        """The available layers, including those of the world only."""
         shown = self.snapshot
         if shown is None or not has_estimates(shown) or not has_landscape(shown.world, self.cell, self.look):
             return self._choices
@@ -131,17 +130,17 @@ class QTable(Panel, can_focus=True):
 
     @property
     def shown_layer(self) -> Layer:
-        """The layer of the numbers; Q while the map is a landscape."""
+        """The layer of the numbers, Q for a landscape."""
         return self.wanted_layer if self.wanted_layer in self._choices else Layer.Q
 
     def rows_of(self, snapshot: Snapshot) -> int:
-        """Return how many rows the whole table takes below its heads, with what is noted below it."""
+        """Return the rows of the whole table, with notes."""
         world = self._world_of(snapshot)
         return world.space.pairs + 2 if world.is_sparse else len(world.live)
 
     @property
     def row_range(self) -> RowRange | None:
-        """The pairs in view: where it was scrolled to by hand, or around the agent."""
+        """The visible pairs, around the agent unless scrolled."""
         sheet = self._sheet
         if sheet is None or self.snapshot is None:
             return None
@@ -150,7 +149,7 @@ class QTable(Panel, can_focus=True):
 
     @property
     def is_complete(self) -> bool:
-        """Whether the newest snapshot has all that is in view."""
+        """Whether the newest snapshot contains all visible pairs."""
         window = None if self.snapshot is None else self.snapshot.agent.part
         if window is None or self._sheet is None:
             return True
@@ -158,7 +157,7 @@ class QTable(Panel, can_focus=True):
         return bool(window.held[pairs.start : pairs.stop].all())
 
     def redraw(self) -> None:
-        """Draw again; say so where another part of a large table has come into view."""
+        """Draw again. Report another visible part of a large table."""
         super().redraw()
         if self.snapshot is None or not self.is_attached or not is_large(self.snapshot.world):
             return
@@ -168,13 +167,13 @@ class QTable(Panel, can_focus=True):
             self.post_message(Scrolled())
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``; in another world the table starts at its top and follows the agent."""
+        """Draw ``snapshot``. Another world starts at the top."""
         if self.snapshot is not None and self.snapshot.world.space is not snapshot.world.space:
             self.cursor_pair, self._following, self._first = None, True, 0
             pointed = pairs_in(self.pointed, self.snapshot.world, snapshot.world)
             self.pointed = NOWHERE if is_new_run(self.snapshot, snapshot) else pointed
         if self._following and self.snapshot is not None and self.snapshot.playback.phase is Phase.PREPARING:
-            self._first = 0  # while a run was prepared there was no step to follow
+            self._first = 0  # no step to follow while the run was prepared
         if is_new_run(self.snapshot, snapshot):
             self._forms.clear()
             self._scale.clear()
@@ -182,7 +181,7 @@ class QTable(Panel, can_focus=True):
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the rows in view, or what is to be said in their place."""
+        """Return the visible rows, or a text."""
         self._sheet = None
         if snapshot is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
@@ -193,7 +192,7 @@ class QTable(Panel, can_focus=True):
             return strips_of(no_answer(snapshot, width, self.look), width, height, self.look)
         form, scene = self._form(snapshot, width, height)
         if self._following and height != self._height and not self.is_led:
-            self._first = 0  # where it came to stand while the layout was not done must not be seen later
+            self._first = 0  # discard the scroll position of an unfinished layout
         self._height = height
         self._sheet = sheet = Sheet(form, scene, width, height)
         if self.pointed:
@@ -210,12 +209,12 @@ class QTable(Panel, can_focus=True):
         return sheet.strips(self._cache)
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs that cells have."""
+        """Return the signs of cells."""
         palette, glyphs = self.look.palette, self.look.glyphs
         frame, state = glyphs.mark_left + glyphs.mark_right, snapshot.world.space.states > 1
         layer = self.shown_layer
         is_learned = layer not in LEARNED_NOT
-        greedy = GREEDY_IN_FULL if is_learned else ""  # of Q* it is best
+        greedy = GREEDY_IN_FULL if is_learned else ""  # in Q*, greedy is optimal
         framed = "likeliest" if layer is Layer.POLICY else "greedy"
         if layer is Layer.Q and not has_estimates(snapshot):
             return ()
@@ -230,22 +229,22 @@ class QTable(Panel, can_focus=True):
         )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Leave escape to the screen while there is nothing to go back from."""
+        """Leave escape to the screen while following."""
         return not self._following if action == "follow" else True
 
     def action_move(self, rows: int, columns: int) -> None:
-        """Move the cursor; the first move starts where the agent is."""
+        """Move the cursor, at first from the agent."""
         pair = self.shown_cursor
         if self._sheet is not None and pair is not None:
             self._put_cursor(self._sheet.form.moved(pair, rows, columns))
 
     def action_page(self, pages: int) -> None:
-        """Move the cursor by as many rows as a page has."""
+        """Move the cursor by pages."""
         if self._sheet is not None:
             self.action_move(pages * self._sheet.page, 0)
 
     def action_end(self, last: bool) -> None:
-        """Move the cursor to the first or the last row."""
+        """Move the cursor to the first or last row."""
         if self._sheet is not None:
             self.action_move(self._sheet.form.entries * (1 if last else -1), 0)
 
@@ -255,7 +254,7 @@ class QTable(Panel, can_focus=True):
         self._show_moved()
 
     def on_click(self, event: events.Click) -> None:
-        """Put the cursor on the cell under the pointer; on the border go to the layer named there."""
+        """Move the cursor to the click, or choose a layer."""
         if (column := self.footing_column(event)) is not None:
             layer = layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
             if layer is not None:
@@ -267,11 +266,11 @@ class QTable(Panel, can_focus=True):
             self._put_cursor(pair)
 
     def pair_at(self, x: int, y: int) -> int | None:
-        """Return the pair drawn at column ``x`` of row ``y``, None where there is none."""
+        """Return the pair at column ``x`` of row ``y``, or None."""
         return None if self._sheet is None else self._sheet.pair_at(x, y)
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
-        """Scroll by so many rows; the table then stands still until it follows the agent again."""
+        """Scroll by ``rows`` and stop following the agent."""
         if self._sheet is not None and self._sheet.is_scrolled:
             event.stop()
             self._following = False
@@ -280,7 +279,7 @@ class QTable(Panel, can_focus=True):
             self.post_message(Moved(self))
 
     def on_resize(self) -> None:
-        """Bring the rows that are in view now into view in the lane beside."""
+        """Align the other run's table with this one."""
         if not self.is_led:
             self.post_message(Moved(self))
 
@@ -291,14 +290,14 @@ class QTable(Panel, can_focus=True):
         self._tell()
 
     def point_at(self, pairs: range) -> None:
-        """Show where the cursor of another panel stands; no pairs: it has none."""
+        """Show the cursor of another panel, if any."""
         if pairs != self.pointed:
             self.pointed = pairs
             self.redraw()
 
     @property
     def stance(self) -> object:
-        """The cursor and the rows in view."""
+        """The cursor and the visible rows."""
         return self.cursor_pair, self._following, self._first
 
     def align_with(self, twin: BoardPanel) -> None:
@@ -337,7 +336,7 @@ class QTable(Panel, can_focus=True):
 
     @property
     def shown_cursor(self) -> int | None:
-        """The pair of the cursor, by default the first of the agent's state; None without a snapshot."""
+        """The pair of the cursor, by default the agent's first."""
         if self.cursor_pair is not None or self.snapshot is None:
             return self.cursor_pair
         world = self._world_of(self.snapshot)

@@ -1,4 +1,4 @@
-"""The visible part of a Q-table, with the texts on its border."""
+"""The visible part of a Q-table, and its border texts."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
-# The rows in view
+# The visible rows
 
 
 _STATES_IN_GREEDY_LINE: Final = 12
 
-Form = MatrixForm | ListForm  # a scene laid out for one width. An entry is a row of the table, counted from 0
+Form = MatrixForm | ListForm  # a scene laid out for one width: an entry is a table row, counted from 0
 
 
 class Sheet:
-    """A form in ``height`` rows of ``width`` cells, from entry ``first`` on: heads, entries, notes."""
+    """A form in ``height`` rows, from entry ``first`` on."""
 
     def __init__(self, form: Form, scene: Scene, width: int, height: int) -> None:
         self.form = form
@@ -43,42 +43,42 @@ class Sheet:
         self._entries, self._block_width = form.entries, form.block_width
         self._lines = min(height - self._head_rows, -(-self._entries // form.blocks))
         self.shown = min(self._entries, self._lines * form.blocks)
-        self.is_scrolled = self.shown < self._entries  # whether there are more entries than are in view
-        self.part = f"{self.shown} of {self._entries:,}"  # how many of all entries are in view
-        self.page = max(1, self._lines)  # how many rows a page is
+        self.is_scrolled = self.shown < self._entries  # not all entries are visible
+        self.part = f"{self.shown} of {self._entries:,}"  # number of visible entries out of all
+        self.page = max(1, self._lines)  # rows of a page
 
     @property
     def free_rows(self) -> int:
-        """How many rows below the last entry, or below the notes, are empty."""
+        """The number of empty rows at the bottom."""
         below = self._height - self._head_rows - self._lines
         return 0 if self.is_scrolled else below - len(self._notes(below))
 
     @property
     def pairs(self) -> range:
-        """The pairs in view, from the first to the last."""
+        """The visible pairs, from the first to the last."""
         if self.shown == 0:
             return range(0)
         last = self.form.pairs_in(self.first + self.shown - 1)
         return range(self.form.pairs_in(self.first).start, last.stop)
 
     def scroll(self, first: int, state: int | None = None) -> None:
-        """Start at about entry ``first``, with ``state`` in view (None: whatever is)."""
+        """Start near entry ``first``, with ``state`` visible."""
         entry = NO_ROW if state is None else self.form.entry_of(state)
         self.first = kept_in_view(first, None if entry == NO_ROW else entry, self.shown, self._entries)
 
     def scroll_to(self, first: int, pair: int) -> None:
-        """Start at entry ``first``, or as near to it as keeps ``pair`` in view."""
+        """Start near entry ``first``, with ``pair`` visible."""
         self.scroll(scrolled_to(first, self.form.entry_of_pair(pair), self.shown))
 
     def reach(self, pair: int, state: int) -> None:
-        """Scroll so far that ``pair`` is in view as well, if ``state`` stays in view."""
+        """Scroll to ``pair`` unless that hides ``state``."""
         first = self.first
         self.scroll_to(first, pair)
         if not self.first <= self.form.entry_of(state) < self.first + self.shown:
             self.first = first
 
     def pair_at(self, x: int, y: int) -> int | None:
-        """Return the pair drawn at column ``x`` of row ``y``."""
+        """Return the pair at column ``x`` of row ``y``, or None."""
         block, x = divmod(x, max(1, self._block_width))
         line = y - self._head_rows
         entry = self.first + block * self._lines + line
@@ -87,7 +87,7 @@ class Sheet:
         return self.form.pair_at(entry, x)
 
     def strips(self, cache: LRUCache[tuple[Segment, ...], Strip]) -> list[Strip]:
-        """Return the rows; those that were drawn before come from ``cache``."""
+        """Return the rows, from ``cache`` if unchanged."""
         rows = [self.form.heads() * self.form.blocks] * self._head_rows
         bar = []
         if self.is_scrolled and self._lines:
@@ -154,11 +154,11 @@ _NAMES: Final[tuple[dict[Layer, str], ...]] = (
     {},
     {Layer.ERROR: "err", Layer.LANES: "other", Layer.VISITS: "N", Layer.LANDSCAPE: "land"},
 )
-"""The names of layers that differ from their own: in full, and in short."""
+"""Names of layers, in full and in short."""
 
 
 def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> tuple[str, ...]:
-    """Return the titles of ``panel`` for ``layer``, the longest first; ``lane`` is the number of its run."""
+    """Return forms of the title. ``lane`` is the run number."""
     group = snapshot.run_group
     if group.lanes and not lane:
         lane = f"{panel.look.glyphs.cursor}{group.shown + 1}"
@@ -179,7 +179,7 @@ def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> 
 
 
 def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
-    """Return the key and its layers, the longest form first, and the key that shows what is hidden."""
+    """Return forms of the keys for layers and hidden values."""
     forms = []
     for names in _NAMES:
         texts = [(each, names.get(each, each)) for each in choices]
@@ -193,14 +193,14 @@ def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_ex
 
 
 def followed(footings: Sequence[str], part: str, *, is_following: bool) -> list[str]:
-    """Return ``footings`` behind the ``part`` in view, or behind the key that follows the agent again."""
+    """Return ``footings`` with the visible ``part``, or the follow key."""
     if is_following:
         return [*(f"{part} · {each}" for each in footings[:-1]), *footings]
     return [*(f"{FOLLOW_HINT} · {each}" for each in footings), FOLLOW_HINT]
 
 
 def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs) -> Layer | None:
-    """Return the layer named in ``column`` of ``footing``; None where there is no room for all names."""
+    """Return the layer at ``column`` of ``footing``, or None."""
     text = separated(footing, glyphs)
     for names in _NAMES:
         places, end = [], text.find(_KEY) + len(_KEY)
@@ -211,11 +211,11 @@ def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs
             places.append((start, end, layer))
         if all(start >= 0 for start, _, _ in places):
             return next((layer for start, end, layer in places if start - 1 <= column <= end), None)
-    return None  # there is room for one name only: a click is the key
+    return None  # only one name fits: a click acts as the key
 
 
 def no_answer(snapshot: Snapshot, width: int, look: Look) -> list[list[Piece]]:
-    """Return why there is no exact answer, or that it is to come, in lines of ``width`` cells."""
+    """Return why exact values are missing or pending."""
     palette, refused = look.palette, snapshot.exact_answer.refused
     text = f"No exact answer: {refused}" if refused else COMPUTING
     lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, look)

@@ -1,4 +1,4 @@
-"""The world as a Q-table shows it: names of states and actions, and the marks on their cells."""
+"""The world of a Q-table: names and marks."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _LEADING_ZERO: Final = re.compile(r"(?<![\d.])0(?=\.\d)")
 
 
 class TableWorld:
-    """A world's states with actions, and its pairs, in the order of the table."""
+    """The states with actions and the pairs, in table order."""
 
     def __init__(self, world: World, glyphs: Glyphs) -> None:
         self.world = world
@@ -52,7 +52,7 @@ class TableWorld:
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
         cells = len(self.live) * len(self.space.action_names)
         self.is_sparse = len(self.live) == 1 or 2 * self.space.pairs <= cells
-        """Whether one row a pair says it better: one state, or half the cells of a matrix would be empty."""
+        """Whether one row per pair is better than a mostly empty matrix."""
         self.state_width = min(LONGEST_STATE, self._longest(str))
         self.shown_actions = shown_order(world)
         self.action_names = tuple(
@@ -61,24 +61,24 @@ class TableWorld:
         )
         self.action_width = max(map(cell_len, self.action_names))
         self.state_name = lru_cache(_MOST_NAMES)(self._state_name)
-        """The name of a state in so many cells: as it is, written close together, or shortened."""
+        """The name of a state: complete, compact or shortened."""
 
     @cached_property
     def brief_width(self) -> int:
-        """The cells that names of states take where they are written close together."""
+        """The width of compact state names."""
         return min(self.state_width, self._longest(_brief))
 
     @cached_property
     def least_reward(self) -> float:
-        """The least mean reward of an outcome; 0 where none is less or there is no table."""
+        """The least mean reward of an outcome, at most 0."""
         mdp = self.world.mdp
         return 0.0 if mdp is None else min(0.0, float(mdp.reward.min()))
 
     def _longest(self, form: Callable[[str], str]) -> int:
-        """Return the cells of the longest name; of very many states, those of a sample."""
+        """Return the width of the longest name, from a sample if many."""
         names, live = self.space.state_names, self.live
         if isinstance(names, NumberNames):
-            live = live[-1:]  # they rise
+            live = live[-1:]  # they rise, so the last one is the longest
         if len(live) > MOST_MEASURED:
             live = np.append(live[:: -(-len(live) // MOST_MEASURED)], live[-1])
         return max(cell_len(form(names[state])) for state in live.tolist())
@@ -92,25 +92,25 @@ class TableWorld:
         return int(self.space.pair_action[pair])
 
     def siblings(self, pair: int) -> range:
-        """Return the pairs of the state that owns ``pair``."""
+        """Return all pairs of ``pair``'s state."""
         return self.space.pairs_of(self.space.state_of(pair))
 
     def pairs_shown(self, state: int) -> list[int]:
-        """Return the pairs of ``state`` in the order in which their actions are shown."""
+        """Return the pairs of ``state`` in display order."""
         return shown_pairs(self.world, self.space.pairs_of(state))
 
     def pair_of_action(self, state: int) -> dict[int, int]:
-        """Return the pair of each action that is legal in ``state``."""
+        """Return the pair of each action available in ``state``."""
         pairs = self.space.pairs_of(state)
         return dict(zip(self.space.pair_action[pairs.start : pairs.stop].tolist(), pairs, strict=True))
 
     def row_of(self, state: int) -> int:
-        """Return which of the live states ``state`` is, ``NO_ROW`` if none."""
+        """Return the row of ``state``, or ``NO_ROW``."""
         row = int(np.searchsorted(self.live, state))
         return row if row < len(self.live) and self.live[row] == state else NO_ROW
 
     def pair_near(self, state: int, action: int) -> int:
-        """Return the pair of ``state`` whose column is nearest to that of ``action``."""
+        """Return the pair of ``state`` with the nearest action."""
         column = shown_place(self.world, action)
         return min(
             self.pairs_shown(state),
@@ -119,7 +119,7 @@ class TableWorld:
 
 
 def state_followed(snapshot: Snapshot) -> int:
-    """Return the state that is to be in view: the agent's, or that of its last step where it has none."""
+    """Return the state to keep visible, not a terminal one."""
     return followed_state(snapshot.world.space, snapshot.counters.state, snapshot.counters.last_step)
 
 
@@ -135,10 +135,10 @@ Pieces = list[Segment]
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What both forms of the table draw: numbers of each layer, marks, cursor and breakpoints.
+    """The contents of both forms of the table.
 
-    ``shown`` is the current layer. ``cursor`` is None unless it is visible, ``pointed`` are the pairs under
-    the cursor of another panel, ``differing`` the states with other greedy actions in the run beside.
+    ``shown``: current layer. ``pointed``: pairs under another panel's cursor. ``differing``: other greedy
+    actions in the second run.
     """
 
     world: TableWorld
@@ -156,18 +156,18 @@ class Scene:
     editor: EditorView
 
     def state_mark(self, state: int) -> Segment:
-        """Return the mark before a state: of the agent, of a breakpoint, or of both, or a blank."""
+        """Return the mark before a state: agent or breakpoint."""
         palette, glyphs = self.look.palette, self.look.glyphs
         if state in self.breakpoints.states:
             return Segment(glyphs.agent if state == self.state else glyphs.breakpoint, palette.breakpoint)
         return Segment(glyphs.agent, palette.agent) if state == self.state else Segment(" ", palette.text)
 
     def is_pointed(self, pairs: range) -> bool:
-        """Return whether the cursor of another panel stands on the state that owns ``pairs``, or on one."""
+        """Return whether another panel's cursor is on ``pairs``."""
         return bool(self.pointed) and self.pointed.start in pairs
 
     def mark_behind(self, state: int) -> Segment | None:
-        """Return the mark behind a state: other greedy actions in the lane beside, else that of an edit."""
+        """Return the mark after a state: difference or edit."""
         look = self.look
         if state in self.differing:
             return Segment(look.glyphs.differs, look.palette.you)
@@ -175,13 +175,13 @@ class Scene:
 
 
 def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:
-    """Return the cell of ``pair``: a number of up to ``digits`` cells amid ``width`` ones, between marks."""
+    """Return the cell of ``pair``, with its number centred."""
     number = figures.text(pair, digits).rjust(figures.cells(digits)).center(width)
     return framed(scene, figures, pair, number, is_greedy)
 
 
 def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bool) -> Pieces:
-    """Return the cell of ``pair``: ``number`` between marks on the background of the panel."""
+    """Return the cell of ``pair``, with marks around ``number``."""
     palette, glyphs = scene.look.palette, scene.look.glyphs
     style = palette.focus if pair == scene.cursor else figures.style(pair, is_tinted=figures is scene.shown)
     left = Segment(glyphs.mark_left if is_greedy else " ", palette.best)
@@ -201,17 +201,17 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
 
 
 def _in_margin(number: str, sign: str, at: int) -> str:
-    """Put ``sign`` in place of a blank at the start (0) or end (−1) of ``number``, if there is one."""
+    """Put ``sign`` over a blank at the start (0) or end (−1) of ``number``."""
     if number[at : at + 1 or None] != " ":
         return number
     return number[:-1] + sign if at else sign + number[1:]
 
 
 def padded(text: str, width: int) -> str:
-    """Return ``text``, which is no wider than ``width`` cells, with blanks after it."""
+    """Return ``text`` padded at the end."""
     return text + " " * (width - cell_len(text))
 
 
 def aligned_right(text: str, width: int) -> str:
-    """Return ``text``, which is no wider than ``width`` cells, with blanks before it."""
+    """Return ``text`` padded at the start."""
     return " " * (width - cell_len(text)) + text

@@ -1,1 +1,1 @@
-"""The world panel: one folder for each kind of drawing."""
+"""Shared parts of all views of a world."""

@@ -1,4 +1,4 @@
-"""A picture of a world on which a person draws with the pointer."""
+"""A picture of a world on which a person draws."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _MIDDLE: Final = 0.2  # of half a place
 
 
 class DrawnPicture(PolicyPicture):
-    """A picture of places that tells over which of them the pointer was drawn, while that is wanted."""
+    """A picture of places that reports pointer strokes."""
 
     cursor: int | None
     is_drawn_on = False
-    """Whether a person draws the world: then the pointer paints, and the wheel changes what is paid."""
+    """Whether a person draws: the pointer paints, the wheel changes rewards."""
     _picked: frozenset[int] = frozenset()
     _stroke: tuple[int, ...] = ()
-    _pointer = Offset()  # where it was last, during a stroke
+    _pointer = Offset()  # last position during a stroke
 
     @property
     def picked(self) -> frozenset[int]:
-        """The places that are drawn like that of the cursor: a rectangle, or what the pointer was over."""
+        """The places drawn like the cursor."""
         return self._picked.union(self._stroke)
 
     @picked.setter
@@ -40,11 +40,11 @@ class DrawnPicture(PolicyPicture):
             self.redraw()
 
     def place_at(self, x: int, y: int) -> int | None:
-        """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
+        """Return the place at column ``x`` of row ``y``, or None."""
         raise NotImplementedError
 
     def part_at(self, x: int, y: int) -> tuple[int, int] | None:
-        """Return towards which side of its place column ``x`` of row ``y`` is, None in the middle."""
+        """Return the side of its place at this position, or None."""
         here = self.place_at(x, y)
         columns = [each for each in range(self.size.width) if self.place_at(each, y) == here]
         rows = [each for each in range(self.size.height) if self.place_at(x, each) == here]
@@ -56,11 +56,11 @@ class DrawnPicture(PolicyPicture):
         return (1 if down > 0 else -1), 0
 
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
-        """Return where the ``place`` of ``before`` is in ``now``, another world; None where it is gone."""
+        """Return the place in ``now`` that was ``place``, or None."""
         return self.place_in(place, before.world, now.world)
 
     def place_in(self, place: int, world: World, other: World) -> int | None:
-        """Return where the ``place`` of ``world`` is in ``other``; None for nowhere."""
+        """Return the place in ``other`` that matches, or None."""
         return state_in(place, world, other)
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
@@ -72,7 +72,7 @@ class DrawnPicture(PolicyPicture):
             self.redraw()
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Go on with the stroke, along a straight line: a fast pointer is seen here and there only."""
+        """Continue the stroke straight, because a fast pointer skips places."""
         offset = event.get_content_offset(self) if self._stroke else None
         if offset is None:
             return
@@ -84,7 +84,7 @@ class DrawnPicture(PolicyPicture):
                 self.redraw()
 
     def on_mouse_up(self) -> None:
-        """End the stroke, and tell of it."""
+        """End the stroke and report it."""
         if self._stroke:
             self.release_mouse()
             stroke, self._stroke = self._stroke, ()
@@ -92,7 +92,7 @@ class DrawnPicture(PolicyPicture):
             self.post_message(PointerStroke(self, stroke))
 
     def turns(self, event: events.MouseEvent, lines: int) -> bool:
-        """Tell that the wheel was turned over a place, if it is drawn on; return whether it is."""
+        """Report a turn of the wheel. Return whether a person draws."""
         place = self._place_under(event) if self.is_drawn_on else None
         if place is not None:
             amount = -1.0 if lines > 0 else 1.0

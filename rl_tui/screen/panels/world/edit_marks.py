@@ -1,4 +1,4 @@
-"""What is marked while one draws: states whose best actions turned, and those without a way to an end."""
+"""Marks while editing: changed optimal actions, and no way to an end."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from rl_tui.screen.theme.look import Look
 
 
 class EditMarks(NamedTuple):
-    """What is to be marked of a state: no way leads from it to an end; the last edit turned what is best."""
+    """Marks of a state: no way to an end, changed optimal actions."""
 
     is_endless: bool = False
     is_turned: bool = False
 
     def signs(self, look: Look) -> Iterator[tuple[str, Style]]:
-        """Yield the signs, what is worse first, on the background of the panel: seen on every tint."""
+        """Yield the signs, most serious first, readable on every colour."""
         bold = Style(bold=True)
         if self.is_endless:
             yield look.glyphs.endless, look.palette.bad + bold
@@ -37,7 +37,7 @@ def marks_of(editor: EditorView, state: int) -> EditMarks:
 
 
 def put_marks(canvas: Canvas, marks: EditMarks, wish: tuple[int, int], look: Look) -> None:
-    """Put the signs where a cell is empty: at the column and row ``wish``, in a corner, or in the middle."""
+    """Put the signs into free cells, preferably at ``wish``."""
     signs = list(marks.signs(look))
     if not signs:
         return
@@ -51,20 +51,20 @@ def put_marks(canvas: Canvas, marks: EditMarks, wish: tuple[int, int], look: Loo
 
 
 def edit_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:
-    """Yield the signs of a legend, as far as there are any: what is drawn and not in force, and the marks."""
+    """Yield the legend entries of drafts and marks."""
     if editor.draft is not editor.base:
         yield LegendSign(look.glyphs.drafted, "drawn", look.palette.dim)
     yield from mark_signs(editor, look)
 
 
 def with_signs(titles: Sequence[str], editor: EditorView, look: Look) -> tuple[str, ...]:
-    """Return ``titles`` with the signs and what they mean behind them, then without."""
+    """Return ``titles`` with the signs, then without."""
     said = ", ".join(f"{each.sign} {each.meaning}" for each in edit_signs(editor, look))
     return (*(f"{title} · {said}" for title in titles if said), *titles)
 
 
 def mark_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:
-    """Yield the signs of the marks alone."""
+    """Yield the legend entries of marks."""
     if editor.endless:
         ((sign, style),) = EditMarks(is_endless=True).signs(look)
         yield LegendSign(sign, "no end", style, "no way to an end")

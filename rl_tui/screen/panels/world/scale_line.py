@@ -1,4 +1,4 @@
-"""The line below the picture of a world: the scale of its tints, then what its signs mean."""
+"""The line below a world: colour scale and legend."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MOST_KEPT: Final = 64  # the same line is drawn in every frame
 
 
 class NamedScale(NamedTuple):
-    """A ``scale`` with the ``word`` for its numbers, or ``unknown``, and a ``note`` about the picture."""
+    """A ``scale`` with a ``word`` for its numbers, and a ``note``."""
 
     word: str
     scale: ValueScale
@@ -34,7 +34,7 @@ class NamedScale(NamedTuple):
 def scale_line(
     said: tuple[Piece, ...], named: NamedScale | None, signs: Legend, width: int, look: Look
 ) -> Strip:
-    """Return one row of ``width`` cells: what is ``said``, the scale, and as many ``signs`` as fit."""
+    """Return a row: ``said``, the scale, and fitting ``signs``."""
     line = list(said)
     forms = _scale_forms(named, look) if named is not None else ()
     _add(line, forms, width, look)

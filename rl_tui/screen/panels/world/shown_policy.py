@@ -1,4 +1,4 @@
-"""The values and actions in a picture of a world: the agent's, a planner's, or a studied policy's."""
+"""Values and actions in a picture: learned, or of a studied policy."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 # A drawn policy
 
 
-AT_RANDOM: Final = "?"  # no action was drawn here: random
+AT_RANDOM: Final = "?"  # no action drawn: random
 
 
 def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
-    """Return the action drawn in each state, None where the arrows are not those of the drawn policy."""
+    """Return the action drawn in each state, or None if not shown."""
     answers = snapshot.answers
     return dict(answers.drawn.choices) if answers.studied is PolicyKind.DRAWN else None
 
 
 def drawn_pairs(space: FiniteSpace, snapshot: Snapshot) -> tuple[frozenset[int], frozenset[int]] | None:
-    """Return the pairs drawn, and the states in which none was; None as :func:`drawn_actions`."""
+    """Return the drawn pairs and the states without one, or None."""
     drawn = drawn_actions(snapshot)
     if drawn is None:
         return None
@@ -52,13 +52,13 @@ def drawn_pairs(space: FiniteSpace, snapshot: Snapshot) -> tuple[frozenset[int],
 
 
 def is_off_way(snapshot: Snapshot, state: int) -> bool:
-    """Return whether the drawn policy never comes to ``state``, in which nothing was drawn."""
+    """Return whether ``state``, without a drawn action, is never reached."""
     left = snapshot.answers.left_to_chance
     return left is not None and not left[state]
 
 
 def off_way_style(style: Style, look: Look) -> Style:
-    """Return ``style`` for what need not be drawn, since the policy never comes there."""
+    """Return ``style`` for states that are never reached."""
     return style + look.palette.dim + Style(bold=False)
 
 
@@ -69,24 +69,24 @@ TITLE: Final = "World"
 
 
 class PolicyPicture(Panel):
-    """A picture with values and actions of states, and what it says of whose they are."""
+    """A picture with values and actions of states."""
 
     cell: Size | None = None
-    """The size of a cell that the board gives it, 0 × 0 where it is no map; None in a preview."""
+    """The cell size set by the board: 0 × 0 without a map, None in a preview."""
     studied: PolicyKind | None = None
-    """The policy whose values and actions are drawn; None: they are what the agent has learned."""
+    """The policy that is drawn, or None if learned."""
     shows_drawing = False
-    """Whether actions are those that a person drew, whether their values are known or not."""
-    policy_shown = "greedy"  # what the arrows are, in a word
-    lacks_table = False  # whether a program is watched of which no table is known
+    """Whether the actions were drawn by a person."""
+    policy_shown = "greedy"  # one word for the arrows
+    lacks_table = False  # a watched program without a known table
     names_policies_key = True
-    """Whether it names the key that opens the panel of policies: not while that is open."""
+    """Whether headings name the key of the panel of policies."""
     differing: frozenset[int] = frozenset()
-    """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
-    tints = ValueScale()  # the scale of the tints drawn last
+    """States with other greedy actions in the second run."""
+    tints = ValueScale()  # scale of the last colours
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot`` with values and actions of the policy that is studied, else of the agent."""
+        """Draw ``snapshot`` with the studied policy, else the agent's."""
         shown, program = as_studied(snapshot), snapshot.program
         self.studied = studied_kind(snapshot)
         self.shows_drawing = snapshot.answers.studied is PolicyKind.DRAWN
@@ -96,7 +96,7 @@ class PolicyPicture(Panel):
         super().show(shown)
 
     def begins_anew(self, snapshot: Snapshot) -> bool:
-        """Return whether the numbers of ``snapshot`` have nothing in common with those drawn until now."""
+        """Return whether the numbers are unrelated to those before."""
         before = self.snapshot
         if before is None or before.answers.studied is snapshot.answers.studied:
             return is_new_run(before, snapshot)
@@ -104,18 +104,18 @@ class PolicyPicture(Panel):
 
     @staticmethod
     def waits_for_study(snapshot: Snapshot) -> bool:
-        """Return whether values of a policy are to come in place of those that ``snapshot`` shows."""
+        """Return whether values of a policy will come soon."""
         return snapshot.answers.studied is not None and studied_kind(snapshot) is None
 
     def study_headings(self, what: str) -> tuple[str, ...]:
-        """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""
+        """Return headings that name the policy of ``what``."""
         if self.snapshot is None:
             return ()
         key = self.names_policies_key
         return study_headings(self.snapshot, self.studied, TITLE, what, names_key=key)
 
     def random_signs(self) -> Legend:
-        """Return the signs of states in which nothing was drawn: those it may come to, and all others."""
+        """Return the signs of states without a drawn action."""
         if not self.shows_drawing:
             return ()
         palette = self.look.palette
@@ -125,14 +125,14 @@ class PolicyPicture(Panel):
         )
 
     def valueless_signs(self) -> Legend:
-        """Return the sign of a state of no value; none where there is no such state."""
+        """Return the sign of states without a value."""
         snapshot = self.snapshot
         if snapshot is None or self.studied is None or not np.isnan(snapshot.agent.values).any():
             return ()
         return (no_value_sign(self.look),)
 
     def missing_table_signs(self) -> Legend:
-        """Return the sign of a value that is missing, since a program has no table; else none."""
+        """Return the sign of values missing without a table."""
         sign = LegendSign(numbers.missing(self.look.glyphs), "no table", self.look.palette.text)
         return (sign,) if self.lacks_table else ()
 
@@ -145,11 +145,10 @@ _DECIMALS: Final = 2
 
 @dataclass(frozen=True, slots=True)
 class StateValues:
-    """``value[s]`` is V(s), None where nothing can be done; ``greedy`` are pairs, all ties.
+    """Values and actions of all states.
 
-    ``known`` are the states about which something was learned. Of a drawn policy ``greedy`` are its pairs,
-    ``at_random`` the states without one, and ``off_way`` those that it never reaches. ``numbers`` are all
-    values that share a form, and ``scale`` is that of their tints.
+    ``value``: V(s), None without actions. ``greedy``: pairs with ties, or drawn ones. ``at_random``: states
+    without a drawn action. ``off_way``: those never reached. ``numbers`` share a form.
     """
 
     value: tuple[float | None, ...]
@@ -161,29 +160,29 @@ class StateValues:
     off_way: frozenset[int] = frozenset()
 
     def number_form(self, width: int, forms: SteadyForms) -> NumberForm:
-        """Return the form of all values in ``width`` cells; visits are whole."""
+        """Return the form of all values."""
         ramp = self.scale.ramp
         return forms.form(ramp, self.numbers, width, 0 if ramp is Ramp.VISITS else _DECIMALS)
 
     def text(self, state: int, form: NumberForm, look: Look) -> str:
-        """Return the value of a state in ``form``: a dash for NaN, nothing where nothing can be done."""
+        """Return a state's value: a dash for NaN, empty without actions."""
         value = self.value[state]
         if value is None:
             return ""
         return numbers.missing(look.glyphs) if math.isnan(value) else form.text(value, look.glyphs)
 
     def flag(self, state: int, differing: frozenset[int], look: Look) -> str:
-        """Return the sign after the name of a state: that it acts at random, or is ``differing``; or none."""
+        """Return the flag after a state's name."""
         if state in self.at_random:
             return AT_RANDOM
         return look.glyphs.differs if state in differing else ""
 
     def flag_style(self, state: int, style: Style, look: Look) -> Style:
-        """Return the style of that sign, which stands on ``style``."""
+        """Return the style of the flag on ``style``."""
         return off_way_style(style, look) if state in self.off_way else style
 
     def style(self, state: int, look: Look) -> Style:
-        """Return the background of a state, tinted by its value."""
+        """Return the background, coloured by value."""
         value = self.value[state]
         if value is None or math.isnan(value):
             return look.palette.text
@@ -193,7 +192,7 @@ class StateValues:
 
 
 def state_values(space: FiniteSpace, snapshot: Snapshot, scale: ValueScale) -> StateValues:
-    """Return the values of ``snapshot``, tinted on ``scale``."""
+    """Return the values of ``snapshot``, coloured on ``scale``."""
     values: list[float | None] = []
     known, greedy = set(), set()
     agent = snapshot.agent
@@ -207,7 +206,7 @@ def state_values(space: FiniteSpace, snapshot: Snapshot, scale: ValueScale) -> S
         values.append(float(agent.values[state]) if policy else best)
         if any(visits[pairs.start : pairs.stop]) or min(q[pairs.start : pairs.stop]) != best:
             known.add(state)
-            if len(pairs) > 1:  # a single action is not the best of anything
+            if len(pairs) > 1:  # a single action is not better than others
                 greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
     shown = drawn_pairs(space, snapshot) or (frozenset(greedy), frozenset())
     off_way = frozenset(state for state in shown[1] if is_off_way(snapshot, state))

@@ -1,4 +1,4 @@
-"""The base of all pictures of a world: its cursor, its places (cells, states or arms), and drawing in it."""
+"""The base of all pictures of a world: cursor, places and drawing."""
 
 from __future__ import annotations
 
@@ -42,17 +42,17 @@ from rl_tui.worlds.world import World
 
 WAITING: Final = "the world is being built"
 SCALE_ROOM: Final = 28
-"""The cells that the scale needs behind what is said first in the line below the picture."""
+"""Cells for the scale in the line below the picture."""
 _LEAST_RESULTS: Final = 18  # columns
 _GAP: Final = 3  # columns
 
 
 class WorldView(DrawnPicture, can_focus=True):
-    """A panel with the picture of one world, and below it a line with the scale and what is to be said.
+    """The picture of one world, with a line for scale and texts.
 
-    In focus it has a cursor on a cell, a state or an arm, which follows the agent until it is moved.
-    ``is_manual`` hides it. ``title`` and ``prompt`` are those of a mode, ``lane`` and ``results`` those of
-    one of two runs, ``note`` is about both. Subclasses implement :meth:`drawing` and say what the places are.
+    The cursor, on a cell, state or arm, follows the agent until moved. ``is_manual`` hides it. ``title`` and
+    ``prompt`` belong to a mode, ``lane`` and ``results`` to one of two runs, ``note`` to both. Subclasses
+    implement :meth:`drawing` and define the places.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -72,53 +72,53 @@ class WorldView(DrawnPicture, can_focus=True):
     prompt: tuple[str, ...] = ()
     lane: tuple[str, ...] = ()
     results: tuple[Line, ...] = ()
-    free_columns = 0  # the empty columns right of the picture
+    free_columns = 0  # empty columns right of the picture
     note: tuple[str, ...] = ()
     has_note = False
-    replaces_header = False  # whether the line below ends with what the run does and how far it has come
-    is_manual = False  # whether a person takes the actions
-    wanted_layer = Layer.Q  # the layer to draw, if this world has it; the table shows the same
-    drawn_layer = Layer.Q  # the layer that was drawn last
-    veils = False  # whether dots hide its numbers
-    range_of_v = ValueScale()  # the scale of V, by which actions lead, whatever is tinted
-    is_numbered = False  # whether the cells of a map have the numbers of their states
+    replaces_header = False  # the line below ends with phase and progress of the run
+    is_manual = False  # a person takes the actions
+    wanted_layer = Layer.Q  # layer to draw if available: the table shows the same
+    drawn_layer = Layer.Q  # layer of the last picture
+    veils = False  # dots hide its numbers
+    range_of_v = ValueScale()  # scale of V for the lead of actions, in any layer
+    is_numbered = False  # map cells show state numbers
     shows_actions = False
-    """Whether the cells of a map show Q of every action, where they have room, in place of V."""
+    """Whether map cells show every action instead of V."""
     _is_named_beside = False
     _stands_at: tuple[Piece, ...] = ()
-    _taken = 0  # cells that these take
-    _said = "", ""  # a mode or a lane, and what is said with it, in one line
+    _taken = 0  # cells of the text above
+    _said = "", ""  # a mode or run, and its text, in one line
 
     def __init__(self, world: World, look: Look, **options: Any) -> None:
         super().__init__(look, **options)
-        self.steady_scale = SteadyScale()  # the scale of all tints, shared by both runs
+        self.steady_scale = SteadyScale()  # colour scale of both runs
         self.enter(world)
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
-        """Take ``world`` for the one that is drawn; where it ``goes_on``, the cursor stays."""
+        """Switch to ``world``. The cursor stays if it ``goes_on``."""
         self.world, self.number_forms = world, SteadyForms()
         if not goes_on:
-            self.cursor: int | None = None  # where the user put it; None while it stays with the agent
-        self._pointed: int | None = None  # where the cursor of another panel stands
+            self.cursor: int | None = None  # set by the user, None while it follows the agent
+        self._pointed: int | None = None  # cursor of another panel
 
     @property
     def lacks_room(self) -> bool:
-        """Whether cells are too small for Q of every action, though they are to show it."""
+        """Whether cells are too small to show every action as wanted."""
         return False
 
     def has_room_in(self, width: int, height: int) -> bool:
-        """Return whether cells have room for what they are to show in a panel of that size."""
+        """Return whether cells of this panel size show what is wanted."""
         return True
 
     def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...], *, has_keys: bool) -> None:
-        """Say what mode is on, and whether its keys count here; without a title none is."""
+        """Show the active mode, and whether its keys work here."""
         self.set_class(has_keys, "-manual")
         if (title, prompt) != (self.title, self.prompt):
             self.title, self.prompt = title, prompt
             self.redraw()
 
     def take_over(self, other: WorldView) -> None:
-        """Take from the view ``other`` what a mode has made of it, and the focus: this one is led now."""
+        """Take mode and focus from ``other``, when control changes runs."""
         self.is_manual, other.is_manual = other.is_manual, False
         self.is_drawn_on, other.is_drawn_on = other.is_drawn_on, False
         self.picked, other.picked = other.picked, frozenset()
@@ -128,7 +128,7 @@ class WorldView(DrawnPicture, can_focus=True):
             self.focus()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``; another seed may have made another world of the same kind, or an edit."""
+        """Draw ``snapshot``, possibly of another world."""
         if is_new_run(self.snapshot, snapshot):
             self.steady_scale.clear()
         if snapshot.world is not self.world:
@@ -140,84 +140,84 @@ class WorldView(DrawnPicture, can_focus=True):
 
     @property
     def cells(self) -> Cells | None:
-        """The cells of the map in view, None where all of it is or there is no map."""
+        """The visible cells of the map, or None."""
         return None
 
     @property
     def is_away(self) -> bool:
-        """Whether cursor or view were moved away from the agent, and not back."""
+        """Whether cursor or view are away from the agent."""
         return self.cursor is not None
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs of the world; those of what is drawn and not in force may be in the title."""
+        """Return the signs of the world."""
         drawn = () if self.title else edit_signs(snapshot.editor, self.look)
         return *self.random_signs(), *drawn, *self.signs()
 
     def signs(self) -> Iterable[LegendSign]:
-        """Return the signs that pictures of this world may have, those that matter most first."""
+        """Return the possible signs, most important first."""
         raise NotImplementedError
 
     def agent_sign(self) -> LegendSign:
-        """Return the sign of where the agent is."""
+        """Return the sign of the agent."""
         who = AGENT if self.snapshot is None else agent_meaning(self.snapshot)
         return LegendSign(self.look.glyphs.agent, who, self.look.palette.agent)
 
     # Places
 
     def agent_place(self, snapshot: Snapshot) -> int:
-        """Return where the agent is."""
+        """Return the place of the agent."""
         return snapshot.counters.state
 
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the place ``rows`` below and ``columns`` to the right, or the last one on the way."""
+        """Return the place that far below and right."""
         raise NotImplementedError
 
     def state_at(self, place: int) -> int | None:
-        """Return the state at ``place``, None where there is none."""
+        """Return the state at ``place``, or None."""
         return place
 
     def name_at(self, place: int) -> str:
-        """Return what stands at ``place``, empty where nothing does that has a name."""
+        """Return the name of the state at ``place``, or nothing."""
         state = self.state_at(place)
         return "" if state is None else f"state {state_name(self.world, state, self.look.glyphs)}"
 
     def pairs_at(self, place: int) -> range:
-        """Return the pairs that ``place`` is about."""
+        """Return the pairs at ``place``."""
         state = self.state_at(place)
         return NOWHERE if state is None else self.world.space.pairs_of(state)
 
     def place_of(self, pair: int) -> int:
-        """Return the place that ``pair`` is about."""
+        """Return the place of ``pair``."""
         return self.world.space.state_of(pair)
 
     @property
     def page_size(self) -> tuple[int, int]:
-        """How many rows and columns a page key moves the cursor."""
+        """The rows and columns of a page key."""
         return 1, 1
 
     @property
     def cursor_place(self) -> int | None:
-        """Where the cursor stands: with the agent until it is moved; None before the first snapshot."""
+        """The place of the cursor, by default the agent's."""
         if self.cursor is not None or self.snapshot is None:
             return self.cursor
         return self.agent_place(self.snapshot)
 
     @property
     def shown_cursor(self) -> int | None:
-        """The place at which a cursor is drawn: its own while in focus, else that of another panel."""
+        """The place to draw a cursor, its own or another panel's."""
         if self.is_manual:
             return None
         return self.cursor_place if self.has_focus else self._pointed
 
     def put_cursor(self, place: int) -> None:
-        """Put the cursor on ``place``, and scroll so far that it is seen."""
+        """Move the cursor to ``place`` and scroll to it."""
         self.cursor = place
         self.keep_in_view(place)
         self.redraw()
         self._tell(self.pairs_at(place))
 
     def point_at(self, pairs: range) -> None:
-        """Show where the cursor of another panel stands; no pairs: it has none."""
+        """Show the cursor of another panel, if any."""
         if pairs:
             self._pointed = self.place_of(pairs.start)
             self.keep_in_view(self._pointed)
@@ -228,10 +228,10 @@ class WorldView(DrawnPicture, can_focus=True):
         self.redraw()
 
     def keep_in_view(self, place: int) -> None:
-        """Scroll so far that ``place`` is seen."""
+        """Scroll until ``place`` is visible."""
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take cursor, scale and forms of the view ``twin``; subclasses take the rest of its stance."""
+        """Take cursor, scale and forms of ``twin``."""
         if isinstance(twin, WorldView):
             self.steady_scale, self.number_forms, at = twin.steady_scale, twin.number_forms, twin.cursor
             place = None if at is None else self.place_in(at, twin.world, self.world)
@@ -239,7 +239,7 @@ class WorldView(DrawnPicture, can_focus=True):
                 self.cursor = place
 
     def takes_stance_of(self, twin: WorldView) -> bool:
-        """Return whether all that ``twin`` shows holds here: in another world only where this one is led."""
+        """Return whether the stance of ``twin`` applies here."""
         return self.is_led or are_alike(twin.world, self.world)
 
     def _tell(self, pairs: range) -> None:
@@ -247,7 +247,7 @@ class WorldView(DrawnPicture, can_focus=True):
             self.post_message(Pointed(self, pairs))
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the drawing of ``snapshot``, a moment of a run in this view's world."""
+        """Return the picture of ``snapshot``."""
         if snapshot is None:
             return self._waiting(width, height)
         has_line = self.cell is not None and height > 1
@@ -277,7 +277,7 @@ class WorldView(DrawnPicture, can_focus=True):
         return [Strip.join((one.crop(0, left), other)) for one, other in zip(strips, lines, strict=True)]
 
     def has_layer(self, layer: Layer) -> bool:
-        """Return whether it is drawn otherwise in ``layer`` than in others; V is drawn where it is not."""
+        """Return whether ``layer`` has its own picture here."""
         snapshot = self.snapshot
         return snapshot is not None and self._layer_of(snapshot, layer) is layer
 
@@ -311,7 +311,7 @@ class WorldView(DrawnPicture, can_focus=True):
     def _say(self, headings: Sequence[str], footings: Sequence[str], width: int) -> None:
         self.heading, self.footing = self.fitting(headings, width), self.fitting(footings, width)
         pairs = ((heading, footing) for heading in headings for footing in footings)
-        room = width - self._taken - (4 if self.title else 2)  # blanks around a mode, before what it says
+        room = width - self._taken - (4 if self.title else 2)  # blanks around a mode, before its text
         fitting = (pair for pair in pairs if sum(map(cell_len, pair)) <= room)
         self._said = next(fitting, (self.heading, ""))
 
@@ -329,7 +329,7 @@ class WorldView(DrawnPicture, can_focus=True):
             said += [Piece(heading, palette.strong)]
         if footing:
             said += [Piece("  " if said else "", palette.text), Piece(footing, palette.dim)]
-        # of two runs one has scale and legend: below both maps, else the one with fewer words
+        # of two runs, one shows scale and legend: below both maps, else the one with fewer words
         tells = not self.lane or self.has_note is self._is_named_beside
         signs = self.legend(snapshot) if self.is_explained and tells else ()
         if self.note:
@@ -341,12 +341,12 @@ class WorldView(DrawnPicture, can_focus=True):
         return Strip.join((line, strips_of([self._stands_at], self._taken, 1, self.look)[0]))
 
     def fitting(self, titles: Iterable[str], width: int) -> str:
-        """Return the first of ``titles`` that fits into the line below a picture of ``width`` cells."""
+        """Return the first of ``titles`` that fits below the picture."""
         return super().fitting(titles, width - self._taken)
 
     @property
     def named_scale(self) -> NamedScale | None:
-        """The scale of the tints and the word for it; None where nothing is tinted."""
+        """The colour scale with its word, or None."""
         layer = self.drawn_layer
         if isinstance(self.world.drawing, Arms) or (self.lacks_table and layer not in WORDS):
             return None
@@ -383,23 +383,23 @@ class WorldView(DrawnPicture, can_focus=True):
         return f"{name} · t b: breakpoint · esc: back", f"{name} · esc: back", name
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return ``height`` strips of ``width`` cells (both at least 1)."""
+        """Return ``height`` strips of ``width`` cells, both ≥ 1."""
         raise NotImplementedError
 
     def pan(self, rows: int, columns: int) -> None:
-        """Scroll by hand, so many steps down and to the right, where there is more than fits."""
+        """Scroll down and right."""
 
     def follow(self) -> None:
-        """Undo all scrolling by hand."""
+        """Undo manual scrolling."""
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Leave escape to the screen while there is nothing to go back from; an unseen cursor stays."""
+        """Leave escape to the screen while following."""
         if action == "back":
             return self.is_away
         return not (self.is_manual and action in ("move", "page"))
 
     def action_move(self, rows: int, columns: int) -> None:
-        """Move the cursor; the first move starts where the agent is."""
+        """Move the cursor, at first from the agent."""
         place = self.cursor_place
         if place is not None:
             self.put_cursor(self.moved(place, rows, columns))
@@ -421,7 +421,7 @@ class WorldView(DrawnPicture, can_focus=True):
         self._tell(NOWHERE)
 
     def on_click(self, event: events.Click) -> None:
-        """Put the cursor where the pointer is."""
+        """Move the cursor to the clicked place."""
         offset = event.get_content_offset(self)
         if offset is None or self.snapshot is None or self.is_manual or self.is_drawn_on:
             return
@@ -432,19 +432,19 @@ class WorldView(DrawnPicture, can_focus=True):
                 self.post_message(PartPointed(self, self.part_at(*offset)))
 
     def on_resize(self) -> None:
-        """Bring the part that is in view now into view in the lane beside."""
+        """Align the other run's view with this one."""
         if not self.is_led:
             self.post_message(Moved(self))
 
     def watch_has_focus(self, has_focus: bool) -> None:
-        """Show or hide the cursor, here and in other panels."""
+        """Show or hide the cursor in all panels."""
         super().watch_has_focus(has_focus)
         self.redraw()
         shown = self.cursor if has_focus else None
         self._tell(NOWHERE if shown is None else self.pairs_at(shown))
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
-        """Scroll by so many rows, with shift or ctrl by columns; where it is drawn on, tell of the turn."""
+        """Scroll by ``rows``, with shift sideways, or report a stroke."""
         event.stop()
         if self.turns(event, rows):
             return
