@@ -35,7 +35,7 @@ def test_nothing_is_written_whatever_is_typed(tmp_path: Path) -> None:
     with PseudoTerminal(
         ["env", "-C", str(tmp_path / "work"), *RL_TUI], environment, size=(100, 30)
     ) as terminal:
-        terminal.wait_for(r"See why\. +kiosk")
+        terminal.wait_for(r"See how\. +kiosk")
         terminal.wait_for("bandit")
         assert "Mine" not in terminal.written.decode(errors="replace")
         terminal.press("\x1b[3~")

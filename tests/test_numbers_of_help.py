@@ -41,7 +41,7 @@ ELSEWHERE: Final = (
     "the 95 % interval of the mean.",  # tests/studies/statistics
     "An example: rl-tui train cliff --runs 50 --json > cliff.json",  # a choice
     "rl-tui sweep cliff --vary alpha=0.05:1:8 --vary algorithm=q-learning,sarsa --runs 30",  # a choice
-    "under the same 30 seeds",  # that one
+    "with the same 30 seeds",  # that one
     "After some 1,300 steps",  # test_watched_lake.py, as the next two
     "it takes some 1,300 steps",
     "Step 376 is the first step onto the goal.",

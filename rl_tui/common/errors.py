@@ -5,13 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any
+from typing import Any, Final
 
 from rl_tui.common.limits import MOST_FAULTS
+
+NO_FILE: Final = "no such file"
 
 
 class UserError(Exception):
     """An error that the user can fix. Its text is one line: place, problem, fix."""
+
+
+def complaint(found: str, expected: str) -> str:
+    """Return the words of an error: what a file contains, and what it should contain."""
+    if found == "nothing":
+        return f"missing; expected {expected}"
+    return f"{found}; expected {expected}" if found == NO_FILE else f"found {found}; expected {expected}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +41,7 @@ class Fault:
 
     def __str__(self) -> str:
         where = f"{self.file}: {self.place}" if self.place else self.file
-        return f"{where}: found {self.found}; expected {self.expected}"
+        return f"{where}: {complaint(self.found, self.expected)}"
 
 
 class ScenarioError(UserError):

@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO, Final
 
+from rl_tui.common.errors import NO_FILE, complaint
 from rl_tui.common.limits import LARGEST_FILE
 
 # O_NONBLOCK: opening a pipe would wait for a writer. O_NOCTTY: a terminal named here does not become ours.
@@ -34,7 +35,7 @@ class UnreadableError(Exception):
     """A file without usable content. `place` is the line and column, if known."""
 
     def __init__(self, place: str, found: str, expected: str) -> None:
-        super().__init__(f"found {found}; expected {expected}")
+        super().__init__(complaint(found, expected))
         self.place, self.found, self.expected = place, found, expected
 
 
@@ -143,6 +144,6 @@ def _other_kind(mode: int) -> str:
 def _unreadable(error: OSError | ValueError, kind: str) -> UnreadableError:
     """Convert `error` to an UnreadableError. A ValueError is a null character in the path."""
     if isinstance(error, OSError) and error.errno in _MISSING:
-        return UnreadableError("", "no such file", kind)
+        return UnreadableError("", NO_FILE, kind)
     reason = getattr(error, "strerror", None) or str(error)
     return UnreadableError("", f"a file that cannot be read ({reason})", kind)

@@ -153,8 +153,8 @@ def read_change(text: str) -> JournalEntry:
         raise ValueError(f"{shown(text)}: every estimate starts from {name}; it cannot change on the way")
     if name not in _NAMES:
         raise ValueError(
-            f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM}, {TAKE}, {SWEEP}, or a "
-            f"change of the world such as world.cell[1,2]=#{near(name, _NAMES)}"
+            f"{shown(text)}: unknown name {shown(name)}; expected a setting, {ALGORITHM}, {TAKE}, {SWEEP} "
+            f"or a change of the world such as world.cell[1,2]=#{near(name, _NAMES)}"
         )
     return JournalEntry(step, _read(text, name, value if name == TAKE else value.strip()))
 

@@ -75,7 +75,7 @@ def test_csv_on_stdout_is_alone() -> None:
         (("9.9",), "'9.9' is not one of"),
         ((), "Missing argument"),
         (("8.2", "--out", "x.jpg"), "does not end in .svg or .png"),
-        (("8.2", "--runs", "0"), "not a whole number"),
+        (("8.2", "--runs", "0"), "a whole number in"),
         (("8.2", "--json", "--csv", "-"), "both want stdout"),
         (("8.2", "--csv", "x.svg", "--out", "x.svg"), "both want the same file"),
     ],

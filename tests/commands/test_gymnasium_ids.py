@@ -125,7 +125,7 @@ def test_csv_has_the_episodes(tmp_path: Path):
         (["train", "gym:CartPole-v1"], "[gymnasium.bins] in a scenario file"),
         (["train", "gym:Blackjack-v1", "--algorithm", "value-iteration"], "this environment has none"),
         (["bench", "gym:Blackjack-v1"], "choose a scenario such as frozenlake"),
-        (["check", "gym:FrozenLake-v1"], "gym:FrozenLake-v1: found no such file"),
+        (["check", "gym:FrozenLake-v1"], "gym:FrozenLake-v1: no such file"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(args, line):

@@ -198,7 +198,7 @@ def test_what_is_no_file_is_refused_in_a_line(name: str) -> None:
 
 def test_without_a_terminal_json_does(tmp_path: Path) -> None:
     code, _, complaint = run(script_in(tmp_path, "x = 1\n"))
-    assert (code, complaint.endswith("; --json does without\n")) == (2, True)
+    assert (code, complaint.endswith("; --json works without one\n")) == (2, True)
 
 
 @pytest.mark.parametrize(("name", "value"), [("RL_TUI_KIOSK", "1"), ("TEXTUAL_DRIVER", "rl_tui")])

@@ -88,7 +88,7 @@ def test_what_stands_in_a_file_is_bounded(tmp_path: Path) -> None:
     path.write_text("#" * (LONGEST_PROGRAM + 1))
     with pytest.raises(UserError, match=r"^x\.py: found 200,001 characters"):
         read_code(path)
-    with pytest.raises(UserError, match=r"^none\.py: found no such file"):
+    with pytest.raises(UserError, match=r"^none\.py: no such file"):
         read_code(tmp_path / "none.py")
 
 

@@ -103,7 +103,7 @@ async def test_it_begins_on_the_second_door_above_scenarios_in_teaching_order(ma
         await tap(pilot, "k")
         assert doors(pilot).has_focus
         await tap(pilot, "3")
-        assert "Nothing to go on with yet" in notes(pilot.app)[-1]
+        assert "Nothing to continue yet" in notes(pilot.app)[-1]
 
 
 async def test_minutes_are_those_of_the_next_page_and_five_lessons_are_the_core_course(
@@ -141,7 +141,7 @@ async def test_a_kiosk_has_three_doors_and_writes_no_world() -> None:
     )
     app.NOTIFICATION_TIMEOUT = 3600.0
     async with on_screen(app, (60, 18), notifications=True) as pilot:
-        assert "3 Go on" in words_of(doors(pilot))
+        assert "3 Continue" in words_of(doors(pilot))
         assert "4" not in words_of(doors(pilot))
         for key, why in (("4", "a kiosk opens no files"), ("n", "a kiosk writes no files")):
             await tap(pilot, key)

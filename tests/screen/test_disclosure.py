@@ -136,7 +136,7 @@ async def test_a_caption_says_what_is_learned(size: tuple[int, int], make_app: M
             "Nothing is learned yet: no step was taken.",
             "Nothing is learned yet: that begins with the first reward.",
         ]
-        assert said[3] == "An optimal policy is found: no other is worth more."
+        assert said[3] == "Optimal policy found: no other policy is better."
         await press(pilot, "f")
         assert text_of(pilot, row) == said[3], "it stays where it is"
         await press(pilot, "f", "m", "p")

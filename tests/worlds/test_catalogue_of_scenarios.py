@@ -152,7 +152,7 @@ def test_finds_a_file_by_its_path(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for path in ("mine.toml", "./mine.toml", str(tmp_path / "mine.toml")):
         assert catalogue.find(path).id == "mine"
-    with pytest.raises(ScenarioError, match=r"^other\.toml: found no such file"):
+    with pytest.raises(ScenarioError, match=r"^other\.toml: no such file"):
         catalogue.find("other.toml")
 
 
@@ -161,7 +161,7 @@ def test_finds_a_file_by_its_path(tmp_path, monkeypatch):
     [
         ("frozenlke", r'no scenario is called "frozenlke": did you mean frozenlake'),
         ("Bandit", "did you mean bandit"),
-        ("xyz", f"there are {', '.join(SHIPPED)}$"),
+        ("xyz", f"choose from {', '.join(SHIPPED)}$"),
         ("a\x1b[31m", r"no scenario is called \"a\\u001b\[31m\""),
     ],
 )

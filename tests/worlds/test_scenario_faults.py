@@ -284,7 +284,7 @@ ONE_FAULT = {
     ),
     "a number for an id": (
         "[gymnasium]\nid = 3\n",
-        ("gymnasium.id", "3", "one line of text of at most 100 characters, none of them a control character"),
+        ("gymnasium.id", "3", "one line of text of at most 100 characters, without control characters"),
     ),
     "no id": ("[gymnasium]\n", ("gymnasium.id", "nothing", "one line of text of at most 100 characters, .*")),
     "a control character in the title": (
@@ -399,7 +399,7 @@ def test_a_file_that_cannot_be_read(path, found, tmp_path):
 
 def test_a_fault_reads_as_one_line():
     path = Path("no/such.toml")
-    with pytest.raises(ScenarioError, match=r"^no/such\.toml: found no such file; expected a TOML file$"):
+    with pytest.raises(ScenarioError, match=r"^no/such\.toml: no such file; expected a TOML file$"):
         read_scenario(path)
 
 

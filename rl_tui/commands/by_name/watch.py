@@ -61,7 +61,7 @@ def command(
     if in_browser():
         raise UserError("watch runs your own code, which is not allowed where rl-tui is served")
     if not as_json:
-        require_terminal("--json does without")
+        require_terminal("--json works without one")
     check_script(Path(script))
     request = ProgramRequest(Path(script), arguments, seed=seed, steps=steps, table=table)
     if not as_json:

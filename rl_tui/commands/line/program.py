@@ -86,7 +86,7 @@ class Program(click.Group):
             sys.stdout.flush()
         except click.UsageError as fault:
             where = fault.ctx.command_path if fault.ctx else "rl-tui"
-            problem = fault.format_message()
+            problem = " ".join(fault.format_message().split())  # choices come one a line
             if isinstance(fault, click.NoSuchOption):
                 problem = _unknown_option(fault, self)
             return _fail(f"{where}: {problem} ({where} --help lists the options)", USAGE)

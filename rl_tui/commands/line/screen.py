@@ -119,7 +119,7 @@ class NoTerminalError(click.ClickException):
     exit_code = USAGE
 
 
-def require_terminal(instead: str = "rl-tui train and rl-tui screenshot do without") -> None:
+def require_terminal(instead: str = "rl-tui train and rl-tui screenshot work without one") -> None:
     """Check that the app can draw on this terminal.
 
     Args:

@@ -49,7 +49,7 @@ class ParameterValue(OptionValue):
         if isinstance(value, str) and value in self.parameter.words:
             return value
         if number is None or not self.parameter.accepts(number):
-            self.fail(f"{value} is not {self.parameter.expected}", param, ctx)
+            self.fail(f"expected {self.parameter.expected}, not {value}", param, ctx)
         return number
 
 
@@ -68,7 +68,7 @@ class Whole(OptionValue):
         except ValueError:
             number = None
         if number is None or number not in self.range:
-            self.fail(f"{value} is not a whole number in {self.range}", param, ctx)
+            self.fail(f"expected a whole number in {self.range}, not {value}", param, ctx)
         return number
 
 
@@ -84,7 +84,7 @@ class Real(OptionValue):
         """Return the number, or fail with the range."""
         number = number_in(value)
         if number is None or not math.isfinite(number) or number not in self.range:
-            self.fail(f"{value} is not a number in {self.range}", param, ctx)
+            self.fail(f"expected a number in {self.range}, not {value}", param, ctx)
         return number
 
 

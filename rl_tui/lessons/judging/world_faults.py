@@ -32,7 +32,8 @@ def reference_faults(lesson: Lesson) -> list[Fault]:
             worlds[name] = recipe, begin(recipe).world
             check_compatible(worlds[name][1].space, recipe.algorithm, recipe.hyperparameters)
         except UserError as reason:
-            findings.append(Finding(("setups", name), "a run that cannot begin", str(reason)))
+            what = f"a setup that cannot run ({reason})"
+            findings.append(Finding(("setups", name), what, "a setup that runs"))
     for number, page in enumerate(lesson.pages):
         found = worlds.get(lesson.setup_of(page.id))
         if found is None:

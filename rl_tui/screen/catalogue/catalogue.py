@@ -121,7 +121,7 @@ class CatalogueScreen(SavedSessions):
 
     def content(self) -> Iterable[Widget]:
         """Yield the doors, the lists and the details."""
-        title = " rl-tui  An agent learns from rewards. See why."
+        title = " rl-tui  An agent learns from rewards. See how."
         yield Static(f"{title}  kiosk" if self.in_kiosk else title, id="title")
         doors = [learn_door(None), watch_door(), go_on_door((), datetime.now(UTC), in_kiosk=self.in_kiosk)]
         if not self.in_kiosk:
@@ -401,7 +401,7 @@ class CatalogueScreen(SavedSessions):
         elif sessions := self.query_one(SessionList).sound:
             self.resume(sessions[0])
         else:
-            self.tell("Nothing to go on with yet. 2 watches an agent learn.")
+            self.tell("Nothing to continue yet. 2 watches an agent learn.")
 
     def action_open(self) -> None:
         """Open the door in focus, else the row under the cursor."""

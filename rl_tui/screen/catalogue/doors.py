@@ -161,20 +161,20 @@ def learn_door(found: LessonEntries | None) -> Door:
 
 def watch_door() -> Door:
     """Return the door of the demonstration."""
-    return Door("Watch it learn", "One lake, slowly enough to see why. No key needed.", "space pauses")
+    return Door("Watch it learn", "One lake, slowly enough to see why. Press no key.", "space pauses")
 
 
 def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bool) -> Door:
     """Return the door of the sessions."""
     if not sessions:
         text = "Nothing is saved here: this is a kiosk." if in_kiosk else "Your runs are saved automatically."
-        return Door("Go on", text, "nothing yet")
+        return Door("Continue", text, "nothing yet")
     newest = sessions[0]
     age = short_age(now - newest.saved, newest.saved)
     age = age if age == "now" or age[0:4].isdigit() else f"{age} ago"
     more = f"{len(sessions) - 1} more: tab" if len(sessions) > 1 else f"step {newest.step:,}"
     text = f"{newest.title} · {algorithm_name(newest.algorithm)}"
-    return Door("Go on", text, f"{age} · {more}", f"{age}: {newest.title}")
+    return Door("Continue", text, f"{age} · {more}", f"{age}: {newest.title}")
 
 
 def own_code_door(scripts: Sequence[Path]) -> Door:

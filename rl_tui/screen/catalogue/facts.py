@@ -58,7 +58,7 @@ def blocks_of(scenario: Scenario, lessons: Sequence[str] = ()) -> list[Block]:
         (SEE, scenario.see or lesson_of(scenario.notes)),
         (TRY, scenario.try_this),
         ("The agent", defaults(scenario.defaults)),
-        ("Lessons here", _DOT.join(lessons)),
+        ("Used in lessons", _DOT.join(lessons)),
     ]
     return [(heading, text) for heading, text in blocks if text]
 

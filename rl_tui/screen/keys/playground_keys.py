@@ -112,7 +112,7 @@ _RUN: Final[tuple[Action, ...]] = (
     *(
         Action(id_, key, label, help_, command=does, symbol=sign, unfocused=True, takes_steps=key == "right")
         for id_, key, label, help_, does, sign in (
-            ("time.on", "right", "step on", "Take a step, or go on one in the past.", "run.step", "→"),
+            ("time.on", "right", "forward", "Take a step, or repeat one of the past.", "run.step", "→"),
             ("time.back", "left", "step back", "Go back one step.", "time.step_back", "←"),
             ("time.to_start", "home", "start", "Go to step 0.", "", ""),
             ("time.to_end", "end", "end", "Go to the end of the run so far.", "", ""),
@@ -298,7 +298,7 @@ _SIGHT: Final[tuple[Action, ...]] = (
             not_in_lesson=_STAYS,
         )
         for word, bracket, label, does, name in (
-            ("previous", "[", "world before", "previous", "left_square_bracket"),
+            ("previous", "[", "previous world", "previous", "left_square_bracket"),
             ("next", "]", "next world", "following", "right_square_bracket"),
         )
     ),

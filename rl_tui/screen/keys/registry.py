@@ -58,7 +58,7 @@ _LIST_ACTIONS: Final[tuple[Action, ...]] = (
         for number, label, help_ in (
             (1, "learn", "Open the list of lessons."),
             (2, "watch", "Watch an agent learn to cross a lake."),
-            (3, "go on", "Go on with the newest session."),
+            (3, "continue", "Continue the newest session."),
             (4, "your code", "Show how to watch your script."),
         )
     ),
@@ -76,7 +76,7 @@ _LIST_ACTIONS: Final[tuple[Action, ...]] = (
         "open_lesson",
         "enter",
         "go on",
-        "Begin the lesson, or go on where you left it.",
+        "Begin the lesson, or continue where you left it.",
         Group.LISTS,
         Place.LESSONS,
         rank=0,

@@ -41,7 +41,7 @@ def caption(snapshot: Snapshot) -> str:
     if isinstance(snapshot.world.drawing, Arms):
         return "Each pull moves the estimate of its arm towards what it paid."
     if has_optimal_policy(snapshot):
-        return "An optimal policy is found: no other is worth more."
+        return "Optimal policy found: no other policy is better."
     counted = valued_states(snapshot)
     if counted is None:
         return "Values spread over the map."  # only a part of the values is known

@@ -45,10 +45,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.WORLD,
         "rl_tui.screen.panels.world_views:WorldPlaceholder",
         "World",
-        "The world as the agent knows it: colour and number show V(s), how good a state looks. Arrows, bold "
-        "edges or ▸ mark greedy actions, and several arrows (or *) are a tie. ◉ agent, ★ goal, ● hole, ╱ "
-        "cliff, S start, · equal or unknown. A frame marks the last update, ◤ a state where two runs "
-        "differ. An arm shows its estimate ± standard error.",
+        "The world with the estimates of the agent. Colour and number show V(s), how good a state looks. "
+        "Arrows, bold edges or ▸ mark greedy actions. Several arrows (or *) mean a tie. ◉ agent, ★ goal, "
+        "● hole, ╱ cliff, S start, · all actions equal or unknown. A frame marks the last update, and ◤ a "
+        "state where two runs differ. In a bandit, each arm shows its estimate ± standard error.",
         caption="as the agent meets it",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
@@ -71,10 +71,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.TABLE,
         "rl_tui.screen.panels.q_table.q_table:QTable",
         "Q",
-        "One row per state, one column per action, in the colours of the map. A frame marks the greedy "
-        "cell, ▐ ▴ ▾ the last update, a dot a pair that was never tried. v shows the exact Q*, the error "
-        "Q−Q* and visits. ‹ and › are values beyond the scale. <.01 and >−1 are not 0, but below the last "
-        "digit.",
+        "The estimates: one row per state, one column per action, in the colours of the world. A frame marks "
+        "the greedy action. ▐ ▴ ▾ mark the last update, and a dot a pair that was never tried. v shows the "
+        "exact Q*, the error Q−Q* and visits. ‹ and › mark values beyond the scale. A number too small to "
+        "show is <.01 or >−.01, not 0.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
         is_twofold=True,
@@ -83,10 +83,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CURVE,
         "rl_tui.screen.panels.curve.curve:ReturnCurve",
         "Return",
-        "The return of each episode, smoothed over as many episodes as the heading shows. The line is the "
-        "exact return of the greedy policy, with a gap if that may never end. The dashed line is optimal "
-        "for the current γ. ▾ and ▴ mark means off the axis. If all returns are equal, the area shows steps "
-        "per episode.",
+        "The mean return of the last episodes. The heading shows how many. The solid line is the exact "
+        "return of the greedy policy, with a gap if this policy may never end. The dashed line is the "
+        "return of the optimal policy for the current γ. ▾ and ▴ mark values beyond the axis. If all "
+        "returns are equal, the area shows the steps per episode.",
         caption="what each episode has earned",
         terms=(
             *("return", "episode", "greedy", "last-100", "gamma-best"),
@@ -143,9 +143,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.LAST_STEP,
         "rl_tui.screen.panels.last_step.last_step:LastStepPanel",
         "Last step",
-        "One turn of the loop: the action, its result, and the update in numbers. The heading says how the "
-        "action was chosen. The bar shows δ as a share of the range of all estimates, negative to the left. "
-        "If a step moves many estimates, one is shown and the others are counted.",
+        "One step: the action, its result, and the update in numbers. The heading shows how the action was "
+        "chosen. The bar compares δ with the range of all estimates. It points to the left if δ is "
+        "negative. If a step changes many estimates, the panel shows one and counts the others.",
         caption="one turn of the loop",
         terms=(
             *("td-error", "target", "bootstrap", "alpha", "gamma"),
@@ -156,8 +156,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CAPTION,
         "rl_tui.screen.panels.caption:CaptionLine",
         "Caption",
-        "One sentence on what is being learned: nothing yet, how far values have spread, or that an optimal "
-        "policy is found. It appears in full screen (f), and while panels appear one by one.",
+        "One sentence about progress: nothing yet, how far values have spread, or that an optimal policy is "
+        "found. It appears in full screen (f), and while panels appear one by one.",
         caption="what is learned just now",
         terms=("state", "value", "reward", "policy", "greedy"),
         has_border=False,

@@ -150,7 +150,8 @@ class SweepPlan:
         for each in self.variations:
             if each.count == 0 and self.random is None:
                 raise UserError(
-                    f"--vary {each.text}: how many values? Expected {each.text}:COUNT, or --random N"
+                    f"--vary {each.text}: the number of values is missing; "
+                    f"expected {each.text}:COUNT, or --random N"
                 )
         if self.first_seed + 2 * self.runs > LARGEST_SEED:
             raise UserError(

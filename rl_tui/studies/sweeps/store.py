@@ -153,7 +153,7 @@ class Store:
         """Open the store at `path` for reading, even while another process writes it."""
         _check_kind(path)
         if not path.exists():
-            raise UserError(f"{path}: found no such file; expected {_KIND}")
+            raise UserError(f"{path}: no such file; expected {_KIND}")
         with _in_one_line(str(path)):
             database = _opened_to_read(path)
             try:

@@ -107,7 +107,7 @@ def find(name_or_path: str) -> Scenario:
                 return read_scenario(path, ask_environment=False)
     names = [scenario.id for scenario in scenarios()]
     near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(names)}"
+    hint = f"did you mean {', '.join(near)}?" if near else f"choose from {', '.join(names)}"
     raise UserError(f"no scenario is called {shown(name_or_path)}: {hint}")
 
 

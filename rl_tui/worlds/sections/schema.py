@@ -108,7 +108,7 @@ def with_control_character(value: object, also: str = "") -> str:
 def text(longest: int) -> Expect:
     """Expect one line of at most `longest` characters."""
     return Expect(
-        f"one line of text of at most {longest:,} characters, none of them a control character",
+        f"one line of text of at most {longest:,} characters, without control characters",
         lambda value: isinstance(value, str) and len(value) <= longest and is_plain(value),
         with_control_character,
     )
@@ -121,7 +121,7 @@ def markdown(longest: int) -> Expect:
         return with_control_character(unescape(value) if isinstance(value, str) else value, _IN_LINES)
 
     return Expect(
-        f"a text of at most {longest:,} characters, none of them a control character",
+        f"a text of at most {longest:,} characters, without control characters",
         lambda value: (
             isinstance(value, str)
             and len(value) <= longest

@@ -56,7 +56,7 @@ def command(
     from rl_tui.commands.line.screen import require_terminal, run_app
 
     enter_kiosk("learn")
-    require_terminal("rl-tui learn --list does without")
+    require_terminal("rl-tui learn --list works without one")
     if lesson is None:
         from rl_tui.screen.keys.action import Place
 

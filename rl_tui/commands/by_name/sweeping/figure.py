@@ -27,7 +27,7 @@ MOST_RUNS: Final = 100_000
 
 
 @click.command("figure")
-@click.argument("number", type=click.Choice(list(FIGURES)), metavar="|".join(FIGURES))
+@click.argument("number", type=click.Choice(list(FIGURES)), metavar="FIGURE")
 @click.option(
     "--runs",
     type=Whole(1, MOST_RUNS),

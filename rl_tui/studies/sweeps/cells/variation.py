@@ -157,8 +157,8 @@ def read_variation(text: str) -> Variation:
         raise ValueError(f"{shown(text)} is not {FORM}, such as alpha=0.01:1:log:20")
     if name not in _NAMES and not name.startswith(PREFIX):
         raise ValueError(
-            f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM}, {SCENARIO}, or a parameter "
-            f"of the world such as {PREFIX}noise{near(name, _NAMES)}"
+            f"{shown(text)}: unknown name {shown(name)}; expected a setting, {ALGORITHM}, {SCENARIO}, or a "
+            f"parameter of the world such as {PREFIX}noise{near(name, _NAMES)}"
         )
     try:
         return _read_values(name, values.strip())
