@@ -347,7 +347,7 @@ class DiscountPanel(Panel, can_focus=True):
         if self._pointed and self._pointed.start < space.pairs:
             return space.state_of(self._pointed.start)
         here = snapshot.counters.state
-        if not passes_too_fast(snapshot) and here < space.states and space.pairs_of(here):
+        if not passes_too_fast(snapshot) and here < space.states and len(space.pairs_of(here)) > 1:
             return here
         mdp = snapshot.world.mdp
         assert mdp is not None
