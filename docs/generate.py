@@ -45,6 +45,8 @@ FOLDER = Path(__file__).parent
 BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 LISTS = {Place.CATALOGUE: "Start screen", Place.LESSONS: "List of lessons"}
 PLACES = {Place.LESSONS | Place.PLAYGROUND: "(list of lessons too)", Place.EVERY: "(everywhere)"}
+ALGORITHMS = f"one of {', '.join(BY_ID)}"
+SWEEPS_ONLY = ("area", "arrival")
 _LAKE = "frozenlake-slippery"
 _LESSON_KEYS = "pagedown,pagedown,pagedown,pagedown,y,1,pagedown,enter,-,2,enter,1"
 PICTURES = {
@@ -296,7 +298,8 @@ def _records(context: click.Context) -> Iterator[Option]:
 
 
 def _item(option: Option) -> str:
-    return _wrapped(f"* `{option.written}`: {option.meaning}", indent="  ")
+    meaning = option.meaning.replace(ALGORITHMS, "[an algorithm](agents.md#algorithms)")
+    return _wrapped(f"* `{option.written}`: {meaning}", indent="  ")
 
 
 def _wrapped(text: str, indent: str = "") -> str:
@@ -305,12 +308,13 @@ def _wrapped(text: str, indent: str = "") -> str:
 
 def run_measures() -> str:
     """Return the measures of a run that ``train --json`` prints."""
-    return _measures(each for each in MEASURES if each not in ("area", "arrival"))
+    return _measures(each for each in MEASURES if each not in SWEEPS_ONLY)
 
 
 def sweep_measures() -> str:
-    """Return the measures of a sweep."""
-    return _measures(SWEEP_MEASURES)
+    """Return the measures of a sweep: in full those that a run does not have."""
+    shared = ", ".join(f"`{each}`" for each in SWEEP_MEASURES if each not in SWEEPS_ONLY)
+    return f"{_measures(SWEEPS_ONLY)}\n\n{_wrapped(f'As of [a run](commands.md#train): {shared}.')}"
 
 
 def _measures(names: Iterable[str]) -> str:
