@@ -30,7 +30,6 @@ from rl_tui.lessons.judging.measures import MEASURES as LESSON_MEASURES
 from rl_tui.lessons.judging.measures import MeasureKind
 from rl_tui.runs.library import listing
 from rl_tui.runs.measures import MEASURES
-from rl_tui.screen.glossary.glossary import FigureFacts, FigureLimit
 from rl_tui.screen.glossary.glossary import glossary as terms
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.registry import ACTIONS
@@ -44,20 +43,10 @@ from rl_tui.worlds.files.catalogue import shipped_folder
 
 FOLDER = Path(__file__).parent
 BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
-PLACES = {
-    Place.CATALOGUE: "start screen",
-    Place.LESSONS: "list of lessons",
-    Place.PLAYGROUND: "",
-    Place.LESSONS | Place.PLAYGROUND: "list of lessons too",
-    Place.EVERY: "everywhere",
-}
-LIMITS = {
-    FigureLimit.EPISODE: "within the time limit",
-    FigureLimit.NONE: "no time limit",
-    FigureLimit.STEP: "one step",
-    FigureLimit.RUN: "the whole run",
-    FigureLimit.MOMENT: "the last moments",
-}
+LISTS = {Place.CATALOGUE: "Start screen", Place.LESSONS: "List of lessons"}
+PLACES = {Place.LESSONS | Place.PLAYGROUND: "(list of lessons too)", Place.EVERY: "(everywhere)"}
+ALGORITHMS = f"one of {', '.join(BY_ID)}"
+SWEEPS_ONLY = ("area", "arrival")
 _LAKE = "frozenlake-slippery"
 _LESSON_KEYS = "pagedown,pagedown,pagedown,pagedown,y,1,pagedown,enter,-,2,enter,1"
 PICTURES = {
@@ -110,28 +99,33 @@ def drawn(picture: str) -> str:
 
 
 def keys() -> str:
-    """Return the keys, a table for each menu and each group of other keys."""
-    parts = []
-    for heading in dict.fromkeys(action.heading for action in ACTIONS):
-        rows = [_key_row(action) for action in ACTIONS if action.heading == heading]
-        parts += [f"### {heading}", _table(("key", "name", "what it does"), rows)]
-    return "\n\n".join(parts)
+    """Return the keys in one table, each menu and each group of other keys below its name."""
+    rows: list[tuple[str, ...]] = []
+    for group in dict.fromkeys(_group(action) for action in ACTIONS):
+        rows += [(f"**{group}**", "", ""), *(_key_row(each) for each in ACTIONS if _group(each) == group)]
+    return _table(("key", "name", "what it does"), rows)
 
 
 def drawing_keys() -> str:
     """Return what draws a policy, and each kind of world, with its keys."""
     kinds = {"A map": Grid, "A graph": Graph, "A bandit": Arms}
     tools = {"A policy": POLICY_ACTIONS, **{title: TOOLBOXES[kind].tools for title, kind in kinds.items()}}
-    parts = []
+    rows = []
     for title, each in {**tools, "Every world": ALWAYS}.items():
-        rows = [(f"`{tool.shown}`", tool.label, tool.help) for tool in each]
-        parts += [f"### {title}", _table(("key", "name", "what it does"), rows)]
-    return "\n\n".join(parts)
+        rows += [
+            (f"**{title}**", "", ""),
+            *((f"`{tool.shown}`", tool.label, tool.help) for tool in each),
+        ]
+    return _table(("key", "name", "what it does"), rows)
+
+
+def _group(action: Action) -> str:
+    return LISTS.get(action.place, action.heading)
 
 
 def _key_row(action: Action) -> tuple[str, ...]:
-    where = ", ".join(filter(None, (PLACES[action.place], "not in a kiosk" if action.for_the_owner else "")))
-    return f"`{action.shown}`", action.label, f"{action.help} ({where})" if where else action.help
+    signs = PLACES.get(action.place, "") + "†" * action.for_the_owner
+    return f"`{action.shown}`", action.label, f"{action.help} {signs}".strip()
 
 
 def scenarios() -> str:
@@ -215,21 +209,24 @@ def _described(each: Algorithm | Policy, settings: Iterable[str]) -> str:
 
 
 def glossary() -> str:
-    """Return every word with its meaning, its equation, its source and, of a number, how it is obtained."""
+    """Return every word with its meaning and, if it is from a book or paper, its equation and source."""
     parts = []
     for term in terms().values():
-        facts = _wrapped(" · ".join((_capital(term.book), *_facts(term.figure))))
-        parts.append(f"### {term.word}\n\n{_wrapped(term.text)}\n\n    {term.equation}\n\n{facts}")
+        parts += [f"### {term.word}", _wrapped(term.text)]
+        source = _source(term.book)
+        if source:
+            parts += [f"    {term.equation}", source]
     return "\n\n".join(parts)
 
 
-def _facts(figure: FigureFacts | None) -> Iterator[str]:
-    """Yield how a number is obtained, its discount and its limit, in the words that the page explains."""
-    if figure is not None:
-        yield f"{figure.kind}{' over many seeds' if figure.over_seeds else ''}"
-        if figure.discounted is not None:
-            yield "discounted" if figure.discounted else "undiscounted"
-        yield LIMITS[figure.limit]
+def _source(book: str) -> str:
+    """Return the sections and equations of a word, or its paper; nothing if neither has it."""
+    if book.startswith(("a word of ", "not ")):
+        paper = re.search(r"\((.*, \d{4})\)", book)
+        return paper[1] if paper else ""
+    place, _, _ = book.partition(" (")
+    place = re.sub(r"sections? (?=\d)", "§", place)
+    return _capital(re.sub(r"equations? ([\d.]+\d(?: and [\d.]+\d)?)", r"(\1)", place))
 
 
 def settings() -> str:
@@ -268,17 +265,18 @@ def commands() -> str:
 
 
 def _command(context: click.Context, common: set[Option]) -> str:
-    usage = " ".join([context.command_path, *context.command.collect_usage_pieces(context)])
+    pieces = [each for each in context.command.collect_usage_pieces(context) if each != "[OPTIONS]"]
+    usage = " ".join([context.command_path, *pieces])
     paragraphs = cleandoc(context.command.help or "").split("\n\n")
     records = list(_records(context))
     own = [_item(record) for record in records if record not in common]
     shared = [record for record in records if record in common]
     also = [f"`{each.written.split()[0]}`" for each in shared if each.name not in DISPLAY_OPTIONS]
     if any(each.name in DISPLAY_OPTIONS for each in shared):
-        also.append("[display options](#display-options)")
+        also.append("[display](#display-options)")
     if "algorithm" in (option.name for option in context.command.params):
-        also.append("[settings of a run](agents.md#settings)")
-    parts = [f"### {context.command_path}", f"    {usage}"]
+        also.append("[settings](agents.md#settings)")
+    parts = [f"### `{usage}`"]
     for paragraph in paragraphs:
         is_example = paragraph.startswith("rl-tui ")
         parts.append(f"    {paragraph}" if is_example else _wrapped(paragraph))
@@ -300,7 +298,8 @@ def _records(context: click.Context) -> Iterator[Option]:
 
 
 def _item(option: Option) -> str:
-    return _wrapped(f"* `{option.written}`: {option.meaning}", indent="  ")
+    meaning = option.meaning.replace(ALGORITHMS, "[an algorithm](agents.md#algorithms)")
+    return _wrapped(f"* `{option.written}`: {meaning}", indent="  ")
 
 
 def _wrapped(text: str, indent: str = "") -> str:
@@ -309,12 +308,13 @@ def _wrapped(text: str, indent: str = "") -> str:
 
 def run_measures() -> str:
     """Return the measures of a run that ``train --json`` prints."""
-    return _measures(each for each in MEASURES if each not in ("area", "arrival"))
+    return _measures(each for each in MEASURES if each not in SWEEPS_ONLY)
 
 
 def sweep_measures() -> str:
-    """Return the measures of a sweep."""
-    return _measures(SWEEP_MEASURES)
+    """Return the measures of a sweep: in full those that a run does not have."""
+    shared = ", ".join(f"`{each}`" for each in SWEEP_MEASURES if each not in SWEEPS_ONLY)
+    return f"{_measures(SWEEPS_ONLY)}\n\n{_wrapped(f'As of [a run](commands.md#train): {shared}.')}"
 
 
 def _measures(names: Iterable[str]) -> str:

@@ -58,14 +58,6 @@ def test_train_prints_what_is_shown() -> None:
     assert without_speed(real) == without_speed(shown_after("rl-tui train frozenlake"))
 
 
-def test_train_beyond_a_budget_prints_what_is_shown() -> None:
-    result = CliRunner().invoke(program, ["train", "bandit", "--episodes", "2000"])
-    lines = {*result.stdout.splitlines(), *result.stderr.splitlines()}
-    shown = shown_after("rl-tui train bandit --episodes 2000").splitlines()
-    assert len(shown) == 9
-    assert set(shown) - {"…"} <= lines
-
-
 def test_the_tables_of_fields_have_all_fields_of_the_documents() -> None:
     def fields(command: str) -> set[str]:
         section = re.search(rf"^### {re.escape(command)}\n(.*?)^##", COMMANDS, re.MULTILINE | re.DOTALL)
