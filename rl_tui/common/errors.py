@@ -17,7 +17,9 @@ class UserError(Exception):
 
 
 def complaint(found: str, expected: str) -> str:
-    """Return the words of an error: what a file contains, and what it should contain."""
+    """Return the words of an error: what a file contains, and what it should contain (may be empty)."""
+    if not expected:
+        return found
     if found == "nothing":
         return f"missing; expected {expected}"
     return f"{found}; expected {expected}" if found == NO_FILE else f"found {found}; expected {expected}"

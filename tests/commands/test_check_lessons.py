@@ -205,7 +205,7 @@ def test_several_files_of_both_sorts(tmp_path: Path) -> None:
 def test_a_lesson_that_is_no_toml(tmp_path: Path) -> None:
     code, lines, _ = check(tmp_path, SOUND.replace("minutes = 5", "minutes ="))
     assert code == 1
-    assert lines == ["line 3, column 10: found invalid TOML (Invalid value); expected valid TOML"]
+    assert lines == ["line 3, column 10: not valid TOML (Invalid value)"]
 
 
 def test_a_spotlight_may_fall_on_any_panel() -> None:

@@ -217,7 +217,7 @@ def test_a_run_that_does_not_come_so_far(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     path.write_bytes(encoded(spent))
     assert read_session(path).step == 5000
-    line = f"rl-tui: {path}: the run ends at step 1,000, and it was left at step 5,000\n"
+    line = f"rl-tui: {path}: the run ends at step 1,000, but it was saved at step 5,000\n"
     assert replay(path).stderr == line
 
 

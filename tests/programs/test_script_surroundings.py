@@ -9,7 +9,7 @@ from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watche
 
 pytestmark = pytest.mark.process
 
-NO_ENVIRONMENT = "no environment was made by gymnasium.make, and no other is watched"
+NO_ENVIRONMENT = "nothing to watch: the script made no environment with gymnasium.make"
 
 
 @pytest.mark.usefixtures("real_start")

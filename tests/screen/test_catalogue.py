@@ -112,7 +112,7 @@ async def test_minutes_are_those_of_the_next_page_and_five_lessons_are_the_core_
     lessons = read_lessons().lessons
     assert sum(lesson.is_core for lesson in lessons) == 5
     async with on_screen(make_app(), (120, 40)) as pilot:
-        assert f"core 0/5 · next page {minutes_of_page(lessons[0])} min" in words_of(doors(pilot))
+        assert f"core 0/5 · {minutes_of_page(lessons[0])} min a page" in words_of(doors(pilot))
 
 
 async def test_the_fourth_door_names_the_scripts_of_this_folder_and_runs_none(

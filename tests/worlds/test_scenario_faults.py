@@ -302,7 +302,7 @@ ONE_FAULT = {
     "defaults that are no table": ("defaults = 3\n" + BANDIT, ("defaults", "3", "a table")),
     "TOML with a mistake": (
         'title = "t"\narms = \n',
-        ("line 2, column 8", "invalid TOML (Invalid value)", "valid TOML"),
+        ("line 2, column 8", "not valid TOML (Invalid value)", ""),
     ),
     "a decimal comma": (
         "[grid]\nstep_reward = -0,04\n",
@@ -320,14 +320,14 @@ ONE_FAULT = {
         "a = [-0,04]\n",
         ("line 1, column 10", "-0,04", "-0.04, with a decimal point"),
     ),
-    "a list without a comma": ("a = [1 3,4]\n", ("line 1, column 8", "invalid TOML (.*)", "valid TOML")),
+    "a list without a comma": ("a = [1 3,4]\n", ("line 1, column 8", "not valid TOML (.*)", "")),
     "a thousand": ("a = 1,000\n", ("line 1, column 6", "1,000", "1.000, .* or 1000 without a comma")),
     "a comma that is none of a number": (
         'a = "1,5" 2\n',
-        ("line 1, column 11", "invalid TOML (.*)", "valid TOML"),
+        ("line 1, column 11", "not valid TOML (.*)", ""),
     ),
-    "TOML that breaks off": ('title = "t', ("line 1", "invalid TOML (Unterminated string)", "valid TOML")),
-    "a number with too many digits": (f"a = {'1' * 5000}\n", ("", "invalid TOML (.*)", "valid TOML")),
+    "TOML that breaks off": ('title = "t', ("line 1", "not valid TOML (Unterminated string)", "")),
+    "a number with too many digits": (f"a = {'1' * 5000}\n", ("", "not valid TOML (.*)", "")),
     "tables without end": (
         f"a = {'[' * 100_000}",
         ("", "tables within tables, too deep to read", "TOML of a few levels"),

@@ -39,7 +39,7 @@ class ScreenSize(OptionValue):
         match = re.fullmatch(r"([0-9]{1,4})x([0-9]{1,4})", str(value))
         columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
         if not (20 <= columns <= 500 and 5 <= rows <= 200):
-            self.fail(f"{value} is not a size such as 120x40, from 20x5 to 500x200", param, ctx)
+            self.fail(f"expected a size from 20x5 to 500x200, such as 120x40, not {value}", param, ctx)
         return columns, rows
 
 

@@ -68,7 +68,7 @@ def replayed(
     run = Run(recipe, beginning, evaluate=False, episode_limit=budget, on_episodes=on_episodes)
     seconds = train(run, Goal(steps=branch.here), on_progress, branch.journal)
     if run.step < branch.here:
-        raise UserError(f"the run ends at step {run.step:,}, and it was left at step {branch.here:,}")
+        raise UserError(f"the run ends at step {run.step:,}, but it was saved at step {branch.here:,}")
     return run, seconds
 
 

@@ -50,7 +50,7 @@ def submissions_in(target: str) -> FoundSubmissions:
     if not folder.is_dir():
         agent = AgentName.read(target)
         if not agent.path.exists():
-            raise UserError(f"{shown(target)}: found no such file or folder")
+            raise UserError(f"{shown(target)}: no such file or folder")
         return FoundSubmissions([Submission(target, agent)], [])
     try:
         files = sorted(each for each in folder.iterdir() if each.suffix == _SUFFIX and each.is_file())

@@ -144,7 +144,7 @@ class Doors(Widget, can_focus=True):
 
 
 def learn_door(found: LessonEntries | None) -> Door:
-    """Return the door of the lessons: progress, and minutes of the next page."""
+    """Return the door of the lessons: progress, and minutes per page."""
     text = "Lessons that ask first. Five are the core."
     if found is None or not found.entries:
         return Door("Learn", text, "")
@@ -154,7 +154,7 @@ def learn_door(found: LessonEntries | None) -> Door:
     finished, brief = f"{found.finished} of {count} done", f"Learn {found.finished}/{count}"
     if here is None:
         return Door("Learn", text, finished, brief=brief)
-    minutes = f"next page {minutes_of_page(here.lesson)} min"
+    minutes = f"{minutes_of_page(here.lesson)} min a page"
     state = f"core {sum(each.is_finished for each in core)}/{len(core)} · {minutes}"
     return Door("Learn", text, state, finished if found.finished else minutes, brief)
 
@@ -179,7 +179,7 @@ def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bo
 
 def own_code_door(scripts: Sequence[Path]) -> Door:
     """Return the door of the user's own scripts."""
-    found = f"{counted(len(scripts), 'script')} here" if scripts else "enter: how"
+    found = f"{counted(len(scripts), 'script')} here" if scripts else "enter: see how"
     text = "rl-tui watch my_script.py shows your program here."
     return Door("Your own code", text, found, brief="Your code")
 

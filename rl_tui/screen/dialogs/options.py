@@ -38,7 +38,7 @@ _MEANINGS: Final[Mapping[str, str]] = {
     "threshold": "changes left out",
     "accuracy": "where it stops",
     "initial_q": "first estimates",
-    "ties": "of equal actions",
+    "ties": "among equals",
 }
 """The meaning of each parameter in the 17 cells of the last column."""
 

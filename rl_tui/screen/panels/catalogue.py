@@ -47,9 +47,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "World",
         "The world with the estimates of the agent. Colour and number show V(s), how good a state looks. "
         "Arrows, bold edges or ▸ mark greedy actions. Several arrows (or *) mean a tie. ◉ agent, ★ goal, "
-        "● hole, ╱ cliff, S start, · all actions equal or unknown. A frame marks the last update, and ◤ a "
+        "● hole, ╱ cliff, S start, · all actions equal or unknown. A frame marks the last update. ◤ marks a "
         "state where two runs differ. In a bandit, each arm shows its estimate ± standard error.",
-        caption="as the agent meets it",
+        caption="where the agent acts",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
             *("arm", "standard-error", "trail", "slip", "wind"),
@@ -72,7 +72,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.q_table.q_table:QTable",
         "Q",
         "The estimates: one row per state, one column per action, in the colours of the world. A frame marks "
-        "the greedy action. ▐ ▴ ▾ mark the last update, and a dot a pair that was never tried. v shows the "
+        "the greedy action. ▐ ▴ ▾ mark the last update. A dot marks a pair that was never tried. v shows the "
         "exact Q*, the error Q−Q* and visits. ‹ and › mark values beyond the scale. A number too small to "
         "show is <.01 or >−.01, not 0.",
         caption="what each action seems worth",
@@ -83,10 +83,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CURVE,
         "rl_tui.screen.panels.curve.curve:ReturnCurve",
         "Return",
-        "The mean return of the last episodes. The heading shows how many. The solid line is the exact "
-        "return of the greedy policy, with a gap if this policy may never end. The dashed line is the "
+        "The area is the mean return of the last episodes. The heading shows how many. The solid line is the "
+        "exact return of the greedy policy, with a gap if this policy may never end. The dashed line is the "
         "return of the optimal policy for the current γ. ▾ and ▴ mark values beyond the axis. If all "
-        "returns are equal, the area shows the steps per episode.",
+        "returns are equal, the area is the mean number of steps per episode.",
         caption="what each episode has earned",
         terms=(
             *("return", "episode", "greedy", "last-100", "gamma-best"),
@@ -122,8 +122,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.controls.controls:Controls",
         "Agent",
         "The settings of the agent, with a slider for each that has an effect. 1 to 4 go to a slider, left "
-        "and right change it, and enter types a value. A change applies from the next step on. Initial Q (r "
-        "i) and seed (r s) start again. a o shows every setting.",
+        "and right change it, and enter types a value. A change applies from the next step on. A new "
+        "initial Q (r i) or seed (r s) starts the run again. a o shows every setting.",
         caption="its settings and sliders",
         terms=("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
     ),

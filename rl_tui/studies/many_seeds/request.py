@@ -153,10 +153,10 @@ def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None,
     usual = min(episodes_of(lanes[group.shown].recipe.scenario), world.budget or MOST_EPISODES)
     finished = min(run.learner.episodes for run in runs)
     if finished > usual:
-        return usual, None, f"each seed has only the {counted(usual, 'episode')} that are typical here"
+        return usual, None, f"each seed has only {counted(usual, 'episode')}, although this run has more"
     if not finished:
         who = "the run" if len(runs) == 1 else "another run"
-        return usual, None, f"the typical {counted(usual, 'episode')}: {who} has none yet"
+        return usual, None, f"each seed has {counted(usual, 'episode')}, because {who} has finished none yet"
     return finished, None, ""
 
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from rl_tui.common.errors import Fault, UserError
+from rl_tui.common.errors import Fault, UserError, complaint
 from rl_tui.common.findings import one_line, printable
 from rl_tui.common.limits import LARGEST_DRAWN, LARGEST_RESULTS
 from rl_tui.common.text_file import UnreadableError, open_plain, read_text
@@ -109,7 +109,7 @@ def results_of(document: object, source: str) -> CurveTable | SweepTable:
 
 
 def _fault(source: str, found: str, expected: str = _WANTED) -> UserError:
-    return UserError(f"{source}: found {found}; expected {expected}")
+    return UserError(f"{source}: {complaint(found, expected)}")
 
 
 def _refuse_constant(name: str) -> NoReturn:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import Field
 
-from rl_tui.common.errors import Fault, ScenarioError, UserError
+from rl_tui.common.errors import Fault, ScenarioError, UserError, complaint
 from rl_tui.common.findings import Finding, Location, in_file_order, is_plain, near, one_line, place, shown
 from rl_tui.common.limits import MOST_FINDINGS
 from rl_tui.common.streams import streams
@@ -279,7 +279,7 @@ def environment_scenario(name: str) -> Scenario:
     if section is not None and not findings:
         findings = [*section.connection_findings({"id": section.id}), *section.environment_findings()]
     if section is None or findings:
-        raise UserError(f"{shown(name)[1:-1]}: found {findings[0].found}; expected {findings[0].expected}")
+        raise UserError(f"{shown(name)[1:-1]}: {complaint(findings[0].found, findings[0].expected)}")
     world = section.build(streams(0).world)
     return Scenario(
         id=name,

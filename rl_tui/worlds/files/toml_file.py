@@ -48,7 +48,7 @@ def tables_in(text: str) -> dict[str, Any]:
         comma = _decimal_comma(message, where, text)
         if comma is not None:
             raise comma from error
-        raise UnreadableError(where, message, "valid TOML") from error
+        raise UnreadableError(where, message, "") from error
 
 
 def _check_structure(text: str) -> None:
@@ -94,6 +94,6 @@ def _split(message: str, text: str) -> tuple[str, str]:
     """Split tomllib's message into text, and line and column."""
     match = re.fullmatch(r"(.*) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
     if match is None:
-        return f"invalid TOML ({one_line(message, 200)})", ""
+        return f"not valid TOML ({one_line(message, 200)})", ""
     where = match[2] if match[2].startswith("line") else f"line {text.count(chr(10)) + 1}"
-    return f"invalid TOML ({one_line(match[1], 200)})", where
+    return f"not valid TOML ({one_line(match[1], 200)})", where

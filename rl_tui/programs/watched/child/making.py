@@ -109,7 +109,7 @@ _VECTORS: Final = (
     "a vector environment takes several steps at once; rl-tui watches environments made by gymnasium.make, "
     "a step at a time"
 )
-_NO_ENVIRONMENT: Final = "no environment was made by gymnasium.make, and no other is watched"
+_NO_ENVIRONMENT: Final = "nothing to watch: the script made no environment with gymnasium.make"
 _NO_STEP: Final = (
     "no step was seen: those of env.unwrapped, of copies of an environment and of other processes are "
     "not watched"
