@@ -56,8 +56,13 @@ CARDS = replace(
     grid(19, 21, "sum down, card across"),
     axes=Axes(("21",) * 19, ("A",) * 21, (Title(-1, 0, 10, "no ace"), Title(-1, 11, 10, "ace"))),
 )
+TOWN = Title(-1, 0, 5, "R→R")
 SHAPES = MAPS | {
-    "taxi": Shape(grid(29, 23, legend="rows: taxi"), 400, 6),
+    "taxi": Shape(
+        replace(grid(29, 23, legend="rows: taxi"), axes=Axes(("",) * 29, ("",) * 23, (TOWN,))),
+        400,
+        6,
+    ),
     "cart pole": Shape(grid(6, 12, legend="rows: angle"), 72, 2),
     "bins of a body": Shape(BINS, 72, 2),
     "many bins of a body": Shape(replace(BINS, rows=18, columns=14), 252, 3),
@@ -215,6 +220,7 @@ def test_beside_a_map_that_is_nearly_as_tall_as_the_screen_curve_and_settings_ch
     assert curve.x > world.right
     assert settings.y >= world.bottom
     assert settings.right < curve.x
+    assert world.height == 1 + 29 + 1  # titles, rows, scale
 
 
 def test_a_wide_map_lies_above_all_else_at_80x24() -> None:
