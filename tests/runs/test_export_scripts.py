@@ -367,7 +367,7 @@ def test_a_script_says_how_many_episodes_its_run_had() -> None:
 
 def test_a_script_says_of_which_lane_it_is() -> None:
     text = script(recipe_of("frozenlake"), 10, lane="1 of 2")
-    assert "It contains lane 1 of 2 only." in " ".join(text.split())
+    assert "It contains only run 1 of 2." in " ".join(text.split())
     assert "It contains" not in script(recipe_of("frozenlake"), 10)
 
 

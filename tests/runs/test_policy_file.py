@@ -113,8 +113,8 @@ def test_all_faults_are_told_at_once_and_of_very_many_the_first(tmp_path: Path) 
 
 
 def test_what_cannot_be_read_is_said(tmp_path: Path) -> None:
-    for path, found in ((tmp_path, "a folder"), (tmp_path / "none.json", "no such file")):
-        with pytest.raises(UserError, match=f"{path.name}: found {found}; expected a JSON file"):
+    for path, found in ((tmp_path, "found a folder"), (tmp_path / "none.json", "no such file")):
+        with pytest.raises(UserError, match=f"{path.name}: {found}; expected a JSON file"):
             read_policy(str(path), STUDENT)
     (tmp_path / "policy.json").write_bytes(b'{"Phone": "\xff"}')
     with pytest.raises(UserError, match="line 1: found byte 0xff; expected text in UTF-8"):

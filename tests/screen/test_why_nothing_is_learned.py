@@ -86,7 +86,7 @@ async def test_an_optimistic_start_begins_again_and_then_it_is_over(make_app: Ma
         now = snapshot(pilot)
         assert (now.agent.hyperparameters.initial_q, now.counters.step) == (1.0, 0)
         await press(pilot, "t", "y")
-        assert "Nothing stands in the way" in screen_text(pilot.app)
+        assert "No obstacle" in screen_text(pilot.app)
         assert "enter: change" not in screen_text(pilot.app)
         await press(pilot, "enter", "Y")
         assert not isinstance(pilot.app.screen, Why)

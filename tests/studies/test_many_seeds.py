@@ -185,7 +185,7 @@ def test_it_waits_until_the_run_is_where_it_stood() -> None:
 
 def test_there_is_none_of_a_world_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rl_tui.studies.many_seeds.request.MOST_PAIRS", 3)
-    assert "3 pairs" in refusal_of(begin(recipe("student")))
+    assert "3 state–action pairs" in refusal_of(begin(recipe("student")))
 
 
 # Lanes

@@ -45,10 +45,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.WORLD,
         "rl_tui.screen.panels.world_views:WorldPlaceholder",
         "World",
-        "The world with the estimates of the agent. Colour and number show V(s), how good a state looks. "
-        "Arrows, bold edges or ▸ mark greedy actions. Several arrows (or *) mean a tie. ◉ agent, ★ goal, "
-        "● hole, ╱ cliff, S start, · all actions equal or unknown. A frame marks the last update. ◤ marks a "
-        "state where two runs differ. In a bandit, each arm shows its estimate ± standard error.",
+        "The world with the agent's estimates. Colour and number show V(s), how good a state looks. "
+        "Arrows, bold edges or ▸ mark greedy actions. Several arrows (*) mean a tie. ◉ agent, ★ goal, "
+        "● hole, ╱ cliff, S start, · all equal or unknown. A frame marks the last update, ◤ a difference "
+        "between two runs. An arm shows its estimate ± standard error.",
         caption="where the agent acts",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
@@ -71,10 +71,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.TABLE,
         "rl_tui.screen.panels.q_table.q_table:QTable",
         "Q",
-        "The estimates: one row per state, one column per action, in the colours of the world. A frame marks "
-        "the greedy action. ▐ ▴ ▾ mark the last update. A dot marks a pair that was never tried. v shows the "
-        "exact Q*, the error Q−Q* and visits. ‹ and › mark values beyond the scale. A number too small to "
-        "show is <.01 or >−.01, not 0.",
+        "One row per state, one column per action, in the colours of the world. A frame marks the greedy "
+        "action. ▐ ▴ ▾ mark the last update, and a dot a pair never tried. v shows the exact Q*, the error "
+        "Q−Q* and visits. ‹ and › mark values beyond the scale. A number too small to show is <.01 or >−.01.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
         is_twofold=True,
@@ -83,10 +82,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CURVE,
         "rl_tui.screen.panels.curve.curve:ReturnCurve",
         "Return",
-        "The area is the mean return of the last episodes. The heading shows how many. The solid line is the "
-        "exact return of the greedy policy, with a gap if this policy may never end. The dashed line is the "
-        "return of the optimal policy for the current γ. ▾ and ▴ mark values beyond the axis. If all "
-        "returns are equal, the area is the mean number of steps per episode.",
+        "The area is the mean return of the last episodes. The solid line is the exact return of the greedy "
+        "policy, with a gap if this policy may never end. The dashed line is the return of the optimal "
+        "policy for the current γ. ▾ and ▴ mark values beyond the axis. If all returns are equal, it "
+        "shows steps.",
         caption="what each episode has earned",
         terms=(
             *("return", "episode", "greedy", "last-100", "gamma-best"),
