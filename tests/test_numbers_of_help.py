@@ -45,7 +45,7 @@ ELSEWHERE: Final = (
     "After some 1,300 steps",  # test_watched_lake.py, as the next two
     "it takes some 1,300 steps",
     "Step 376 is the first step onto the goal.",
-    "called different in 1.3 % of studies",  # test_many_seeds_panel.py
+    "calls each number different in 1.3 % of cases",  # test_many_seeds_panel.py
     "at most 19 % late",  # test_run_rows.py, as the next
     "Up to episode 6 it is exact.",
     "is within 5 % of the best",  # test_run_rows.py

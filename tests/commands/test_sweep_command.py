@@ -102,6 +102,12 @@ def test_the_report_writes_settings_as_people_do() -> None:
     assert "0.2333333" not in said
 
 
+def test_a_single_cell_has_nothing_to_compare_with() -> None:
+    words = run("student", "--vary", "alpha=0.1", "--runs", "2", "--episodes", "9").stdout
+    assert "a single cell" in words
+    assert "Too few runs" not in words
+
+
 def test_the_winner_is_kept_like_any_other_run(tmp_path: Path) -> None:
     path = tmp_path / "sweep.sqlite"
     assert run(*SWEEP, "--runs", "2", "--store", str(path)).exit_code == 0

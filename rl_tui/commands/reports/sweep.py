@@ -133,7 +133,9 @@ def _notes(standings: Standings, rankings: Sequence[Ranking], failed: int) -> li
         notes.append("Shown: mean over the runs, with its 95 % interval.")
     if len(rankings) > 1:
         notes.append("Returns of different worlds are not comparable: each world has its own best.")
-    if not any(int(np.count_nonzero(each.compared)) > 1 for each in rankings):
+    if all(len(each.indexes) == 1 for each in rankings):
+        notes.append("Nothing to compare: each world has a single cell. Give --vary several values.")
+    elif not any(int(np.count_nonzero(each.compared)) > 1 for each in rankings):
         notes.append("Too few runs to compare cells: use --runs 10 or more.")
     elif len(rankings) == 1:
         others, of = int(np.count_nonzero(rankings[0].alike)) - 1, len(rankings[0].indexes) - 1
