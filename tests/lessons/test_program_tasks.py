@@ -60,7 +60,7 @@ def test_a_program_that_is_right_passes_and_is_the_evidence() -> None:
         ),
         (updating("reward + (0 if terminated else gamma * max(Q[state]))"), [0], "max Q(s)"),
         (LATE, [2], "line 24: step"),
-        (SKELETON, [0, 1, 2], "No number of the table has changed"),
+        (SKELETON, [0, 1, 2], "no number of the table has changed"),
         (RIGHT.replace("range(400)", "range(299)"), [4], ""),
         (RIGHT.replace("alpha * (", "alhpa * ("), [0, 1, 2, 3, 4], "line 24: NameError"),
         (RIGHT.replace("while not over:", "while not over"), [0, 1, 2, 3, 4], "my_agent.py, line 20"),
