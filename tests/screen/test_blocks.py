@@ -8,7 +8,7 @@ from samples import look
 
 from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.kit.blocks import Block, Column, Flow, Labelled, Row, Section, Table, Text, laid
-from rl_tui.screen.kit.charts import Bar, Spread, axis_of
+from rl_tui.screen.kit.charts import Bar, SeedMarks, axis_of
 
 pytestmark = pytest.mark.unit
 STYLE = look().palette.text
@@ -105,7 +105,7 @@ def test_a_bar_far_beyond_the_others_is_cut() -> None:
 
 
 def test_seeds_are_marked_above_their_mean_and_its_error() -> None:
-    spread = Spread(np.array([0.0, 0.5, 0.5, 1.0]), 0.0, 0.5, 0.25, (0.0, 1.0), ("0", "1"), STYLE)
+    spread = SeedMarks(np.array([0.0, 0.5, 0.5, 1.0]), 0.0, 0.5, 0.25, (0.0, 1.0), ("0", "1"), STYLE)
     lines = ["".join(piece.text for piece in line) for line in spread.lines(13, look())]
     assert lines == ["  ◆   ▄   ▂  ", "0 ──━━●━━── 1"]
     assert not spread.lines(5, look())

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from rl_tui.common.errors import UserError
+from rl_tui.common.errors import UserError, complaint
 from rl_tui.common.findings import shown
 
 MOST_NODES: Final = 300
@@ -41,7 +41,7 @@ class FigureError(UserError):
 
     def __init__(self, found: str, expected: str) -> None:
         self.found, self.expected = found, expected
-        super().__init__(f"found {found}; expected {expected}")
+        super().__init__(complaint(found, expected))
 
 
 class SeedMean(float):

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID
+from rl_tui.common.errors import complaint
 from rl_tui.lessons.figures.expression import FigureError
 from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm
 from rl_tui.runs.run import Run
@@ -32,7 +33,7 @@ class StepBudgetError(Exception):
 
     def __init__(self, found: str, expected: str) -> None:
         self.found, self.expected = found, expected
-        super().__init__(f"found {found}; expected {expected}")
+        super().__init__(complaint(found, expected))
 
 
 class _SpentError(Exception):

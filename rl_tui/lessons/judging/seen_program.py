@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from rl_tui.common.errors import UserError, complaint
+from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lessons.file.schema import LONGEST_PROGRAM
@@ -120,7 +120,7 @@ def read_code(path: Path) -> str:
         code = read_text(path, "a Python file")
     except UnreadableError as reason:
         place = f"{path.name}, {reason.place}" if reason.place else path.name
-        raise UserError(f"{place}: {complaint(reason.found, reason.expected)}") from reason
+        raise UserError(f"{place}: {reason}") from reason
     if len(code) > LONGEST_PROGRAM:
         raise UserError(
             f"{path.name}: found {len(code):,} characters; expected a program of at most {LONGEST_PROGRAM:,}"

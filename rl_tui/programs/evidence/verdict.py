@@ -136,7 +136,7 @@ class CodeFinding:
     @property
     def noun(self) -> Literal["bug", "risk"]:
         """The kind as reports and the screen name it."""
-        return "risk" if self.fault in RISKS else "bug"
+        return "bug" if self.kind == "fault" else "risk"
 
     @property
     def account(self) -> str:

@@ -56,7 +56,7 @@ _HIGHEST: Final = 4  # seeds in one column that fill the row
 
 
 @dataclass(frozen=True, slots=True)
-class Spread:
+class SeedMarks:
     """The ``values`` of seeds, with ``own`` marked, above an axis with mean ± ``error``."""
 
     values: FloatArray

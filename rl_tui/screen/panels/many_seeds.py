@@ -22,7 +22,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, kept, length, spelled
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Table, Text
-from rl_tui.screen.kit.charts import Spread
+from rl_tui.screen.kit.charts import SeedMarks
 from rl_tui.screen.kit.panel import key_hints
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import (
@@ -187,7 +187,7 @@ def seed_table(
     )
 
 
-def _spreads(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[Spread | None]:
+def _spreads(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[SeedMarks | None]:
     """Yield the seeds of each run on a common axis."""
     seeds = [lane.seeds.get(figure.id, np.empty(0)) for lane in study.lanes]
     every, palette = np.concatenate(seeds), look.palette
@@ -200,7 +200,7 @@ def _spreads(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[Spre
             yield None
             continue
         own, error = lane.this_seed.get(figure.id), estimate.stderr or 0.0
-        yield Spread(values, own, estimate.mean, error, axis, (low, high), inks[number % len(inks)])
+        yield SeedMarks(values, own, estimate.mean, error, axis, (low, high), inks[number % len(inks)])
 
 
 def _names(called: Sequence[str], study: SeedStudy, snapshot: Snapshot, look: Look) -> list[Piece | str]:

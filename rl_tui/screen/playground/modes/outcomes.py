@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final, NamedTuple
 
-from rl_tui.common.errors import UserError
+from rl_tui.common.errors import UserError, complaint
 from rl_tui.common.findings import place
 from rl_tui.worlds.editing.edit import Edit, as_json, json_in
 from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of
@@ -97,7 +97,7 @@ def read_outcomes(draft: GraphDraft, state: str, action: str, text: str) -> str:
         raise ValueError(str(fault)) from fault
     found = [] if entry is None else parsed(TransitionEntry, dict(entry))[1]
     if found:
-        raise ValueError(f"{place(found[0].location)}: found {found[0].found}; expected {found[0].expected}")
+        raise ValueError(f"{place(found[0].location)}: {complaint(found[0].found, found[0].expected)}")
     return value
 
 

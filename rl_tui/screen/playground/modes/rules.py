@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
-from rl_tui.common.errors import UserError
+from rl_tui.common.errors import UserError, complaint
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
@@ -113,7 +113,7 @@ def fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:
         return str(fault)
     new = (each for each in findings if each not in before or each.location[:1] == (name,))
     here = next(new, None)
-    return "" if here is None else f"found {here.found}; expected {here.expected}"
+    return "" if here is None else complaint(here.found, here.expected)
 
 
 def rule_edit(name: str, text: str) -> Edit:
