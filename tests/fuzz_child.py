@@ -33,11 +33,14 @@ LARGEST_JSON: Final = 3_000_000
 SLOWEST: Final = 10.0  # seconds of CPU
 MOST_MEMORY: Final = 700  # MB that one input may add to the process
 WARNED: Final = re.compile(
-    r"--[\w-]+ has no effect: |the budget of this bandit is |.*: warning: state .* can never reach an end"
+    r"--[\w-]+ has no effect: |the budget of this bandit is "
+    r"|.*: warning: state .* can never reach a terminal state"
     r"|.*: warning: (with what (SARSA|Q-learning) learns, |in a trial of SARSA episode \d)"
-    r"|[\d,]+ states: the exact answer|.*: Q does not come out as it was saved"
+    r"|[\d,]+ states: the exact values|.*: Q differs from the saved one: "
 )
-FAULT: Final = re.compile(r"^(:\d+)?: .*found .*; expected ")
+FAULT: Final = re.compile(
+    r"^(:\d+)?: (.*(found .*|missing); expected |line \d+(, column \d+)?: not valid TOML \()"
+)
 AS_IT_IS: Final = (
     10  # one in this many scenarios trains with its own algorithm, which takes seconds to compile
 )
