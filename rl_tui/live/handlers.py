@@ -41,7 +41,7 @@ def _restart(playback: Playback, command: commands.Restart) -> None:
     lanes = group.restarted(recipe, keeps_edits=is_same_world)
     breakpoints = playback.breakpoints if is_same_world else Breakpoints()
     playback.editor.forget()
-    playback.start(Record(lanes, group.shown, breakpoints, playback.transport.speed), beginning)
+    playback.start(Record(lanes, group.shown, breakpoints, playback.transport.speed), beginning.world)
     if not is_same_scenario:
         playback.questions.seed_studies.end()
     if learning is not None:
@@ -57,12 +57,6 @@ def _pause(playback: Playback, _: commands.Pause) -> None:
         playback.end_if_over()
 
 
-def _step(playback: Playback, _: commands.Step) -> None:
-    playback.rest()
-    playback.group.advance(steps=1)
-    playback.stop_if_due()
-
-
 def _take(playback: Playback, command: commands.Take) -> None:
     playback.rest()
     names = playback.group.current.run.world.space.action_names
@@ -74,7 +68,7 @@ def _take(playback: Playback, command: commands.Take) -> None:
 
 def _run_sweep(playback: Playback, command: commands.RunSweep) -> None:
     playback.rest()
-    run = playback.group.current.run
+    run = playback.group.built_in.run
     learner = run.learner
     is_under_way = learner.episode_step > 0
     if is_under_way and learner.phase == command.phase:
@@ -98,15 +92,15 @@ def _apply(playback: Playback, change: Change) -> None:
 
 
 def _draw_world(playback: Playback, command: commands.DrawWorld) -> None:
-    _change_world(playback, playback.editor.draw(playback.group.current.run, command.edits))
+    _change_world(playback, playback.editor.draw(playback.group.built_in.run, command.edits))
 
 
 def _undo_stroke(playback: Playback, _: commands.UndoStroke) -> None:
-    _change_world(playback, playback.editor.undo(playback.group.current.run))
+    _change_world(playback, playback.editor.undo(playback.group.built_in.run))
 
 
 def _redo_stroke(playback: Playback, _: commands.RedoStroke) -> None:
-    _change_world(playback, playback.editor.redo(playback.group.current.run))
+    _change_world(playback, playback.editor.redo(playback.group.built_in.run))
 
 
 def _change_world(playback: Playback, change: WorldChange | None) -> None:
@@ -114,7 +108,7 @@ def _change_world(playback: Playback, change: WorldChange | None) -> None:
         raise UserError(IN_LESSON)
     if change is None:
         return
-    if playback.editor.puts_off(playback.group.current.run, change):
+    if playback.editor.puts_off(playback.group.built_in.run, change):
         playback.rebuild()
     else:
         _change(playback, change)
@@ -122,7 +116,7 @@ def _change_world(playback: Playback, change: WorldChange | None) -> None:
 
 def make_changes_that_waited(playback: Playback) -> bool:
     """Make pending changes whose world is ready and return True if more are pending."""
-    run, editor = playback.group.current.run, playback.editor
+    run, editor = playback.group.built_in.run, playback.editor
     try:
         while editor.is_ahead:
             change = editor.next_change(run)
@@ -237,7 +231,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.Play: lambda playback, _: playback.run(),
     commands.WatchLearning: _watch_learning,
     commands.Pause: _pause,
-    commands.Step: _step,
+    commands.Step: lambda playback, _: playback.take_step(),
     commands.Take: _take,
     commands.RunEpisode: lambda playback, _: playback.run_until(Until(Event.EPISODE_END)),
     commands.RunSweep: _run_sweep,

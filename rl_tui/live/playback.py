@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import (
@@ -33,8 +33,9 @@ from rl_tui.runs.timeline.branches import RunRecord
 
 if TYPE_CHECKING:
     from rl_tui.live.pace.transport import Transport
-    from rl_tui.runs.run import Run
+    from rl_tui.runs.played_run import PlayedRun
     from rl_tui.runs.timeline.run_group import RunGroup
+    from rl_tui.worlds.world import World
 
 
 class Playback:
@@ -50,6 +51,9 @@ class Playback:
         on_exact: Called from any thread when a background answer has arrived.
         record: Position at which to begin.
     """
+
+    handlers: Mapping[type, Callable[[Any, Any], None]] = HANDLERS
+    """Handler for each type of command."""
 
     def __init__(
         self,
@@ -143,7 +147,7 @@ class Playback:
             pins = self._pins.seen_from(group.world_of(shown), pins, shown.recipe)
         can_come = pins == NO_PINS  # in the next world their numbers would mean other states
         return Record(
-            group.records(self.editor.to_come(group.current.run) if can_come else ()),
+            group.records(self.editor.to_come(group.built_in.run) if can_come else ()),
             group.shown,
             pins.breakpoints,
             self.transport.speed,
@@ -156,7 +160,7 @@ class Playback:
     def table(self) -> LearnedTable | None:
         """The live table of the visible run, or None while it is away from its recorded position."""
         is_elsewhere = self.state is State.BUILDING or self.group.seeking or self.editor.is_ahead
-        return None if is_elsewhere else table_of(self.group.current.run)
+        return None if is_elsewhere else table_of(self.group.built_in.run)
 
     def handle(self, command: Command) -> None:
         """Carry out or start `command`. Errors such as a change that does not fit are reported by the next
@@ -169,13 +173,13 @@ class Playback:
         self.changed = True
         self.handled += 1
         self.touched = self.touched or kind not in LOOKING
-        if self.state is not State.BUILDING:
-            self.questions.judge(self.group.current.run)
+        if self.state is not State.BUILDING and self.questions.lesson is not None:
+            self.questions.judge(self.group.built_in.run)
         is_locked = "run" in self.questions.kept_back and takes_steps(command)
         if is_locked or (self.state in ENDED and kind in MOVES):
             return
         try:
-            HANDLERS[kind](self, command)
+            self.handlers[kind](self, command)
         except UserError as fault:
             if kind is Restart:
                 raise
@@ -234,7 +238,7 @@ class Playback:
         if self._beginning is None:
             self._beginning = begin(self._recipe)
         else:
-            self.start(self._record, self._beginning)
+            self.start(self._record, self._beginning.world)
 
     def _return(self) -> None:
         """Leave a temporary state."""
@@ -259,6 +263,12 @@ class Playback:
             self.watch()
         if self._next is not State.PAUSED:
             self._enter(State.PAUSED)
+
+    def take_step(self) -> None:
+        """Pause, and take one step."""
+        self.rest()
+        self.group.advance(steps=1)
+        self.stop_if_due()
 
     def run(self) -> None:
         """Run at the chosen speed, unless running."""
@@ -337,7 +347,7 @@ class Playback:
         beside, pins = self.group.beside, self._pinned
         return pins if beside is None else self._pins.seen_from(beside.run.edited, pins, beside.recipe)
 
-    def _come_to_world_of(self, run: Run) -> None:
+    def _come_to_world_of(self, run: PlayedRun) -> None:
         pins, questions, condition = self._pins, self.questions, self.condition
         questions.cell = pins.pair_in(run.edited, questions.cell, run.recipe)
         awaited = None if condition is None else pins.pair_in(run.edited, condition.pair, run.recipe)
@@ -380,16 +390,15 @@ class Playback:
             self._enter(State.PAUSED)  # a change may give a converged planner new work
             self.end_if_over()
 
-    def start(self, record: Record, beginning: Beginning) -> None:
-        """Begin with the runs of `record` in the world of `beginning`, and seek their positions.
+    def start(self, record: Record, world: World) -> None:
+        """Begin with the runs of `record` in `world`, and seek their positions.
 
         Raises:
             UserError: The record is impossible in this world.
         """
         from rl_tui.live.pace.transport import Transport
-        from rl_tui.runs.timeline.run_group import RunGroup
 
-        self.group = RunGroup(record.lanes, beginning.world, shown=record.shown, clock=self.clock)
+        self.group = self.group_of(record, world)
         self.transport = Transport(self.group, speed=record.speed, automatic=self.automatic, clock=self.clock)
         self.condition, self.paused_by = None, ""
         self._enter(State.PAUSED)
@@ -400,3 +409,9 @@ class Playback:
         self.group.resume(record.lanes)
         self.watch()
         self.seek()
+
+    def group_of(self, record: Record, world: World) -> RunGroup:
+        """Return the runs of `record` at their start."""
+        from rl_tui.runs.timeline.run_group import RunGroup
+
+        return RunGroup(record.lanes, world, shown=record.shown, clock=self.clock)

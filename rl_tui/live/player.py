@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import AsyncIterator, Callable
-from typing import Final
+from typing import Final, Protocol
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
@@ -16,7 +16,7 @@ from rl_tui.live.pace.interpreter import as_usual, leave_out_of_collections, swi
 from rl_tui.live.pace.pacing import START_SPEED
 from rl_tui.live.playback import Playback
 from rl_tui.live.record import Record, RecordSink
-from rl_tui.live.snapshot import MakePlayable, Phase, Playable, Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.live.state import State
 from rl_tui.runs.recipe import Recipe
 from rl_tui.worlds.gym.env_call import seconds_in_call
@@ -27,6 +27,13 @@ OFFERED_EVERY: Final = 0.25
 
 class PlayerClosedError(Exception):
     """The player was closed before it had carried out a request."""
+
+
+class MakePlayback(Protocol):
+    """Makes what a player plays."""
+
+    def __call__(self, on_exact: Callable[[], None], *, automatic: bool) -> Playback:
+        """Return a playback. It calls `on_exact` from any thread when there is news."""
 
 
 class Player:
@@ -41,7 +48,7 @@ class Player:
         clock: Returns seconds.
         record: Position at which to begin.
         record_sink: Gets the record after every command, and several times a second during a run.
-        playable: Makes something else to play than a built-in run.
+        make_playback: Makes something else to play than a built-in run.
     """
 
     def __init__(
@@ -53,11 +60,11 @@ class Player:
         clock: Callable[[], float] = time.perf_counter,
         record: Record | None = None,
         record_sink: RecordSink | None = None,
-        playable: MakePlayable | None = None,
+        make_playback: MakePlayback | None = None,
     ) -> None:
-        self._playback: Playable = (
-            playable(self._on_exact, automatic=automatic)
-            if playable is not None
+        self._playback: Playback = (
+            make_playback(self._on_exact, automatic=automatic)
+            if make_playback is not None
             else Playback(
                 recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact, record=record
             )

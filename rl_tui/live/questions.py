@@ -19,6 +19,7 @@ from rl_tui.studies.world_check.world_checks import WorldChecks, WorldCheckView
 if TYPE_CHECKING:
     from rl_tui.live.record import Record
     from rl_tui.live.viewport import Viewport
+    from rl_tui.runs.played_run import PlayedRun
     from rl_tui.runs.recipe import Recipe
     from rl_tui.runs.run import Run
     from rl_tui.runs.timeline.run_group import RunGroup
@@ -109,7 +110,7 @@ class Questions:
         self._checks.close()
         self._judge.close()
 
-    def answers(self, run: Run, drawn: DrawnPolicy, *, is_still: bool) -> AnswersView:
+    def answers(self, run: PlayedRun, drawn: DrawnPolicy, *, is_still: bool) -> AnswersView:
         """Return the answers known for `run`.
 
         Args:

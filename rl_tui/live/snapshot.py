@@ -1,20 +1,15 @@
-"""The snapshot: a frozen picture of a run, and the source of every number on screen. `Playable` is the
-interface of a playback, which publishes snapshots.
-"""
+"""The snapshot: a frozen picture of a run, and the source of every number on screen."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from rl_tui.agents.catalogue import Algorithm, algorithm_row
-from rl_tui.live.commands import Command
 from rl_tui.live.pace.until import Breakpoints
-from rl_tui.live.record import LearnedTable, Record
 from rl_tui.live.state import ENDED, State
 from rl_tui.live.world_editor import EditorView
 from rl_tui.runs.answers.view import AnswersView
@@ -178,83 +173,3 @@ class Snapshot:
     """The current lesson, or None."""
     program: ProgramView | None = None
     """The watched program that takes the steps, or None for a built-in agent."""
-
-
-# The interface of a playback
-
-
-class MakePlayable(Protocol):
-    """Makes what a player plays."""
-
-    def __call__(self, on_news: Callable[[], None], *, automatic: bool) -> Playable:
-        """Return a playback. `on_news` is called from any thread when there is news. With `automatic` off,
-        only commands take steps.
-        """
-        ...
-
-
-class Playable(Protocol):
-    """Handles commands in short pieces. `Playback` is the model."""
-
-    handled: int
-    touched: bool
-
-    @property
-    def state(self) -> State:
-        """Current state."""
-        ...
-
-    @property
-    def phase(self) -> Phase:
-        """State as snapshots report it."""
-        ...
-
-    @property
-    def changed(self) -> bool:
-        """True if the next snapshot differs from the last."""
-        ...
-
-    @property
-    def loaded(self) -> tuple[bool, bool]:
-        """Flags that change after libraries were loaded."""
-        ...
-
-    @property
-    def on_the_way(self) -> bool:
-        """True while a requested operation with an end is unfinished."""
-        ...
-
-    @property
-    def record(self) -> Record:
-        """Record of the current position."""
-        ...
-
-    @property
-    def table(self) -> LearnedTable | None:
-        """The live table of the visible run, or None."""
-        ...
-
-    @property
-    def unanswered(self) -> float:
-        """Seconds without a response from an awaited program, or 0 if none is awaited."""
-        ...
-
-    def takes(self, command: Command) -> bool:
-        """Return True if `command` need not wait."""
-        ...
-
-    def handle(self, command: Command) -> None:
-        """Carry out or start `command`."""
-        ...
-
-    def work(self) -> float | None:
-        """Work for some milliseconds and return the seconds until the next call, None for never."""
-        ...
-
-    def snapshot(self) -> Snapshot:
-        """Return the newest snapshot."""
-        ...
-
-    def close(self) -> None:
-        """Stop background work; called from another thread."""
-        ...

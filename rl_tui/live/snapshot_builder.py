@@ -22,6 +22,7 @@ from rl_tui.runs.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.runs.large_worlds import is_large
 from rl_tui.runs.recipe import Recipe, Setting, changed_recipe
 from rl_tui.runs.results import RunResults
+from rl_tui.runs.run import Run
 from rl_tui.runs.timeline.branches import Timeline
 from rl_tui.runs.timeline.lane_view import RunGroupView
 from rl_tui.worlds.mdp.space import IntArray
@@ -30,8 +31,8 @@ from rl_tui.worlds.world import World
 if TYPE_CHECKING:
     from rl_tui.live.playback import Playback
     from rl_tui.live.questions import Questions
-    from rl_tui.runs.run import Run
-    from rl_tui.runs.timeline.branching_run import BranchingRun
+    from rl_tui.runs.played_run import PlayedRun
+    from rl_tui.runs.timeline.playing import Playing
 
 PREPARING: Final = "building the world"
 REBUILDING: Final = "the world is being rebuilt; learning waits"
@@ -84,19 +85,22 @@ class SnapshotBuilder:
                 has_trail=has_trail,
                 led=snapshot.counters,
             )
+        history = None if cell is None else current.cell_history(cell)
+        snapshot = replace(snapshot, cell=history, beside=beside)
+        run = current.run
+        if not isinstance(run, Run):  # a program has no lesson, no editor and no checks
+            return snapshot
         return replace(
             snapshot,
-            cell=None if cell is None else current.cell_history(cell),
             study=questions.seed_studies.study_of(group),
-            lesson=questions.judge(current.run),
-            editor=playback.editor.view(current.run, snapshot.exact_answer, is_hidden=is_hidden),
-            world_check=questions.world_check(current.run),
-            beside=beside,
+            lesson=questions.judge(run),
+            editor=playback.editor.view(run, snapshot.exact_answer, is_hidden=is_hidden),
+            world_check=questions.world_check(run),
         )
 
     def of_lane(
         self,
-        lane: BranchingRun,
+        lane: Playing,
         view: RunGroupView,
         number: int,
         playback: PlaybackView,
@@ -137,7 +141,7 @@ class SnapshotBuilder:
             world_changes=run.world_changes,
         )
 
-    def _agent(self, run: Run, agents: Iterable[Counters], viewport: Viewport | None) -> AgentView:
+    def _agent(self, run: PlayedRun, agents: Iterable[Counters], viewport: Viewport | None) -> AgentView:
         """Return the agent with copies of its estimates, in a large world, only the visible part around
         `agents`.
         """

@@ -15,8 +15,8 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.runs.edited_world import EditedWorld
+    from rl_tui.runs.played_run import PlayedRun
     from rl_tui.runs.recipe import Recipe
-    from rl_tui.runs.run import Run
 
 AT_ONCE_STATES: Final = 200
 # Starting from the values before an edit, this many states take less than the 8 ms that a thread would
@@ -225,7 +225,7 @@ class RunAnswers:
         self._of_worlds: deque[ExactAnswers] = deque()
         self._last: _Solved | None = None
 
-    def of(self, run: Run) -> Answer:
+    def of(self, run: PlayedRun) -> Answer:
         """Return the solution for the current γ of `run`, as far as it is known."""
         learner = run.learner
         gamma = learner.hyperparameters.gamma
@@ -236,7 +236,7 @@ class RunAnswers:
             self._last = _Solved(run.edited, run.recipe, answer.solution)
         return answer
 
-    def at(self, mdp: TabularMDP | None, gamma: float, run: Run | None = None) -> Answer:
+    def at(self, mdp: TabularMDP | None, gamma: float, run: PlayedRun | None = None) -> Answer:
         """Return the solution for `gamma` in `mdp`, as far as it is known. If `run` edited that world, the
         solver starts from the solution before the edit.
         """
@@ -253,7 +253,7 @@ class RunAnswers:
             self._of_worlds.appendleft(known)
         return known.answer(gamma)
 
-    def _from_before(self, run: Run) -> Solve | None:
+    def _from_before(self, run: PlayedRun) -> Solve | None:
         """Return a solver that starts from the solution before the edit, or None."""
         last, edited, recipe = self._last, run.edited, run.recipe
         if last is None or edited.draft is None or not _begin_alike(last.recipe, recipe):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,6 +11,7 @@ from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_memory import LearnerState
 from rl_tui.common.errors import UserError
+from rl_tui.runs.answers.policy_kind import BROKE_DOWN, PLANS, PolicyKind
 from rl_tui.runs.bandit import NOTHING_SETTLED, BanditFigures, SettledPulls, bandit_figures, settle
 from rl_tui.runs.edited_world import EditedWorld, NextWorld, next_world
 from rl_tui.runs.evaluation import NO_FIGURES, Evaluation, GreedyReturn, MarksState
@@ -197,6 +198,13 @@ class Run:
             return self.stop_reason
         sweeps, accuracy = self.learner.planned.sweeps, self.learner.hyperparameters.accuracy
         return f"converged after {sweeps:,} sweeps: no value moved by more than {accuracy:g} in the last one"
+
+    @property
+    def unknown_policies(self) -> Mapping[PolicyKind, str]:
+        """Policies of the agent without values, each with the reason."""
+        if self.stop_reason:
+            return {PolicyKind.GREEDY: BROKE_DOWN, PolicyKind.BEHAVIOUR: BROKE_DOWN}
+        return {PolicyKind.BEHAVIOUR: PLANS} if self.learner.plans else {}
 
     @property
     def over(self) -> bool:

@@ -11,7 +11,7 @@ from rl_tui.live.commands import Apply, Command, Pause, Play, Restart, RunEpisod
 from rl_tui.live.handlers import HANDLERS
 from rl_tui.live.pace.pacing import FIRST_CHUNK
 from rl_tui.live.playback import Playback
-from rl_tui.live.programs.program_handlers import HANDLERS as PROGRAM_HANDLERS
+from rl_tui.live.program_playback import ProgramPlayback
 from rl_tui.live.snapshot import Phase
 from rl_tui.runs.recipe import JournalEntry, Recipe, SetParameter
 
@@ -287,7 +287,7 @@ def test_there_is_a_handler_for_every_command() -> None:
     kinds = {each for each in vars(commands).values() if isinstance(each, type) and issubclass(each, Command)}
     of_programs = {commands.ChooseTable}  # ours have one table each
     assert set(HANDLERS) == kinds - {Command} - of_programs
-    assert of_programs <= set(PROGRAM_HANDLERS) <= kinds
+    assert set(ProgramPlayback.handlers) == kinds - {Command}
 
 
 def test_the_speed_of_training_is_forgotten_by_the_next_step() -> None:

@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rl_tui.live.commands import Command
-from rl_tui.live.programs.program_playback import ProgramPlayback
-from rl_tui.live.programs.watched_program import WatchedProgram
+from rl_tui.live.program_playback import ProgramPlayback
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.programs.watched.watched_program import WatchedProgram
 
 LEARNS = """
 import gymnasium as gym

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from program_watching import LEARNS, written
 
-from rl_tui.live.programs.watched_program import WatchedProgram
 from rl_tui.programs.watched.messages import NO_LIMIT
 from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.programs.watched.watched_program import WatchedProgram
 
 pytestmark = pytest.mark.process
 PATIENCE = 60.0

@@ -9,7 +9,7 @@ from correct_learners import ALPHA, moved, q_learning
 from made_recordings import Learner, Step, recorded
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.live.programs.program_snapshot import found_of
+from rl_tui.live.program_run import found_of
 from rl_tui.programs.diagnosis.diagnosis import MOVES_WITHOUT_GAMMA, notes_on, verdict_of
 from rl_tui.programs.evidence.code_places import program_code
 from rl_tui.programs.evidence.evidence import Evidence

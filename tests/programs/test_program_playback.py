@@ -14,11 +14,11 @@ from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.common.errors import UserError
 from rl_tui.live import commands
 from rl_tui.live.pace.until import Event, Until
-from rl_tui.live.programs.program_playback import ProgramPlayback
-from rl_tui.live.programs.watched_program import WatchedProgram
+from rl_tui.live.program_playback import ProgramPlayback
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.live.state import State
 from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.programs.watched.watched_program import WatchedProgram
 from rl_tui.runs.recipe import SetParameter, SwitchAlgorithm
 
 pytestmark = pytest.mark.process
@@ -404,7 +404,7 @@ def test_what_the_diagnosis_stumbles_over_is_said_and_ends_nothing(
     def stumbles(_: object) -> object:
         raise ZeroDivisionError("of all things")
 
-    monkeypatch.setattr("rl_tui.live.programs.program_playback.verdict_of", stumbles)
+    monkeypatch.setattr("rl_tui.programs.diagnosis.verdicts.verdict_of", stumbles)
     with watched(written(tmp_path)) as watcher:
         snapshot = watcher.do(commands.Train(200))
     assert snapshot.counters.step == 200

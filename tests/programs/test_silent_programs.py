@@ -9,11 +9,11 @@ from textwrap import dedent
 import pytest
 from watched_scripts import lines_of, script_in, watched
 
-from rl_tui.live.programs.watched_program import error_in_words
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
 from rl_tui.programs.grading.watch_report import watch_report
 from rl_tui.programs.watched.messages import OWN_MESSAGE, MessageKind
 from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.watched_program import error_in_words
 
 pytestmark = pytest.mark.process
 

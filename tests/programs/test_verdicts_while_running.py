@@ -9,8 +9,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from rl_tui.live.programs import program_playback as verdicts
-from rl_tui.live.programs.program_playback import Verdicts
+from rl_tui.programs.diagnosis import verdicts
+from rl_tui.programs.diagnosis.verdicts import Verdicts
 from rl_tui.programs.evidence.verdict import ProgramVerdict
 from rl_tui.programs.watched.messages import CHANGE_WIDTH, STEP_WIDTH
 from rl_tui.programs.watched.program_log import ProgramLog

@@ -25,9 +25,9 @@ def test_after_how_many_steps_the_fault_is_told_and_which_step_proves_it() -> No
     (proof,) = re.findall(r"Step (\d+) is the first step onto the goal", TEXTS)
     with watched(ROOT / "docs/lake.py") as watcher:
         seen = 0
-        while not watcher.playback.verdicts.newest.findings and seen < 2 * said:
+        while not watcher.playback.lead.verdicts.newest.findings and seen < 2 * said:
             seen = watcher.do(commands.Train(50)).counters.step
-        (finding,) = watcher.playback.verdicts.newest.findings
+        (finding,) = watcher.playback.lead.verdicts.newest.findings
     assert seen == pytest.approx(said, rel=0.05)
     assert finding.step + 1 == int(proof)  # on screen steps count from 1
 

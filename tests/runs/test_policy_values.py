@@ -16,8 +16,8 @@ from rl_tui.live.commands import AddLane, Apply, DrawAction, Pause, Play, Restar
 from rl_tui.live.playback import Playback
 from rl_tui.runs import evaluation
 from rl_tui.runs.answers import policy_values
-from rl_tui.runs.answers.policy_kind import PolicyKind
-from rl_tui.runs.answers.policy_values import NO_CHANCES, PLANS, TOO_MANY, WHILE_RUNNING, PolicyAnswer
+from rl_tui.runs.answers.policy_kind import PLANS, PolicyKind
+from rl_tui.runs.answers.policy_values import NO_CHANCES, TOO_MANY, WHILE_RUNNING, PolicyAnswer
 from rl_tui.runs.recipe import Recipe, SetParameter
 from rl_tui.runs.run import Run
 from rl_tui.worlds.mdp.space import FloatArray

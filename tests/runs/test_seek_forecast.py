@@ -18,7 +18,10 @@ class SlowStart:
 
     def __init__(self, rate: float) -> None:
         self.now, self.done, self._rate, self._wait = 0.0, 0, rate, FIRST_CALL
-        self.current = SimpleNamespace(run=SimpleNamespace(learner=SimpleNamespace(rewindable=True)))
+        self.program = None
+        self.current = self.built_in = SimpleNamespace(
+            run=SimpleNamespace(learner=SimpleNamespace(rewindable=True))
+        )
 
     @property
     def progress(self) -> tuple[int, int]:

@@ -12,9 +12,9 @@ from seams import app_at, choose, notes, on_screen, playground, press, screen_te
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.live.programs.watched_program import WatchedProgram
 from rl_tui.live.snapshot import Phase
 from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.programs.watched.watched_program import WatchedProgram
 from rl_tui.runs.library import recipe_named
 from rl_tui.screen.keys.playground_keys import DECIDES
 from rl_tui.screen.kit.layers import Layer

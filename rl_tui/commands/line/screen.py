@@ -25,9 +25,9 @@ from rl_tui.screen.app.display import Display
 from rl_tui.screen.terminal.driver_choice import IN_BROWSER, in_browser
 
 if TYPE_CHECKING:
-    from rl_tui.live.programs.watched_program import WatchedProgram
     from rl_tui.live.sessions.autosave import KeptSession
     from rl_tui.programs.watched.program_process import ProgramRequest
+    from rl_tui.programs.watched.watched_program import WatchedProgram
     from rl_tui.screen.app.opening import Start
     from rl_tui.screen.theme.glyphs import Glyphs
 
@@ -193,7 +193,7 @@ def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
     Raises:
         UserError: The program cannot be shown, or this is a kiosk.
     """
-    from rl_tui.live.programs.watched_program import WatchedProgram
+    from rl_tui.programs.watched.watched_program import WatchedProgram
 
     refuse_where_served()
     program = WatchedProgram(request)

@@ -11,6 +11,7 @@ import numpy as np
 from rl_tui.agents.kernels.watch import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.live.pace.until import Breakpoints, Event, Until
+from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.exact_answers import PENDING
 from rl_tui.runs.recipe import UNLIMITED
 from rl_tui.worlds.drawing import Arms
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from rl_tui.agents.exact.policy_evaluation import Solution
     from rl_tui.agents.hyperparameters import Ties
     from rl_tui.runs.exact_answers import Answer
-    from rl_tui.runs.run import Run
+    from rl_tui.runs.played_run import PlayedRun
     from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
     from rl_tui.worlds.world import World
@@ -46,7 +47,7 @@ class StopCondition:
         UserError: The event is in the past, or the pair or the exact answer does not exist.
     """
 
-    def __init__(self, until: Until, run: Run, exact_answer: Callable[[], Answer]) -> None:
+    def __init__(self, until: Until, run: PlayedRun, exact_answer: Callable[[], Answer]) -> None:
         self.until = until
         self.stride: int | None = None
         """Steps between two checks, or None if the learner itself stops."""
@@ -82,7 +83,7 @@ class StopCondition:
                 if self._is_optimal(run):
                     raise UserError("the greedy policy is optimal already")
 
-    def is_over(self, run: Run) -> bool:
+    def is_over(self, run: PlayedRun) -> bool:
         """Return True if the last step of `run` caused the event."""
         learner = run.learner
         match self.until.event:
@@ -115,9 +116,9 @@ class StopCondition:
             self.until = replace(self.until, pair=pair)
         return pair is not None
 
-    def _is_optimal(self, run: Run) -> bool:
+    def _is_optimal(self, run: PlayedRun) -> bool:
         learner, optimum = run.learner, self._optimum
-        if learner.mdp is None or optimum is None:
+        if learner.mdp is None or optimum is None or PolicyKind.GREEDY in run.unknown_policies:
             return False
         return is_optimal(learner.mdp, learner.q, learner.hyperparameters.ties, optimum)
 
@@ -180,7 +181,7 @@ def until_in_words(until: Until, world: World) -> str:
     return until.event.value
 
 
-def breakpoint_in_words(run: Run) -> str:
+def breakpoint_in_words(run: PlayedRun) -> str:
     """Describe the breakpoint met by the last step of `run`, or "" if none."""
     noticed, space = run.learner.noticed, run.world.space
     if noticed.pair is not None:

@@ -228,18 +228,18 @@ class Transport:
         """Describe what the speed follows, empty for a fixed speed. With `hides_answer`, without revealing
         optimality.
         """
-        learning, run = self.learning, self.group.current.run
+        learning = self.learning
         if learning is None or learning.is_over:
             return ""
         if not self._automatic:
-            learning.look(run, self._clock())
+            learning.look(self.group.built_in.run, self._clock())
         return learning.in_words(hides_answer=hides_answer)
 
     def start(self, *, at_once: bool) -> None:
         """Aim at the chosen speed from now on; `at_once` makes the first step due immediately."""
         self.meter.clear()
         if self.learning is not None and not self.learning.is_over:
-            self.learning.start(self.group.current.run, self._clock())
+            self.learning.start(self.group.built_in.run, self._clock())
             self.speed = self.learning.speed
         if self.speed is not None:
             self._pace.start(self.speed, self._clock(), at_once)
@@ -266,7 +266,7 @@ class Transport:
 
     def _take_and_look(self, learning: LearningPace, due: int) -> None:
         """Take `due` steps until there is news, and adapt the speed."""
-        run, until, rest = self.group.current.run, self._clock() + CHUNK, None
+        run, until, rest = self.group.built_in.run, self._clock() + CHUNK, None
         while due > 0 and rest is None and self._clock() < until and not run.over:
             taken = self.take_steps(learning.stride(run, due))
             self._pace.took(taken)
@@ -287,7 +287,9 @@ class Transport:
         loops = self.group.interpreted_loops
         if loops != self._loops:
             self._loops, self._chunk = loops, ChunkSize()
-        run, steps = self.group.current.run, min(steps, self._chunk.steps)
+        run = self.group.current.run
+        if self.group.program is None:  # a program is only waited for
+            steps = min(steps, self._chunk.steps)
         before, start = run.step, self._clock()
         if self._automatic:
             run.learner.set_time_budget(CHUNK)
@@ -344,7 +346,8 @@ class Transport:
         if waits:
             return WAITING.format(steps=self.steps_to_seek)
         done, steps = self.group.progress
-        begins = "" if self.group.current.run.learner.rewindable else " from the seed"
+        goes_back = self.group.program is not None or self.group.built_in.run.learner.rewindable
+        begins = "" if goes_back else " from the seed"
         words = f"replaying{begins}: {done:,} of {steps:,} steps"
         rate = self._seek_meter.steps_per_second
         is_sure = self._settled_at is not None and self._clock() - self._settled_at >= _WORTH_A_FORECAST

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Final
 
 
 class PolicyKind(StrEnum):
@@ -13,3 +14,8 @@ class PolicyKind(StrEnum):
     GREEDY = "greedy"  # greedy for the current estimates
     BEHAVIOUR = "behaviour"  # what the agent does, including exploration
     DRAWN = "drawn"  # drawn by the user
+
+
+PLANS: Final = "a planner takes no actions"
+BROKE_DOWN: Final = "the estimates diverged"
+"""Reasons why a policy of the agent has no values."""

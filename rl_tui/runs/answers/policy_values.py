@@ -18,7 +18,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.runs.exact_answers import Answer
-    from rl_tui.runs.run import Run
+    from rl_tui.runs.played_run import PlayedRun
 
 
 # A drawn policy
@@ -95,8 +95,6 @@ class LeftToChance:
 
 TOO_MANY: Final = f"more than {LIVE_STATES:,} states: use rl-tui evaluate"
 WHILE_RUNNING: Final = "pause to see it"
-PLANS: Final = "a planner takes no actions"
-BROKE_DOWN: Final = "the estimates diverged"
 NO_CHANCES: Final = "its probabilities have no closed form, or are too many"
 
 
@@ -180,12 +178,12 @@ class PolicyAnswers:
 
     def __init__(self, *, automatic: bool) -> None:
         self._automatic = automatic
-        self._known: WeakKeyDictionary[Run, dict[PolicyKind, tuple[_Question, PolicyAnswer]]] = (
+        self._known: WeakKeyDictionary[PlayedRun, dict[PolicyKind, tuple[_Question, PolicyAnswer]]] = (
             WeakKeyDictionary()
         )
 
     def of(
-        self, run: Run, exact: Answer, drawn: DrawnPolicy, *, is_still: bool
+        self, run: PlayedRun, exact: Answer, drawn: DrawnPolicy, *, is_still: bool
     ) -> Mapping[PolicyKind, PolicyAnswer]:
         """Return the known values of each policy in `run`.
 
@@ -210,7 +208,7 @@ class PolicyAnswers:
             )
         return answers
 
-    def work(self, run: Run, exact: Answer, drawn: DrawnPolicy) -> bool:
+    def work(self, run: PlayedRun, exact: Answer, drawn: DrawnPolicy) -> bool:
         """Compute one answer that `of` lacks for `run` and return True if one was missing."""
         for kind in PolicyKind:
             asked = _question(kind, run, exact, drawn)
@@ -219,7 +217,7 @@ class PolicyAnswers:
                 return True
         return False
 
-    def _answer(self, run: Run, kind: PolicyKind, asked: _Question, is_still: bool) -> PolicyAnswer:
+    def _answer(self, run: PlayedRun, kind: PolicyKind, asked: _Question, is_still: bool) -> PolicyAnswer:
         known = self._kept(run, kind, asked)
         if known is not None:
             return known
@@ -227,17 +225,19 @@ class PolicyAnswers:
             return self._work_out(run, kind, asked)
         return PENDING if is_still else PolicyAnswer(refused=WHILE_RUNNING)
 
-    def _kept(self, run: Run, kind: PolicyKind, asked: _Question) -> PolicyAnswer | None:
+    def _kept(self, run: PlayedRun, kind: PolicyKind, asked: _Question) -> PolicyAnswer | None:
         question, answer = self._known.get(run, {}).get(kind, (None, PENDING))
         return answer if question is not None and asked.is_answered_by(question) else None
 
-    def _work_out(self, run: Run, kind: PolicyKind, asked: _Question) -> PolicyAnswer:
+    def _work_out(self, run: PlayedRun, kind: PolicyKind, asked: _Question) -> PolicyAnswer:
         answer = worth_of(asked.mdp, asked.policy, asked.gamma)
         self._known.setdefault(run, {})[kind] = (asked, answer)
         return answer
 
 
-def _question(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> _Question | PolicyAnswer:
+def _question(
+    kind: PolicyKind, run: PlayedRun, exact: Answer, drawn: DrawnPolicy
+) -> _Question | PolicyAnswer:
     """Return the question to evaluate, or an answer if there is nothing to evaluate."""
     mdp, refused = run.learner.mdp, _refusal(kind, run, exact)
     if mdp is None or refused:
@@ -248,7 +248,7 @@ def _question(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> 
     return _Question(mdp, policy, run.learner.hyperparameters.gamma)
 
 
-def _refusal(kind: PolicyKind, run: Run, exact: Answer) -> str:
+def _refusal(kind: PolicyKind, run: PlayedRun, exact: Answer) -> str:
     """Return the reason why there is no answer, if it is known without the policy, else ""."""
     learner = run.learner
     if learner.mdp is None:
@@ -257,12 +257,10 @@ def _refusal(kind: PolicyKind, run: Run, exact: Answer) -> str:
         return TOO_MANY
     if kind is PolicyKind.OPTIMAL:
         return exact.refused
-    if run.stop_reason and kind in (PolicyKind.GREEDY, PolicyKind.BEHAVIOUR):
-        return BROKE_DOWN
-    return PLANS if learner.plans and kind is PolicyKind.BEHAVIOUR else ""
+    return run.unknown_policies.get(kind, "")
 
 
-def _policy(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> FloatArray | PolicyAnswer:
+def _policy(kind: PolicyKind, run: PlayedRun, exact: Answer, drawn: DrawnPolicy) -> FloatArray | PolicyAnswer:
     """Return π(a|s), `[P]`, or an answer if the policy is pending or has no closed form."""
     from rl_tui.agents.exact.policy_figures import greedy_policy, uniform_over, uniform_policy
 
@@ -281,10 +279,12 @@ def _policy(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> Fl
     return _behaviour(run)
 
 
-def _behaviour(run: Run) -> FloatArray | PolicyAnswer:
+def _behaviour(run: PlayedRun) -> FloatArray | PolicyAnswer:
     """Return the agent's π(a|s) in this episode, `[P]`, or the reason why it is unknown."""
     from rl_tui.agents.policies.chances import all_chances
+    from rl_tui.runs.run import Run
 
+    assert isinstance(run, Run)  # how a program explores is unknown
     learner, space = run.learner, run.world.space
     values = learner.hyperparameters
     epsilon = values.epsilon_at(learner.episodes)

@@ -21,7 +21,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.agents.exact.first_update import FirstUpdate
-    from rl_tui.runs.run import Run
+    from rl_tui.runs.played_run import PlayedRun
 
 
 # The wait for the first update
@@ -56,12 +56,12 @@ class FirstUpdates:
     def __init__(self) -> None:
         self._known: OrderedDict[_Settings, tuple[FirstUpdate | None, str]] = OrderedDict()
 
-    def of(self, run: Run, *, is_asked: bool) -> FirstUpdateView | None:
+    def of(self, run: PlayedRun, *, is_asked: bool) -> FirstUpdateView | None:
         """Return the wait of `run`, or None if nobody asked and the run learns or has only begun. In a
         large world the answer is given on request only.
         """
         learner = run.learner
-        has_many = not learner.plans and learner.episodes >= MANY_EPISODES
+        has_many = learner.episodes >= MANY_EPISODES and PolicyKind.BEHAVIOUR not in run.unknown_policies
         if not is_asked and (not has_many or run.world.space.pairs > MOST_COPIED):
             return None
         has_moved = bool(np.any(learner.q != run.recipe.hyperparameters.initial_q))
@@ -70,7 +70,7 @@ class FirstUpdates:
         answer, refused = self._answer(run)
         return FirstUpdateView(answer, refused, has_moved, has_many and not has_moved)
 
-    def _answer(self, run: Run) -> tuple[FirstUpdate | None, str]:
+    def _answer(self, run: PlayedRun) -> tuple[FirstUpdate | None, str]:
         mdp, learner = run.world.mdp, run.learner
         if mdp is None:
             return None, NO_TABLE

@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.errors import UserError
@@ -32,22 +33,26 @@ from rl_tui.runs.run import Run
 from rl_tui.runs.timeline.branches import FIRST, Branch, RunRecord
 from rl_tui.runs.timeline.branching_run import BranchingRun
 from rl_tui.runs.timeline.lane_view import LaneView, RunGroupView
-from rl_tui.runs.timeline.run_names import LanePast, lane_names
+from rl_tui.runs.timeline.playing import Playing
+from rl_tui.runs.timeline.run_names import LanePast, difference, distinct, lane_names
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 MOST: Final = 4
+PROGRAM: Final = "your program"
 
 
 class RunGroup:
-    """One to four branching runs of one scenario. The visible run leads. The others follow to its `step`,
-    unless they are over before. The runs begin at the seed, and `resume` seeks their positions.
+    """One to four runs of one scenario. The visible run leads. The others follow to its `step`, unless
+    they are over before. Built-in runs begin at the seed, and `resume` seeks their positions. A watched
+    program is always the first run and always leads. `seeking` is true until the others have followed it.
 
     Args:
-        records: One record for each run.
+        records: One record for each built-in run.
         world: World at the start.
         shown: Number of the visible run.
         clock: Returns seconds.
+        program: The run of a watched program, or None.
     """
 
     def __init__(
@@ -57,23 +62,27 @@ class RunGroup:
         *,
         shown: int = 0,
         clock: Callable[[], float] = time.perf_counter,
+        program: Playing | None = None,
     ) -> None:
         self.shown: int
         """Number of the visible run."""
         self.step = 0
         """Step that all runs follow to."""
-        self._beside: BranchingRun | None = None
+        self._beside: Playing | None = None
         self._resumes = False
-        self.first = EditedWorld(world)
+        self.first = EditedWorld(world) if program is None else program.run.edited
         """The world at the start, shared by all runs."""
         self._unit = "pull" if isinstance(world.drawing, Arms) else "step"
         self._pasts: list[LanePast] = []
         self._names: list[str] = []
         self._clock = clock
-        self._runs = [self._new_run(record) for record in records]
-        self.current: BranchingRun
+        self.program = program
+        """The run of a watched program, or None."""
+        self._runs: list[Playing] = [] if program is None else [program]
+        self._runs += (self._new_run(record) for record in records)
+        self.current: Playing
         """The visible run."""
-        self._others: list[BranchingRun]
+        self._others: list[Playing]
         self._lead(shown)
 
     def _lead(self, number: int) -> None:
@@ -81,7 +90,20 @@ class RunGroup:
         self._others = [run for run in self._runs if run is not self.current]
 
     @property
-    def beside(self) -> BranchingRun | None:
+    def built_in(self) -> BranchingRun:
+        """The visible run. Raises UserError if a watched program takes its steps."""
+        if not isinstance(self.current, BranchingRun):
+            raise UserError("this is not available for a watched program")
+        return self.current
+
+    def replace_program(self, program: Playing) -> None:
+        """Let `program` lead from its first step, in the same world. The other runs go back to it."""
+        self.program = self._runs[0] = program
+        self._lead(0)
+        self.seek_to(step=program.run.step)
+
+    @property
+    def beside(self) -> Playing | None:
         """The second visible run: the marked one, else the next, or None if there is only one."""
         if self._beside in self._others:
             return self._beside
@@ -94,18 +116,23 @@ class RunGroup:
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """All runs at their current positions."""
-        return tuple(each.run for each in self._runs)
+        """All built-in runs at their current positions."""
+        return tuple(each.run for each in self._branching)
+
+    @property
+    def _branching(self) -> list[BranchingRun]:
+        return [each for each in self._runs if isinstance(each, BranchingRun)]
 
     def records(self, to_come: Sequence[Change] = ()) -> tuple[RunRecord, ...]:
         """Return the records of this position, after the visible run has made the changes `to_come`."""
-        shown = self.current.record_with(to_come, self._names_taken)
+        shown = self.built_in.record_with(to_come, self._names_taken)
         return tuple(shown if each is self.current else each.record for each in self._runs)
 
     @property
     def interpreted_loops(self) -> list[Loop]:
         """Loops that are not compiled yet, those of the visible run first."""
-        runs = [each.run if each.seek is None else each.seek.run for each in (self.current, *self._others)]
+        lanes = [each for each in (self.current, *self._others) if isinstance(each, BranchingRun)]
+        runs = [each.run if each.seek is None else each.seek.run for each in lanes]
         return [run.learner.loop for run in runs if not run.learner.is_compiled]
 
     @property
@@ -127,7 +154,7 @@ class RunGroup:
         """Advance the visible run by at most `steps` and `episodes`. The others follow."""
         self.current.advance(steps, episodes)
         self.step = self.current.run.step
-        if self._others:
+        if self._others and self.program is None:
             self.follow()
 
     def follow(self) -> None:
@@ -220,7 +247,7 @@ class RunGroup:
             each.find_trail(seconds / len(on_view))
 
     @property
-    def _on_view(self) -> list[BranchingRun]:
+    def _on_view(self) -> list[Playing]:
         return [each for each in (self.current, self.beside) if each is not None]
 
     def stop_seek(self) -> None:
@@ -242,6 +269,8 @@ class RunGroup:
         """
         self._check_room()
         model, step = self.current, self.step
+        if model.run.world.mdp is None and model.run.world.new_environment is None:
+            raise UserError("only your program can create this environment")
         recipe = changed_recipe(model.recipe, *changes)
         if next_seed:
             recipe = replace(recipe, seed=1 + max(each.recipe.seed for each in self._runs))
@@ -263,14 +292,15 @@ class RunGroup:
             UserError: There are too many runs, there is no such branch, or it is the current one.
         """
         self._check_room()
-        timeline = self.current.timeline
+        model = self.built_in
+        timeline = model.timeline
         if not 0 <= number < len(timeline.branches):
             raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(timeline.branches)}")
         branch = timeline.branches[number]
         if number == timeline.branch:
             raise UserError(f"{branch.name} is the run shown; choose another one to compare with it")
         alone = replace(branch, parent=None, fork=0, here=0)
-        added = self._new_run(RunRecord(self.current.recipe, (alone,)))
+        added = self._new_run(RunRecord(model.recipe, (alone,)))
         self._let_catch_up(added)
         self._beside = added
 
@@ -282,6 +312,8 @@ class RunGroup:
         self._runs.append(added)
         self._others.append(added)
         added.seek_to(step=self.step)
+        if self.program is not None:
+            self._beside = added
 
     def show(self, number: int) -> None:
         """Make another run visible."""
@@ -310,11 +342,13 @@ class RunGroup:
         Raises:
             UserError: The change does not fit.
         """
+        assert isinstance(self.current, BranchingRun)  # programs refuse changes
         self.current.apply(change, self._names_taken)
         self.gather()
 
     def _names_taken(self) -> list[str]:
-        kin = [each for each in self._others if each.recipe == self.current.recipe]
+        others = [each for each in self._branching if each is not self.current]
+        kin = [each for each in others if each.recipe == self.current.recipe]
         return [each.name for run in kin for each in run.timeline.branches]
 
     @property
@@ -324,13 +358,23 @@ class RunGroup:
             return RunGroupView()
         pasts = [_past(each) for each in self._runs]
         if pasts != self._pasts:  # skip long journals in the many frames without a change
-            self._pasts, self._names = pasts, lane_names(pasts, self._unit)
+            self._pasts, self._names = pasts, self._names_of(pasts)
         named = zip(self._runs, self._names, pasts, strict=True)
         views = tuple(_view(each, name, past) for each, name, past in named)
         beside = None if self.beside is None else self._runs.index(self.beside)
         return RunGroupView(views, self.shown, beside)
 
-    def _is_elsewhere(self, lane: BranchingRun) -> bool:
+    def _names_of(self, pasts: Sequence[LanePast]) -> list[str]:
+        if self.program is None:
+            return lane_names(pasts, self._unit)
+        own, *others = (past.now for past in pasts)
+        names = []
+        for each in others:
+            settings = difference(replace(own, algorithm=each.algorithm), each)
+            names.append(", ".join(filter(None, (f"ours: {algorithm_row(each.algorithm).name}", settings))))
+        return [PROGRAM, *distinct(names)]
+
+    def _is_elsewhere(self, lane: Playing) -> bool:
         step = lane.run.step
         return lane.seek is not None or step > self.step or (step < self.step and not lane.run.over)
 
@@ -356,17 +400,17 @@ def _check(world: World, recipe: Recipe, journal: Sequence[JournalEntry]) -> Non
             check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
 
 
-def _recipe_now(lane: BranchingRun) -> Recipe:
+def _recipe_now(lane: Playing) -> Recipe:
     learner = lane.run.learner
     return replace(lane.recipe, algorithm=learner.algorithm, hyperparameters=learner.hyperparameters)
 
 
-def _past(lane: BranchingRun) -> LanePast:
+def _past(lane: Playing) -> LanePast:
     branch = lane.timeline.current
     return LanePast(lane.recipe, _recipe_now(lane), branch.name, branch.journal)
 
 
-def _view(lane: BranchingRun, name: str, past: LanePast) -> LaneView:
+def _view(lane: Playing, name: str, past: LanePast) -> LaneView:
     run, learner = lane.run, lane.run.learner
     return LaneView(
         name=name,

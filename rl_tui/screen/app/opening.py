@@ -21,13 +21,12 @@ from rl_tui.screen.theme.look import Look
 
 if TYPE_CHECKING:
     from rl_tui.lessons.file.view import LessonRecord
-    from rl_tui.live.player import Player
-    from rl_tui.live.programs.watched_program import WatchedProgram
+    from rl_tui.live.player import MakePlayback, Player
     from rl_tui.live.record import Record, RecordSink
     from rl_tui.live.sessions.autosave import Autosave, KeptSession
     from rl_tui.live.sessions.progress import LessonStart
     from rl_tui.live.sessions.session import StoredSession
-    from rl_tui.live.snapshot import MakePlayable
+    from rl_tui.programs.watched.watched_program import WatchedProgram
     from rl_tui.screen.board.wanted import Wanted
     from rl_tui.screen.catalogue.catalogue import CatalogueScreen
     from rl_tui.screen.catalogue.lessons import LessonsScreen
@@ -58,9 +57,9 @@ class MakePlayer(Protocol):
         *,
         record_sink: RecordSink | None,
         record: Record | None,
-        playable: MakePlayable | None = None,
+        make_playback: MakePlayback | None = None,
     ) -> Player:
-        """Return the player of ``recipe``, or of the result of ``playable``."""
+        """Return the player of ``recipe``, or of the result of ``make_playback``."""
 
 
 def live_player(
@@ -68,12 +67,12 @@ def live_player(
     *,
     record_sink: RecordSink | None,
     record: Record | None,
-    playable: MakePlayable | None = None,
+    make_playback: MakePlayback | None = None,
 ) -> Player:
     """Return a player that takes steps as time passes."""
     from rl_tui.live.player import Player
 
-    return Player(recipe, record_sink=record_sink, record=record, playable=playable)
+    return Player(recipe, record_sink=record_sink, record=record, make_playback=make_playback)
 
 
 @dataclass
@@ -211,12 +210,12 @@ class Opener:
     def watching(self, look: Look, program: WatchedProgram) -> Playground:
         """Return the playground in which ``program`` takes the steps, without a session."""
         from rl_tui.live.pace.pacing import START_SPEED
-        from rl_tui.live.programs.program_playback import ProgramPlayback
-        from rl_tui.live.programs.program_snapshot import usual_recipe
+        from rl_tui.live.program_playback import ProgramPlayback
+        from rl_tui.live.program_run import usual_recipe
 
         recipe = usual_recipe(program.world, program.request.seed)
-        playable = partial(ProgramPlayback, program)
-        return self._playground(look, recipe, None, None, START_SPEED, playable=playable)
+        make_playback = partial(ProgramPlayback, program)
+        return self._playground(look, recipe, None, None, START_SPEED, make_playback=make_playback)
 
     @property
     def kept(self) -> KeptSession | None:
@@ -242,7 +241,7 @@ class Opener:
         *,
         watches: bool = False,
         is_gradual: bool = False,
-        playable: MakePlayable | None = None,
+        make_playback: MakePlayback | None = None,
     ) -> Playground:
         from rl_tui.screen.frame.legend_switch import LegendSwitch
         from rl_tui.screen.frame.shape import expected_shape
@@ -261,11 +260,11 @@ class Opener:
         self.legends.names_all_keys |= not self.has_kept_nothing
         so_far = FIRST_PANELS if wanted == "few" else None if wanted == "all" else wanted
         sink = None if autosave is None else autosave.sink
-        self.player = self.make_player(recipe, record_sink=sink, record=record, playable=playable)
+        self.player = self.make_player(recipe, record_sink=sink, record=record, make_playback=make_playback)
         shape = expected_shape(
             recipe.scenario.section,
             lanes=record is not None and len(record.lanes) > 1,
-            is_program=playable is not None,
+            is_program=make_playback is not None,
             has_lesson=lesson is not None,
             shown=panels_in_view(lesson, so_far, shows_all=self.legends.shows_all_panels),
         )

@@ -114,7 +114,7 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
         )
     if len({lane.recipe.seed for lane in lanes}) > 1:
         raise UserError("the runs have different seeds; c e ends the one you control")
-    run = group.current.run
+    run = group.built_in.run
     if run.world.space.pairs > MOST_PAIRS:
         raise UserError(f"many seeds are not available above {MOST_PAIRS:,} state–action pairs")
     episodes, steps, note = _length(group, lanes)

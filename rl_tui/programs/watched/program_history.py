@@ -229,10 +229,6 @@ class ProgramHistory:
         self.recording = recording
         self.newest = ProgramState(recording, world)
         self.shown = self.newest
-        self.begun_at: int | None = None
-        """Step at which an episode was sought by its beginning. The end of the previous episode is not
-        shown there.
-        """
         self._spacing = _FIRST_SPACING
         self._kept: list[ProgressState] = [self.newest.checkpoint()]
         self._followed: tuple[int, int, int] = (-1, 0, 0)
@@ -260,7 +256,6 @@ class ProgramHistory:
 
     def show(self, step: int) -> None:
         """Show the moment after `step` steps, or the nearest known one."""
-        self.begun_at = None
         step = max(step, self.first_step)
         if step >= self.newest.step:
             self.shown = self.newest

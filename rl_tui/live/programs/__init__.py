@@ -1,1 +1,0 @@
-"""Watched programs on screen: what the playback is for built-in runs."""
