@@ -46,9 +46,9 @@ class Reload:
         return self._program
 
     def compared(self, now: ProgramHistory, *, is_over: bool) -> str:
-        """Compare the results with the previous run, or return "" until it is as long. Both are compared after
-        equally many episodes, because a better agent takes fewer steps. If no episode had ended, both are
-        compared after equally many steps.
+        """Compare the results with the previous run, or return "" until it is as long. Both are compared
+        after equally many episodes, because a better agent takes fewer steps. If no episode had ended, both
+        are compared after equally many steps.
         """
         newest, episodes = now.newest, self._episodes
         has_come_as_far = newest.episodes >= episodes if episodes else newest.step >= self._step
