@@ -89,7 +89,7 @@ def usual_recipe(world: ProgramWorld, seed: int) -> Recipe:
 # Its agent
 
 
-class ProgramAgent:
+class ProgramLearner:
     """The agent of `run` at the shown moment: a `PlayedAgent`."""
 
     converged = False
@@ -206,7 +206,7 @@ class ProgramRun:
         """Default recipe of its world."""
         self.edited = edited or EditedWorld(program.world.world)
         """Its world."""
-        self.learner = ProgramAgent(self)
+        self.learner = ProgramLearner(self)
         """Its agent."""
         self.begun_at: int | None = None
         """Step at which an episode was sought by its beginning."""

@@ -1,6 +1,6 @@
 """What a playback reads of a run at one step: one interface for built-in runs and for watched programs.
 
-`Run` and `Learner` implement it for built-in runs, `ProgramRun` and `ProgramAgent` for watched programs.
+`Run` and `Learner` implement it for built-in runs, `ProgramRun` and `ProgramLearner` for watched programs.
 """
 
 from __future__ import annotations
