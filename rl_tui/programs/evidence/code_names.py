@@ -36,6 +36,13 @@ _USUAL: Final = {
 """Common names in an update, the most frequent first."""
 _DISCOUNTS: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
 """Common names of γ, the most frequent first."""
+_SHOULD_READ: Final = {
+    UpdateTarget.NEXT_ACTION: UpdateTarget.NEXT_ACTION,
+    UpdateTarget.DRAWN: UpdateTarget.NEXT_ACTION,
+    UpdateTarget.EXPECTED: UpdateTarget.EXPECTED,
+    UpdateTarget.ALLOWED: UpdateTarget.ALLOWED,
+}
+"""The value of the next state that a correction names, if it is not the best."""
 _RETURNED: Final = ("next_state", "reward", "terminated")
 _AGENT: Final = "agent"
 """Name of an agent without its own loop in our loop."""
@@ -90,7 +97,9 @@ class CodeNames:
     def target(self) -> str:
         """Return the correct line of the target."""
         value = self.best()
-        if self.value is UpdateTarget.NEXT_ACTION:
+        if self.value is UpdateTarget.ALLOWED:
+            value = f"max({self.table}[{self.next_state}][b] for b in allowed)"
+        elif self.value is UpdateTarget.NEXT_ACTION:
             between = "][" if self.form in ("lists", "dict-of-arrays") else ", "
             value = f"{self.table}[{self.next_state}{between}next_action]"
         elif self.value is UpdateTarget.EXPECTED:
@@ -103,11 +112,7 @@ def names_of(
     code: ProgramCode, table: FoundTable, update: UpdateFound, numbers: Mapping[str, float]
 ) -> CodeNames:
     """Return the names used at the update, with the book's for unknown ones."""
-    value = (
-        update.target
-        if update.target in (UpdateTarget.NEXT_ACTION, UpdateTarget.EXPECTED)
-        else UpdateTarget.BEST
-    )
+    value = _SHOULD_READ.get(update.target, UpdateTarget.BEST)
     used, by_role = _written_in(code)
     found = dict(by_role)
     for role, number in (("alpha", update.alpha), ("gamma", update.gamma)):

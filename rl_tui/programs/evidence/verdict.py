@@ -46,6 +46,8 @@ class UpdateTarget(StrEnum):
     BEST = "max Q(s′)"
     NEXT_ACTION = "Q(s′, a′)"
     EXPECTED = "Σ π Q(s′)"
+    ALLOWED = "max Q(s′) of the allowed actions"
+    DRAWN = "Q(s′, b)"
     COLUMN = "max Q(·, a)"
     SAME_ACTION = "Q(s′, a)"
     OWN_STATE = "max Q(s)"

@@ -104,8 +104,8 @@ class Predictions:
         )
 
     def values(self, at: IntArray, target: UpdateTarget | None = None) -> FloatArray:
-        """Return the possible values of each step's next state, `[n, K]`. K > 1 if the program chose an
-        action that it never took.
+        """Return the possible values of each step's next state, `[n, K]`. K > 1 if only the program knows
+        the action, which it may never have taken.
         """
         evidence, update = self.evidence, self.update
         target = target or update.target
@@ -115,6 +115,8 @@ class Predictions:
             return self._column_values(at)
         source = evidence.state if target is UpdateTarget.OWN_STATE else evidence.next_state
         rows = evidence.rows(source[at], at)
+        if target in (UpdateTarget.ALLOWED, UpdateTarget.DRAWN):
+            return rows
         if target is UpdateTarget.NEXT_ACTION:
             return _of_next_action(rows, evidence.next_action[at])
         if target is UpdateTarget.SAME_ACTION:

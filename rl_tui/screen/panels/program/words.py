@@ -55,6 +55,8 @@ _BOOTSTRAPS: Final = {
     UpdateTarget.SAME_ACTION: "Q(s′,a)",
     UpdateTarget.OWN_STATE: "max Q(s,·)",
     UpdateTarget.INDEX: "argmax Q(s′,·)",
+    UpdateTarget.ALLOWED: "max Q(s′, allowed)",
+    UpdateTarget.DRAWN: "Q(s′,b)",
     UpdateTarget.NOTHING: "",
 }
 _CELLS: Final = {MovedCell.TAKEN: "Q(s,a)", MovedCell.MOVED: "Q(s′,a)", MovedCell.ONE_LATE: "Q(s,a)"}
