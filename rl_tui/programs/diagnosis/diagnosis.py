@@ -18,7 +18,8 @@ from rl_tui.programs.diagnosis.faults.cells import (
 )
 from rl_tui.programs.diagnosis.faults.choices import risk_of_choices
 from rl_tui.programs.diagnosis.faults.constants import proof_of_gamma_twice, proof_of_step_size
-from rl_tui.programs.diagnosis.faults.ends import proofs_at_ends
+from rl_tui.programs.diagnosis.faults.ends import proof_of_steps_after_end, proofs_at_ends
+from rl_tui.programs.diagnosis.faults.formula import proof_of_formula
 from rl_tui.programs.diagnosis.faults.lost_updates import (
     proof_of_missing_update,
     proof_of_no_update,
@@ -211,6 +212,8 @@ def _without_a_rule(
     yield proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=writes)
     yield proof_of_no_update(evidence, names, code, is_over=log.ended)
     yield proof_of_cell(evidence, names)
+    yield proof_of_formula(evidence, log, names)
+    yield proof_of_steps_after_end(evidence, log, names)
     yield risk_of_choices(evidence, log, names)
 
 

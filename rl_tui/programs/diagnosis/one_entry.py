@@ -46,8 +46,7 @@ def _inner(trial: Trial) -> BoolArray:
 def _nearest(trial: Trial) -> FloatArray:
     """Return the estimate of the next state that explains each step best, `[n]`, 0 at an end."""
     sample = trial.sample
-    target: FloatArray = sample.old + sample.change / np.asarray(trial.alpha)
-    wanted = (target - sample.reward) / trial.gamma
+    wanted = (sample.change / trial.alpha - sample.reward + sample.old) / trial.gamma
     place = np.abs(sample.rows - wanted[:, None]).argmin(1)
     return np.where(sample.ended, 0.0, sample.rows[np.arange(len(sample)), place])
 
@@ -55,7 +54,7 @@ def _nearest(trial: Trial) -> FloatArray:
 def _named(trial: Trial) -> Trial | None:
     """Return `trial` with the source of the estimates, or None if the steps do not determine it."""
     sample = trial.sample
-    near = (_CLEARLY * sample.slack / abs(trial.alpha * trial.gamma))[:, None]
+    near = (_CLEARLY * sample.slack / np.abs(np.multiply(trial.alpha, trial.gamma)))[:, None]
     off = sample.rows - trial.value[:, None]
     is_read, is_above = np.abs(off) <= near, off > near
     telling = _inner(trial) & trial.informative

@@ -30,9 +30,11 @@ class CodeFault(StrEnum):
     ROUNDING_TABLE = "rounding-table"
     SHARED_TABLE = "shared-table"
     GAMMA_TWICE = "gamma-twice"
+    WRONG_FORMULA = "wrong-formula"
     STEP_SIZE_OUT_OF_RANGE = "step-size-out-of-range"
     WRONG_CELL = "wrong-cell"
     LOSES_UPDATE = "loses-update"
+    STEPS_AFTER_END = "steps-after-end"
     FIRST_OF_TIES = "first-of-ties"
     NEVER_EXPLORES = "never-explores"
 

@@ -17,7 +17,8 @@ from rl_tui.programs.evidence.verdict import CodeFault, MovedCell
 from rl_tui.worlds.mdp.space import FloatArray
 
 _NEAR: Final = 1e-6
-_DISCOUNT: Final = re.compile(r"gamma|discount|γ|^(g|df)$", re.IGNORECASE)
+DISCOUNT: Final = re.compile(r"gamma|discount|γ|^(g|df)$", re.IGNORECASE)
+"""Names of a discount."""
 
 
 def proof_of_gamma_twice(
@@ -57,7 +58,7 @@ def discount_twice(gamma: float, numbers: Mapping[str, float]) -> str | None:
     roots = [
         name
         for name, each in numbers.items()
-        if math.isclose(each * each, gamma, rel_tol=_NEAR) and _DISCOUNT.search(name.rpartition(".")[2])
+        if math.isclose(each * each, gamma, rel_tol=_NEAR) and DISCOUNT.search(name.rpartition(".")[2])
     ]
     return min(roots, key=len, default=None)
 

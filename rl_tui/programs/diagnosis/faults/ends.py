@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -10,13 +11,45 @@ import numpy as np
 from rl_tui.programs.diagnosis.faults.cells import CodePlace, Proof, some_of, step_text, written
 from rl_tui.programs.diagnosis.faults.predictions import Predictions, Readings
 from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, UpdateTarget
+from rl_tui.programs.watched.program_log import ProgramLog
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 _LEAST_DISCOUNT: Final = 1e-3
 """A smaller discount may be a rounding error."""
 _EITHER_END: Final = "done"
 """Name of a flag that is also true at a truncation, if that is what it is found to do."""
+
+
+_UNDEFINED: Final = re.compile(r"(FrozenLake(8x8)?|CliffWalking(Slippery)?|Taxi|Blackjack)-v\d+")
+"""Ids of environments without a meaning for steps after the end."""
+
+
+def proof_of_steps_after_end(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
+    """Prove that `env.step` is called in the terminal state. In other environments than Gymnasium's own, an
+    end may be a limit, or the next episode may begin automatically.
+    """
+    undefined = [each.number for each in log.environments if _UNDEFINED.fullmatch(each.id)]
+    order = np.lexsort((evidence.number, evidence.episode))
+    before, after = order[:-1], order[1:]
+    goes_on = (evidence.episode[before] == evidence.episode[after]) & evidence.terminated[before]
+    goes_on &= evidence.state[after] == evidence.next_state[before]  # it may have been set
+    goes_on &= np.isin(evidence.environment[after], undefined)
+    if not goes_on.any():
+        return None
+    first = before[goes_on][np.argmin(after[goes_on])]
+    steps = evidence.number[np.sort(after[goes_on])]
+    return Proof(
+        CodeFault.STEPS_AFTER_END,
+        steps,
+        0,
+        f"At {step_text(evidence.number[first])} the episode ended in a terminal state, but "
+        f"{step_text(steps[0])} was taken there without a reset. Such a step has no meaning.",
+        f"begin the next episode when {names.terminated} or truncated is true: "
+        f"{names.state}, info = {names.environment}.reset()",
+        CodePlace.CALL,
+    )
 
 
 class _Ends(NamedTuple):
@@ -51,6 +84,7 @@ def proofs_at_ends(
     proofs = [] if may_be_own else [_lost_at_end(predictions, ended, reward, names)]
     if update.target is not UpdateTarget.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT:
         proofs.append(_bootstraps(predictions, ended, reward, names))
+        proofs.append(_keeps_old(predictions, ended, reward, names))
         if not done_is_either:
             proofs.append(_left_out(predictions, cut_off, reward, names))
     return tuple(proofs)
@@ -82,6 +116,33 @@ def _bootstraps(predictions: Predictions, ended: BoolArray, reward: FloatArray, 
             has_next=True,
         ),
         f"leave out the next value after a terminal step: {names.target()}",
+        neither=int(seen.neither.sum()),
+    )
+
+
+def _keeps_old(predictions: Predictions, ended: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
+    """Prove that last steps add α r and do not subtract the old estimate."""
+    ends = _ends(predictions, ended, reward)
+    readings, evidence = ends.readings, predictions.evidence
+    added = readings.before + predictions.alpha[readings.at] * reward[readings.at]
+    expected = np.concatenate((ends.with_next, ends.without, readings.before[:, None]), axis=1)
+    seen = predictions.witnesses(readings, added[:, None], expected)
+    steps = evidence.number[readings.at[seen.one]]
+    text = ""
+    if len(steps):
+        first = int(np.argmax(seen.one))
+        text = (
+            f"At {step_text(steps[0])} an episode ended with the reward "
+            f"{written(reward[readings.at[first]])}. The estimate changed from "
+            f"{written(readings.before[first])} to {written(readings.after[first])}, by α r. It should "
+            f"become {written(ends.without[first, 0])}: the old estimate is not subtracted."
+        )
+    return Proof(
+        CodeFault.WRONG_FORMULA,
+        steps,
+        int(seen.other.sum()),
+        text,
+        f"leave out only the next value after a terminal step: {names.target()}",
         neither=int(seen.neither.sum()),
     )
 

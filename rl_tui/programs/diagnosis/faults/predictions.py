@@ -266,10 +266,11 @@ def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames
     over_states = predictions.after(readings, reward[at], column)
     over_actions = predictions.after(readings, reward[at], best)
     seen = predictions.witnesses(readings, over_states, over_actions)
-    speaking = at[seen.one]
+    shows = seen.one & (column[:, 0] != readings.before)  # otherwise both may cancel, as in a sum of rewards
+    speaking = at[shows]
     text = ""
     if len(speaking):
-        first = int(np.argmax(seen.one))
+        first = int(np.argmax(shows))
         text = (
             f"At {step_text(evidence.number[speaking[0]])} the target contained {written(column[first, 0])}, "
             f"the largest value of action {evidence.action[speaking[0]]} in any state. It should contain "

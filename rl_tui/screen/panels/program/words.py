@@ -33,9 +33,11 @@ IN_SHORT: Final = {
     CodeFault.ROUNDING_TABLE: "the table holds integers",
     CodeFault.SHARED_TABLE: "rows are one object",
     CodeFault.GAMMA_TWICE: "discounts twice",
+    CodeFault.WRONG_FORMULA: "a wrong sign or factor",
     CodeFault.STEP_SIZE_OUT_OF_RANGE: "step size out of range",
     CodeFault.WRONG_CELL: "updates another cell",
     CodeFault.LOSES_UPDATE: "loses its updates",
+    CodeFault.STEPS_AFTER_END: "steps on after the end",
     CodeFault.FIRST_OF_TIES: "takes the first of ties",
     CodeFault.NEVER_EXPLORES: "never explores",
 }
