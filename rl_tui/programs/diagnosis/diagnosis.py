@@ -211,7 +211,7 @@ def _without_a_rule(
     yield proof_of_sharing(evidence, log.shared_at, names)
     yield proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=writes)
     yield proof_of_no_update(evidence, names, code, is_over=log.ended)
-    yield proof_of_cell(evidence, names)
+    yield proof_of_cell(evidence, names, plans=code.reads_transitions)
     yield proof_of_formula(evidence, log, names)
     yield proof_of_steps_after_end(evidence, log, names)
     yield risk_of_choices(evidence, log, names)
