@@ -16,7 +16,7 @@ from rl_tui.programs.diagnosis.faults.cells import (
     proof_of_sharing,
     step_text,
 )
-from rl_tui.programs.diagnosis.faults.choices import risk_of_choices
+from rl_tui.programs.diagnosis.faults.choices import proof_of_risk, risk_of_choices
 from rl_tui.programs.diagnosis.faults.constants import proof_of_gamma_twice, proof_of_step_size
 from rl_tui.programs.diagnosis.faults.ends import proof_of_steps_after_end, proofs_at_ends
 from rl_tui.programs.diagnosis.faults.formula import proof_of_formula
@@ -41,6 +41,7 @@ from rl_tui.programs.evidence.verdict import (
     MovedCell,
     ProgramVerdict,
     Rule,
+    SuspectedRisk,
     UpdateFound,
     UpdateTarget,
 )
@@ -214,7 +215,7 @@ def _without_a_rule(
     yield proof_of_cell(evidence, names, plans=code.reads_transitions)
     yield proof_of_formula(evidence, log, names)
     yield proof_of_steps_after_end(evidence, log, names)
-    yield risk_of_choices(evidence, log, names)
+    yield proof_of_risk(evidence, log, names)
 
 
 def _by_the_rule(
@@ -277,4 +278,13 @@ def verdict_of(log: ProgramLog) -> ProgramVerdict:
         evidence = Evidence(log.recording)
         update = update_of(evidence, log.numbers, log.table.dtype)
         findings, notes = findings_of(evidence, update, log, done_is_either=is_either)
-    return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)))
+        suspected = _suspected(evidence, update, log, log.table)
+    return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)), suspected)
+
+
+def _suspected(
+    evidence: Evidence, update: UpdateFound, log: ProgramLog, table: FoundTable
+) -> SuspectedRisk | None:
+    code = program_code(log)
+    risk = risk_of_choices(evidence, log, names_of(code, table, update, log.numbers))
+    return None if risk is None else SuspectedRisk(_finding(risk.proof, code), risk.luck)

@@ -150,6 +150,16 @@ class CodeFinding:
 
 
 @dataclass(frozen=True, slots=True)
+class SuspectedRisk:
+    """A risk that one run does not prove: with the probability `luck`, random choices among equal values see
+    no reward either.
+    """
+
+    finding: CodeFinding
+    luck: float
+
+
+@dataclass(frozen=True, slots=True)
 class ProgramVerdict:
     """The verdict on a program so far."""
 
@@ -157,3 +167,4 @@ class ProgramVerdict:
     findings: tuple[CodeFinding, ...] = ()
     notes: tuple[str, ...] = ()
     """Unknown facts with reasons, and harmless departures from the book."""
+    suspected: SuspectedRisk | None = None

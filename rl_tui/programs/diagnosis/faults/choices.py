@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -18,17 +19,23 @@ from rl_tui.programs.evidence.verdict import CodeFault
 from rl_tui.programs.watched.program_log import ProgramLog
 from rl_tui.programs.watched.program_world import world_of_program
 
-_SURE: Final = 0.9999
+MOST_LUCK: Final = 1e-4
+"""Probability of bad luck below which a risk is reported."""
 _FEWEST: Final = 200
 """Choices needed to judge their shares."""
 _DEVIATIONS: Final = 10.0
 """Deviation of a share, in standard deviations, that rules out chance."""
 
 
-def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
-    """Return the risk in the choices of a program that has learned nothing. It is reported only if random
-    ties would have found a reward in as many episodes with probability above 0.9999.
-    """
+class Risk(NamedTuple):
+    """A risk with the probability that random choices among equal values do no better, `luck`."""
+
+    proof: Proof
+    luck: float
+
+
+def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Risk | None:
+    """Return the risk in the choices of a program that has learned nothing, if it prefers an action."""
     if evidence.changes.step.size or evidence.initial.any():
         return None  # a dict filled with zeros has learned nothing
     if not len(evidence) or evidence.reward.any():
@@ -40,9 +47,16 @@ def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Pr
         return None
     episodes = int(evidence.episode[-1] - evidence.episode[0])
     chance = _chance_at_random(log, episodes)
-    if chance is None or chance <= _SURE:
+    return None if chance is None else Risk(_proof(evidence, favourite, episodes, names), 1.0 - chance)
+
+
+def proof_of_risk(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
+    """Return the risk if bad luck is ruled out: random choices would almost surely have found a reward."""
+    risk = risk_of_choices(evidence, log, names)
+    if risk is None or risk.luck >= MOST_LUCK:
         return None
-    return _risk(evidence, favourite, episodes, names)
+    sure = f" Random actions would have found one with a chance above {1.0 - MOST_LUCK}."
+    return replace(risk.proof, text=risk.proof.text + sure)
 
 
 def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
@@ -59,14 +73,11 @@ def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
     return 1.0 if chance >= 1.0 else -math.expm1(episodes * math.log1p(-chance))
 
 
-def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -> Proof:
+def _proof(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -> Proof:
     chosen = np.flatnonzero(evidence.action == favourite)
     others = len(evidence) - len(chosen)
     the_last = "the last " if evidence.recording.first else ""
-    without = (
-        f"No reward was seen in {the_last}{episodes:,} episodes, and nothing was learned. Random actions "
-        f"would have found one with a chance above {_SURE}."
-    )
+    without = f"No reward was seen in {the_last}{episodes:,} episodes, and nothing was learned."
     if not others:
         return Proof(
             CodeFault.NEVER_EXPLORES,
