@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.common.findings import one_line
+from rl_tui.programs.diagnosis.exploration import exploration_of
 from rl_tui.programs.diagnosis.faults.cells import (
     FEWEST_STEPS,
     CodePlace,
@@ -279,7 +280,8 @@ def verdict_of(log: ProgramLog) -> ProgramVerdict:
         update = update_of(evidence, log.numbers, log.table.dtype)
         findings, notes = findings_of(evidence, update, log, done_is_either=is_either)
         suspected = _suspected(evidence, update, log, log.table)
-    return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)), suspected)
+        exploration = exploration_of(evidence, update, log.numbers)
+    return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)), suspected, exploration)
 
 
 def _suspected(

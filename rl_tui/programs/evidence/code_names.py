@@ -36,6 +36,8 @@ _USUAL: Final = {
 """Common names in an update, the most frequent first."""
 _DISCOUNTS: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
 """Common names of γ, the most frequent first."""
+_EPSILONS: Final = ("epsilon", "eps", "ε", "exploration_rate", "explore_rate", "exploration_prob")
+"""Common names of ε, the most frequent first."""
 _SHOULD_READ: Final = {
     UpdateTarget.NEXT_ACTION: UpdateTarget.NEXT_ACTION,
     UpdateTarget.DRAWN: UpdateTarget.NEXT_ACTION,
@@ -137,8 +139,17 @@ def _written_in(code: ProgramCode) -> tuple[frozenset[str], Mapping[str, str]]:
 
 def declared_discount(numbers: Mapping[str, float]) -> tuple[str, float] | None:
     """Return the name and value of γ in the `numbers` of a program's code, or None."""
+    return _declared(numbers, _DISCOUNTS)
+
+
+def declared_epsilon(numbers: Mapping[str, float]) -> tuple[str, float] | None:
+    """Return the name and value of ε in the `numbers` of a program's code, or None."""
+    return _declared(numbers, _EPSILONS)
+
+
+def _declared(numbers: Mapping[str, float], names: tuple[str, ...]) -> tuple[str, float] | None:
     named = {name.lower().rsplit(".", 1)[-1]: (name, value) for name, value in numbers.items()}
-    return next((named[name] for name in _DISCOUNTS if name in named), None)
+    return next((named[name] for name in names if name in named), None)
 
 
 def _as_written(name: str, used: frozenset[str]) -> str:

@@ -150,6 +150,27 @@ class CodeFinding:
 
 
 @dataclass(frozen=True, slots=True)
+class ExplorationFound:
+    """The ε that explains the latest choices, if they are ε-greedy. It is an estimate, not a proof.
+
+    Attributes:
+        epsilon: The estimate.
+        low: Lower end of its 95 % interval.
+        high: Upper end.
+        choices: Number of choices in states with one best action.
+        name: Name of ε in the code, or "".
+        written: Its value there, or None.
+    """
+
+    epsilon: float
+    low: float
+    high: float
+    choices: int
+    name: str = ""
+    written: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class SuspectedRisk:
     """A risk that one run does not prove: with the probability `luck`, random choices among equal values see
     no reward either.
@@ -168,3 +189,4 @@ class ProgramVerdict:
     notes: tuple[str, ...] = ()
     """Unknown facts with reasons, and harmless departures from the book."""
     suspected: SuspectedRisk | None = None
+    exploration: ExplorationFound | None = None

@@ -121,10 +121,12 @@ def proof_of_cell(evidence: Evidence, names: CodeNames, *, plans: bool = False) 
 
 def _is_renumbered(evidence: Evidence, at: IntArray) -> bool:
     """Return True if the moved cells may be those of the steps, in a table with other numbers of states and
-    actions.
+    actions. An update carries values to further states, so one state says nothing of their numbers.
     """
-    moved = evidence.only_change[0][at]
-    states = _is_one_to_one(evidence.state[at], moved // evidence.actions)
+    state, moved = evidence.state[at], evidence.only_change[0][at]
+    if state.min() == state.max() and (moved // evidence.actions != state).any():
+        return False
+    states = _is_one_to_one(state, moved // evidence.actions)
     return states and _is_one_to_one(evidence.action[at], moved % evidence.actions)
 
 

@@ -12,6 +12,7 @@ from rl_tui.live.program_view import ProgramView
 from rl_tui.programs.evidence.verdict import (
     CodeFault,
     CodeFinding,
+    ExplorationFound,
     MovedCell,
     Rule,
     UpdateFound,
@@ -165,6 +166,21 @@ def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
     if update.epsilon is not None:
         parts.append(f"ε {number_text(update.epsilon, glyphs)}")
     return " · ".join(parts)
+
+
+def exploration_texts(exploration: ExplorationFound | None, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return forms of ε as used beside ε as written, none without both."""
+    if exploration is None or exploration.written is None:
+        return ()
+    used, low, high = (
+        numbers.brief(x, glyphs, decimals=2) for x in (exploration.epsilon, exploration.low, exploration.high)
+    )
+    name, code = one_line(exploration.name, LONGEST_NAME), number_text(exploration.written, glyphs)
+    ends = f"({low} to {high})"
+    whole = (
+        f"ε used {used} {ends} in the last {exploration.choices:,} choices · {name} in your code is {code}"
+    )
+    return whole, f"ε used {used} {ends} · {name} {code}", f"ε used {used} · {name} {code}"
 
 
 def number_text(x: float, glyphs: Glyphs) -> str:
