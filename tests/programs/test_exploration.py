@@ -34,6 +34,7 @@ def test_the_interval_holds_the_epsilon_in_use(epsilon: float) -> None:
         assert 0.0 <= found.low <= found.epsilon <= found.high <= 1.0
         assert (found.name, found.written) == ("agent.epsilon", 0.05)
         assert verdict.findings == ()
+        assert found.departs == (not found.low <= 0.05 <= found.high)
         hits += found.low <= epsilon <= found.high
     assert hits >= 17
 

@@ -169,6 +169,11 @@ class ExplorationFound:
     name: str = ""
     written: float | None = None
 
+    @property
+    def departs(self) -> bool:
+        """True if ε in the code is outside the interval. It may fall, or belong to another policy."""
+        return self.written is not None and not self.low <= self.written <= self.high
+
 
 @dataclass(frozen=True, slots=True)
 class SuspectedRisk:
