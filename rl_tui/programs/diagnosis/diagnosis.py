@@ -17,21 +17,15 @@ from rl_tui.programs.diagnosis.faults.cells import (
     proof_of_sharing,
     step_text,
 )
-from rl_tui.programs.diagnosis.faults.choices import proof_of_risk, risk_of_choices
-from rl_tui.programs.diagnosis.faults.constants import proof_of_gamma_twice, proof_of_step_size
-from rl_tui.programs.diagnosis.faults.ends import proof_of_steps_after_end, proofs_at_ends
+from rl_tui.programs.diagnosis.faults.choices import proof_of_risk, proof_of_steps_after_end, risk_of_choices
 from rl_tui.programs.diagnosis.faults.formula import proof_of_formula
+from rl_tui.programs.diagnosis.faults.hypotheses import Case, proofs_of
 from rl_tui.programs.diagnosis.faults.lost_updates import (
     proof_of_missing_update,
     proof_of_no_update,
     proof_of_rounding,
 )
-from rl_tui.programs.diagnosis.faults.predictions import (
-    Predictions,
-    by_the_environment,
-    proof_of_axis,
-    reward_used,
-)
+from rl_tui.programs.diagnosis.faults.predictions import Predictions, by_the_environment
 from rl_tui.programs.diagnosis.update_rule import update_of
 from rl_tui.programs.evidence.code_names import CodeNames, declared_discount, names_of
 from rl_tui.programs.evidence.code_places import ProgramCode, program_code
@@ -230,18 +224,17 @@ def _by_the_rule(
 ) -> Iterator[Proof | None]:
     if not predictions.is_known:
         return
-    reward, shifted = reward_used(predictions, names)
-    yield shifted
-    yield proof_of_axis(predictions, reward, names)
-    yield from proofs_at_ends(
-        predictions,
-        reward,
-        names,
-        done_is_either=done_is_either,
-        may_be_own=code.sets_a_constant or (predictions.update != update and code.gives_other(names.reward)),
+    yield from proofs_of(
+        Case(
+            predictions,
+            predictions.evidence.reward,
+            names,
+            log.numbers,
+            done_is_either=done_is_either,
+            may_be_own=code.sets_a_constant
+            or (predictions.update != update and code.gives_other(names.reward)),
+        )
     )
-    yield proof_of_gamma_twice(predictions, reward, log.numbers, names)
-    yield proof_of_step_size(predictions, reward, names)
 
 
 def _finding(proof: Proof, code: ProgramCode) -> CodeFinding:

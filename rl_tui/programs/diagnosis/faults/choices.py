@@ -1,8 +1,9 @@
-"""Choices of actions that may keep a program from any reward."""
+"""Choices of actions: those that may keep a program from any reward, and steps after the end."""
 
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -12,7 +13,7 @@ from rl_tui.agents.exact.first_update import first_wait
 from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
-from rl_tui.programs.diagnosis.faults.cells import CodePlace, Proof
+from rl_tui.programs.diagnosis.faults.cells import CodePlace, Proof, step_text
 from rl_tui.programs.evidence.code_names import CodeNames
 from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import CodeFault
@@ -96,4 +97,37 @@ def _proof(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) 
         f"{favourite}. {without}",
         f"choose at random among the best actions: {names.random_tie()}",
         CodePlace.CHOICE,
+    )
+
+
+# Steps after the end
+
+
+_UNDEFINED: Final = re.compile(r"(FrozenLake(8x8)?|CliffWalking(Slippery)?|Taxi|Blackjack)-v\d+")
+"""Ids of environments without a meaning for steps after the end."""
+
+
+def proof_of_steps_after_end(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
+    """Prove that `env.step` is called in the terminal state. In other environments than Gymnasium's own, an
+    end may be a limit, or the next episode may begin automatically.
+    """
+    undefined = [each.number for each in log.environments if _UNDEFINED.fullmatch(each.id)]
+    order = np.lexsort((evidence.number, evidence.episode))
+    before, after = order[:-1], order[1:]
+    goes_on = (evidence.episode[before] == evidence.episode[after]) & evidence.terminated[before]
+    goes_on &= evidence.state[after] == evidence.next_state[before]  # it may have been set
+    goes_on &= np.isin(evidence.environment[after], undefined)
+    if not goes_on.any():
+        return None
+    first = before[goes_on][np.argmin(after[goes_on])]
+    steps = evidence.number[np.sort(after[goes_on])]
+    return Proof(
+        CodeFault.STEPS_AFTER_END,
+        steps,
+        0,
+        f"At {step_text(evidence.number[first])} the episode ended in a terminal state, but "
+        f"{step_text(steps[0])} was taken there without a reset. Such a step has no meaning.",
+        f"begin the next episode when {names.terminated} or truncated is true: "
+        f"{names.state}, info = {names.environment}.reset()",
+        CodePlace.CALL,
     )

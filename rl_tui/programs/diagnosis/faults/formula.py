@@ -12,10 +12,9 @@ import numpy as np
 
 from rl_tui.common.own_ids import OWN_IDS
 from rl_tui.programs.diagnosis.faults.cells import Proof, step_text, written
-from rl_tui.programs.diagnosis.faults.constants import DISCOUNT
 from rl_tui.programs.diagnosis.sample import EXACT, Sample, sample_of
 from rl_tui.programs.diagnosis.trial import FEWEST, plainest, refined, rounded
-from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.code_names import DISCOUNT, CodeNames
 from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, UpdateTarget
 from rl_tui.programs.watched.program_log import ProgramLog
