@@ -129,7 +129,7 @@ def test_a_table_that_skips_its_ends_never_moves(test: str, at_ends: bool, tmp_p
 
 
 def never_moved(folder: Path, test: str, *, at_ends: bool) -> ProgramLog:
-    """Return a program that ended with a table of zeros, whose update stands under ``test``."""
+    """Return a program that ended with a table of zeros, and updates it under ``test``."""
     file = folder / "lake.py"
     file.write_text(
         "q = make()\nwhile True:\n    s2, r, term, trunc, _ = env.step(a)\n    done = term or trunc\n"

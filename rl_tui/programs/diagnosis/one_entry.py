@@ -22,9 +22,8 @@ _CLEARLY: Final = 3
 def one_entry_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
     """Return the trial in which every inner step reads one estimate of the next state, or None.
 
-    The actions are allowed ones if no state contradicts that: an estimate above the one that was read
-    belongs to a forbidden action there, and is never read. Several contradictions show that the action was
-    drawn.
+    The actions are allowed ones if no state contradicts that. An action with a higher estimate is then
+    forbidden there, and its estimate is never read. Several contradictions show that the action was drawn.
     """
     if sample.evidence.precision > EXACT:
         return None  # close estimates would look equal

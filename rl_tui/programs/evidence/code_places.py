@@ -256,7 +256,7 @@ class ProgramCode:
         return self._is_surely_done(done)
 
     def _is_surely_done(self, wanted: set[int]) -> bool:
-        """Return True if one of `wanted` is always executed where the code calls `env.step`."""
+        """Return True if the code that calls `env.step` always executes one of `wanted`."""
         line = self.call_line()
         scope = None if line is None else self.scope_of(line)
         return self._is_always_in(getattr(scope, "body", []), wanted, _MOST_CALLS)

@@ -160,7 +160,7 @@ class GradedSubmission:
         return found if self.passed or RISKS & count.keys() else [*found, *self._risks_of_all()]
 
     def _risks_of_all(self) -> list[tuple[CodeFinding, int]]:
-        """Return the risk that no single seed proves, if bad luck in so many seeds is ruled out."""
+        """Return the risk that all seeds together prove, if bad luck is ruled out."""
         suspected = [run.suspected for run in self.runs if run.suspected is not None]
         if not suspected:
             return []

@@ -131,7 +131,7 @@ def _is_renumbered(evidence: Evidence, at: IntArray) -> bool:
 
 
 def _is_one_to_one(one: IntArray, other: IntArray) -> bool:
-    """Return True if each number of `one` has its own in `other`, but for a few exceptions."""
+    """Return True if `other` names the numbers of `one` differently, with few exceptions."""
     pairs, counts = np.unique(np.column_stack((one, other)), axis=0, return_counts=True)
     order = np.lexsort((-counts, pairs[:, 0]))
     usual = order[np.flatnonzero(np.diff(pairs[order, 0], prepend=-1))]

@@ -1,4 +1,4 @@
-"""Wrong signs and misplaced terms: every step follows one linear formula, and it is not that of an update."""
+"""Wrong signs and misplaced terms: every step follows one linear formula that no correct update has."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _ONE_PLAYER: Final = ("FrozenLake", "CliffWalking", "Taxi", "Blackjack", OWN_IDS
 @dataclass(frozen=True)
 class _Formula:
     """change = reward · r + value · V + old · Q(s, a) + constant on all `steps` of `sample`, where V is the
-    next value of `target`. `reward` is None if all rewards are the same, and then part of the constant.
+    next value of `target`. If all rewards are equal, the constant contains them, and `reward` has no value.
     """
 
     sample: Sample

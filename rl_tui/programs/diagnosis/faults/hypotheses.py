@@ -1,7 +1,7 @@
 """Bugs that predict another new value than the correct update does, as one table of hypotheses.
 
 A row has the steps on which it is tested, the predictions of the bug and of the correct update, and the words
-of the finding. Steps on which both predict the same are no evidence.
+of the finding. Steps on which both predict the same do not count.
 """
 
 from __future__ import annotations
