@@ -182,7 +182,7 @@ def _found(
     names = names_of(code, table, update, log.numbers)
     predictions = by_the_environment(evidence, update, table.dtype)
     proofs = [
-        *_without_a_rule(evidence, log, table, code, names),
+        *_without_a_rule(evidence, update, log, table, code, names),
         *_by_the_rule(predictions, update, log, code, names, done_is_either=done_is_either),
     ]
     enough = [proof for proof in proofs if proof is not None and proof.is_enough]
@@ -201,14 +201,19 @@ def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
 
 
 def _without_a_rule(
-    evidence: Evidence, log: ProgramLog, table: FoundTable, code: ProgramCode, names: CodeNames
+    evidence: Evidence,
+    update: UpdateFound,
+    log: ProgramLog,
+    table: FoundTable,
+    code: ProgramCode,
+    names: CodeNames,
 ) -> Iterator[Proof | None]:
     writes = code.always_writes
     yield proof_of_sharing(evidence, log.shared_at, names)
     yield proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=writes)
     yield proof_of_no_update(evidence, names, code, is_over=log.ended)
     yield proof_of_cell(evidence, names, plans=code.reads_transitions)
-    yield proof_of_formula(evidence, log, names)
+    yield proof_of_formula(evidence, update, log, names)
     yield proof_of_steps_after_end(evidence, log, names)
     yield proof_of_risk(evidence, log, names)
 

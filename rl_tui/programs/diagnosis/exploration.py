@@ -14,7 +14,7 @@ from rl_tui.studies.statistics.intervals import share_interval
 
 _MOST: Final = 2_000
 """Most choices counted, the latest, because ε may fall."""
-_MOST_EXAMINED: Final = 10_000
+_MOST_EXAMINED: Final = 6_000
 _FEWEST: Final = 100
 
 

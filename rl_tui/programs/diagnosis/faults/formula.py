@@ -16,7 +16,7 @@ from rl_tui.programs.diagnosis.sample import EXACT, Sample, sample_of
 from rl_tui.programs.diagnosis.trial import FEWEST, plainest, refined, rounded
 from rl_tui.programs.evidence.code_names import DISCOUNT, CodeNames
 from rl_tui.programs.evidence.evidence import Evidence
-from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, UpdateTarget
+from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.programs.watched.program_log import ProgramLog
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
@@ -25,6 +25,8 @@ _RESIDUAL: Final = 1e-6
 _NEAR: Final = 1e-6
 _FEWEST_EQUATIONS: Final = 20
 """Fewest distinct steps, since four of them determine a formula."""
+_MOST_EQUATIONS: Final = 2_000
+"""Most steps among which distinct ones are counted."""
 _WEIGHTY: Final = 100.0
 _CLEARLY_ABOVE: Final = 1.001
 """A discount above this is not a rounded 1."""
@@ -97,13 +99,16 @@ class _Mistake:
 
 
 @np.errstate(all="ignore")  # numbers may be 0
-def proof_of_formula(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
+def proof_of_formula(
+    evidence: Evidence, update: UpdateFound, log: ProgramLog, names: CodeNames
+) -> Proof | None:
     """Prove that an exact linear formula moves the table, but with a wrong sign or a misplaced term.
 
     A reward of the program's own may have any factor and any constant, so only the factors of the two
     estimates are judged.
     """
-    if evidence.precision > EXACT:
+    is_right = update.rule is not Rule.UNKNOWN and update.reward == "environment"
+    if evidence.precision > EXACT or (is_right and (update.gamma or 0.0) <= 1.0):
         return None
     sample = sample_of(evidence, MovedCell.TAKEN)
     found = [each for each in (_formula(sample, target, log.numbers) for target in _READ) if each]
@@ -143,7 +148,7 @@ def _formula(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float])
         return None
     varies = bool(np.ptp(reward[steps]) > 0.0)
     columns = [value, sample.old, np.ones(len(sample)), *([reward] if varies else [])]
-    equations = np.column_stack((*columns, sample.change))[moving]
+    equations = np.column_stack((*columns, sample.change))[moving][:_MOST_EQUATIONS]
     if len(np.unique(rounded(equations, 6), axis=0)) < _FEWEST_EQUATIONS:
         return None
     factors = refined(columns, sample.change, sample.slack, steps)
