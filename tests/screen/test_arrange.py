@@ -279,7 +279,7 @@ def test_a_small_screen_has_curve_and_timeline_in_its_last_line() -> None:
 def test_a_panel_of_charts_has_the_lower_band_where_it_is_roomy_else_the_right_column() -> None:
     lake = MAPS["lake"]
     assert arrange(Size(120, 40), lake, "discount", wide_rows=15).regions["discount"] == (2, 20, 116, 16)
-    assert arrange(Size(80, 24), lake, "discount", wide_rows=15).regions["discount"] == (35, 1, 44, 22)
+    assert arrange(Size(80, 24), lake, "discount", wide_rows=15).regions["discount"] == (39, 1, 40, 22)
     assert arrange(Size(60, 18), lake, "discount", wide_rows=15).regions == {"discount": (0, 1, 60, 16)}
 
 
@@ -299,8 +299,32 @@ def test_a_table_ends_where_its_rows_and_its_legend_do() -> None:
 
 def test_a_page_about_the_world_alone_leaves_it_nearly_all_of_the_height() -> None:
     place = arranged(MAPS["lake"], "lesson, world alone", Size(120, 40))
-    assert place.cell == (15, 8)
-    assert place.regions == {WORLD: (1, 2, 61, 33), LESSON: (70, 2, 48, 36)}
+    assert place.cell == (17, 8)
+    assert place.regions == {WORLD: (1, 2, 69, 33), LESSON: (73, 2, 45, 36)}
+
+
+@pytest.mark.parametrize(
+    ("size", "cell", "columns"), [((80, 24), (3, 2), 40), ((120, 40), (5, 3), 48), ((160, 50), (9, 5), 45)]
+)
+@pytest.mark.parametrize("state", ["panel", "drawing"])
+def test_a_wide_map_beside_a_panel_is_larger_than_the_curve(
+    size: tuple[int, int], cell: tuple[int, int], columns: int, state: str
+) -> None:
+    place = arranged(MAPS["cliff"], state, Size(*size))
+    assert place.cell == cell
+    assert place.regions[DRAW if state == "drawing" else "microscope"].width == columns
+    assert 4 * cell[1] > place.regions[CURVE].height
+
+
+@pytest.mark.parametrize(("name", "state"), product(SHAPES, ["panel", "drawing", "drawing, panel"]))
+def test_a_curve_beside_a_panel_is_low(name: str, state: str) -> None:
+    for size, most in (((80, 24), 5), ((100, 30), 5), ((120, 40), 10), ((160, 50), 10)):
+        assert arranged(SHAPES[name], state, Size(*size)).regions[CURVE].height <= most
+
+
+@pytest.mark.parametrize("state", ["plain", "lesson"])
+def test_at_80x24_the_table_shows_ten_arms(state: str) -> None:
+    assert arranged(SHAPES["bandit"], state, Size(80, 24)).regions[TABLE].height >= 10 + 3
 
 
 def test_two_wide_maps_lie_one_above_the_other() -> None:

@@ -42,13 +42,14 @@ from rl_tui.worlds.drawing import Arms, Axes, Body, Graph, Grid
 _LEAST_BELOW: Final = {MEDIUM: 5, ROOMY: 10}  # rows of the lower band
 _LEAST_BELOW_LANES: Final = 8  # rows of the lower band of medium size: with fewer, lines of runs are a braid
 _LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
-_BESIDE_PAGE: Final = 12  # rows of curve and table beside a lesson page at the right
+_BESIDE_PAGE: Final = 12  # rows of curve and table beside a lesson page at the right, or below two worlds
 _AROUND_A_MAP: Final = 15  # rows
 _LEAST_SCROLLING: Final = 4  # least rows of the lower band: a heading and sliders
 _BELOW_A_WORLD: Final = 19  # rows of a panel below the world, beside a page of a lesson
 _BELOW_LANES: Final = 18  # rows below the worlds of two runs that leave space for tables
-_UPPER: Final = 16  # rows of the upper band, so that the table beside a low map gets enough
+_UPPER: Final = {MEDIUM: 13, ROOMY: 16}  # rows of the upper band if the table needs them beside a low map
 _MOST_CURVE: Final = 16
+_CURVE_BESIDE_PANEL: Final = {MEDIUM: 5, ROOMY: 10}  # most rows, not to outgrow the map
 _LAST_STEP: Final = 8  # rows of the full text
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
@@ -57,10 +58,11 @@ _LEAST_CURVE: Final = 6  # rows with its timeline; with fewer it changes places 
 _CURVE_AT_RIGHT: Final = 11
 _TABLE_KEPT: Final = 12  # rows that the table keeps when others share its column
 _AROUND_A_TABLE: Final = 8  # rows: heads, legend, layers
+_AROUND_ROWS: Final = 3  # the same at medium sizes
 _SHARE: Final = 0.235  # of the screen; a smaller map takes rows of the lower band
+_LEAST_PANEL: Final = {MEDIUM: 40, ROOMY: 44}  # columns, if the map gets larger cells
 _PANEL_COLUMNS: Final = (44, 60)
 _PANEL_SHARE: Final = 0.4
-_PAGE_COLUMNS: Final = 40  # of a lesson page, so that the world keeps enough
 _BESIDE_A_GRAPH: Final = 36  # columns; more would turn the boxes of a graph into a list
 _TALLER: Final = 1.5  # times: a wide map goes above all else if its cells get this much higher
 _LARGER: Final = 1.3  # times: two maps are stacked if their cells get this much larger
@@ -128,17 +130,16 @@ class _Bands:
         self.is_place = isinstance(self.drawing, Grid) and not self.drawing.legend
         self.chain = len(self.drawing.chain) if isinstance(self.drawing, Graph) else 0
         self.least, self.most = self._columns()
+        self._most_curve = _MOST_CURVE if self.aside is None else _CURVE_BESIDE_PANEL[self.room]
 
     def _columns(self) -> tuple[int, int]:
         width = self.sheet.size.width
         if self.aside is not None:
             least, most = _PANEL_COLUMNS
-            if self.aside == LESSON and self.room is MEDIUM:
-                least = _PAGE_COLUMNS
             if isinstance(self.drawing, Graph) and self.room is MEDIUM:
                 least = _BESIDE_A_GRAPH
             columns = max(least, min(most, round(width * _PANEL_SHARE)))
-            return columns, columns
+            return min(_LEAST_PANEL[self.room], columns), columns
         is_arms = isinstance(self.drawing, Arms)
         least = 24 if is_arms else 4 + 6 * min(self.shape.actions, 4)
         most = 40 if is_arms else 6 + 10 * min(self.shape.actions, 4)
@@ -167,8 +168,9 @@ class _Bands:
         columns = self._right_columns(picture.width)
         left = sheet.usable - (columns + sheet.gap if columns else 0)
         upper = (2 if is_over else 1) * (picture.height + extra)
-        if self.room is ROOMY and self.aside is None and not sheet.lanes:
-            upper = max(upper, min(_UPPER, height + extra))
+        if self.room is not SMALL and self.aside is None and not sheet.lanes:
+            beside = min(_UPPER[self.room], self.shape.table_rows + _AROUND_ROWS)
+            upper = max(upper, min(beside, height + extra))
         self._put_world(picture, extra, left, room, is_over=is_over)
         low = sheet.top + upper + (sheet.blank if below else 0)
         if columns and self._has_curve_at_right(low):
@@ -315,7 +317,7 @@ class _Bands:
         sheet = self.sheet
         if self.is_alone or (sheet.lanes and self.aside is None):
             return 0
-        if self.aside is not None:
+        if sheet.lanes:
             return self.least
         return max(self.least, min(self.most, sheet.usable - sheet.gap - picture))
 
@@ -412,9 +414,14 @@ class _Bands:
         if sheet.shows(self.shape.settings):
             foot -= 1
             sheet.put(self.shape.settings, Region(x, foot, width, 1))
-        if LAST_STEP not in sheet.regions and sheet.shows(LAST_STEP) and foot - low >= _BESIDE_PAGE + 1:
-            foot -= 1
-            sheet.put(LAST_STEP, Region(x, foot, width, 1))
+        if LAST_STEP not in sheet.regions and sheet.shows(LAST_STEP):
+            is_beside = self.aside is not None and self.below_page is None
+            kept = self._most_curve + 1 + sheet.blank if is_beside else _BESIDE_PAGE
+            sizes = (_LAST_STEP, _SHORT_STEP, 1) if is_beside else (1,)
+            rows = next((each for each in sizes if foot - low - each >= kept), 0)
+            foot -= rows
+            sheet.put(LAST_STEP, Region(x, foot, width, rows))
+            foot -= sheet.blank if rows > 1 else 0
         if self.below_page is not None and self.aside == LESSON:
             if sheet.shows(TIMELINE):
                 foot -= 1
@@ -440,7 +447,7 @@ class _Bands:
         sheet, x = self.sheet, self.sheet.margin if x is None else x
         if not sheet.shows(CURVE):
             return
-        rows = min(_MOST_CURVE, foot - 1 - low)
+        rows = min(self._most_curve, foot - 1 - low)
         sheet.put(CURVE, Region(x, low, width, rows))
         sheet.put(TIMELINE, Region(x, low + rows, width, 1))
 
