@@ -6,6 +6,7 @@ left corner. The first row is the header, the last one has the keys.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from textual.geometry import Region, Size
@@ -50,6 +51,7 @@ _BELOW_LANES: Final = 18  # rows below the worlds of two runs that leave space f
 _UPPER: Final = {MEDIUM: 13, ROOMY: 16}  # rows of the upper band if the table needs them beside a low map
 _MOST_CURVE: Final = 16
 _CURVE_BESIDE_PANEL: Final = {MEDIUM: 5, ROOMY: 10}  # most rows, not to outgrow the map
+_EMPTY_AT_FIRST: Final = frozenset({TABLE, CURVE, TIMELINE, LAST_STEP})
 _LAST_STEP: Final = 8  # rows of the full text
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
@@ -62,6 +64,7 @@ _AROUND_ROWS: Final = 3  # the same at medium sizes
 _SHARE: Final = 0.235  # of the screen; a smaller map takes rows of the lower band
 _LEAST_PANEL: Final = {MEDIUM: 40, ROOMY: 44}  # columns, if the map gets larger cells
 _PANEL_COLUMNS: Final = (44, 60)
+_GLANCE_COLUMNS: Final = (48, 60)  # of a page beside a small map
 _PANEL_SHARE: Final = 0.4
 _BESIDE_A_GRAPH: Final = 36  # columns; more would turn the boxes of a graph into a list
 _TALLER: Final = 1.5  # times: a wide map goes above all else if its cells get this much higher
@@ -90,9 +93,12 @@ def arrange(
     sheet = ScreenPlan(size, shape)
     if zoomed is not None:
         return sheet.alone(zoomed)
-    if shape.has_lesson and shape.reads and not docks_lesson(size, shape.shown):
-        return sheet.alone(LESSON)
     if shape.has_lesson and not docks_lesson(size, shape.shown):
+        if shape.reads and shape.spotlight == WORLD and sheet.room is MEDIUM:
+            glance = replace(shape, shown=frozenset({WORLD}), lanes=False, is_drawn=False)
+            return _Bands(ScreenPlan(size, glance), None, 0, glances=True).place()
+        if shape.reads:
+            return sheet.alone(LESSON)
         sheet.put(LESSON, Region(0, 1, size.width, 1))
         sheet.top = 2
     if sheet.room is SMALL and opened is not None:
@@ -101,12 +107,19 @@ def arrange(
     if opened is not None and sheet.room is not ROOMY:
         sheet.lanes = False
     is_wide = sheet.room is ROOMY and not (shape.has_lesson or shape.is_drawn or sheet.lanes)
-    return _Bands(sheet, opened, wide_rows if is_wide else 0).place()
+    place = _Bands(sheet, opened, wide_rows if is_wide else 0).place()
+    is_fresh = shape.is_fresh and shape.has_lesson and sheet.room is ROOMY and shape.shown is None
+    for panel in _EMPTY_AT_FIRST - {shape.spotlight} if is_fresh else ():
+        place.regions.pop(panel, None)  # nothing else moves when it comes
+    return place
 
 
 class _Bands:
-    def __init__(self, sheet: ScreenPlan, opened: str | None, wide_rows: int) -> None:
+    def __init__(
+        self, sheet: ScreenPlan, opened: str | None, wide_rows: int, *, glances: bool = False
+    ) -> None:
         self.sheet, self.shape, self.room = sheet, sheet.shape, sheet.room
+        self.glances = glances  # a page points at the small map beside it
         self.wide, self.wide_rows = opened if wide_rows else None, wide_rows
         self.drawing = self.shape.drawing
         docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size, self.shape.shown) else None
@@ -122,9 +135,8 @@ class _Bands:
         )
         if sheet.lanes and self.aside is not None:
             self.below_page, self.aside = (self.below_page, self.aside) if docked else (self.aside, None)
-        named = self.shape.shown
         has_column = self.aside or sheet.shows(TABLE) or sheet.shows(LAST_STEP)
-        self.is_alone = named is not None and not has_column
+        self.is_alone = self.shape.shown is not None and not has_column
         self.has_lower = bool(self.below_page or sheet.shows(CURVE) or sheet.shows(self.shape.settings))
         self.wind = int(isinstance(self.drawing, Grid) and bool(self.drawing.wind))
         self.is_place = isinstance(self.drawing, Grid) and not self.drawing.legend
@@ -135,7 +147,7 @@ class _Bands:
     def _columns(self) -> tuple[int, int]:
         width = self.sheet.size.width
         if self.aside is not None:
-            least, most = _PANEL_COLUMNS
+            least, most = _GLANCE_COLUMNS if self.glances else _PANEL_COLUMNS
             if isinstance(self.drawing, Graph) and self.room is MEDIUM:
                 least = _BESIDE_A_GRAPH
             columns = max(least, min(most, round(width * _PANEL_SHARE)))
@@ -218,6 +230,8 @@ class _Bands:
 
     def _least_below(self) -> int:
         sheet = self.sheet
+        if self.glances:
+            return (sheet.foot - sheet.top) * 2 // 5
         if not self.has_lower:
             return 0
         if self.wide is not None:
@@ -250,8 +264,7 @@ class _Bands:
 
     def _scale_rows(self, below: int) -> int:
         """Return 0 where a scale would cost the third row of each cell, else 1."""
-        sheet, drawing = self.sheet, self.drawing
-        rows = sheet.foot - sheet.top - below
+        drawing, rows = self.drawing, self.sheet.foot - self.sheet.top - below
         is_tight = isinstance(drawing, Grid) and drawing.rows * 3 <= rows < drawing.rows * 3 + 1
         return 0 if self.room is SMALL and is_tight else 1
 
@@ -281,8 +294,8 @@ class _Bands:
         drawing = self.drawing
         if not isinstance(drawing, Grid) or not self.is_place or self.aside or not self.sheet.lanes:
             return None
-        rows = height - 1 - self.wind
-        return cell_size(drawing.rows * 2, drawing.columns, self.sheet.usable - _BESIDE_MAPS, rows)
+        width = self.sheet.usable - _BESIDE_MAPS
+        return cell_size(drawing.rows * 2, drawing.columns, width, height - 1 - self.wind)
 
     def _picture(self, cell: Size, room: int, height: int) -> Size:
         match self.drawing:
@@ -409,11 +422,11 @@ class _Bands:
         return [each for each in panels if each[0] not in taken]
 
     def _put_below_lanes_or_page(self, low: int, left: int) -> None:
-        sheet, foot, x = self.sheet, self.sheet.foot, self.sheet.margin
+        sheet, foot, x, shape = self.sheet, self.sheet.foot, self.sheet.margin, self.shape
         width = left
-        if sheet.shows(self.shape.settings):
+        if sheet.shows(shape.settings):
             foot -= 1
-            sheet.put(self.shape.settings, Region(x, foot, width, 1))
+            sheet.put(shape.settings, Region(x, foot, width, 1))
         if LAST_STEP not in sheet.regions and sheet.shows(LAST_STEP):
             is_beside = self.aside is not None and self.below_page is None
             kept = self._most_curve + 1 + sheet.blank if is_beside else _BESIDE_PAGE
@@ -434,13 +447,10 @@ class _Bands:
         if second is None and sheet.lanes and self.room is ROOMY and isinstance(self.drawing, Arms):
             second = BUDGET
         if second is not None:
-            half = max(min(self._table_columns(), width // 2), (width - sheet.gap) // 2)
+            half = max(min(4 + 6 * min(shape.actions, 4), width // 2), (width - sheet.gap) // 2)
             sheet.put(second, Region(x + width - half, low, half, foot - low))
             width -= half + sheet.gap
         self._put_curve(low, foot, width)
-
-    def _table_columns(self) -> int:
-        return 4 + 6 * min(self.shape.actions, 4)
 
     def _put_curve(self, low: int, foot: int, width: int, x: int | None = None) -> None:
         """Put the curve, and the timeline directly below it with the same columns."""
