@@ -168,7 +168,7 @@ def test_every_hyper_parameter_can_be_given() -> None:
         (lambda: rl_tui.train("cliff", runs=0), "runs is 0; expected"),
         (lambda: rl_tui.train("cliff", runs=2.5), "runs is 2.5; expected"),
         (lambda: rl_tui.train("cliff", seed=-1), "seed is -1; expected"),
-        (lambda: rl_tui.train("cliff", steps=1, episodes=1), "exclude each other"),
+        (lambda: rl_tui.train("cliff", steps=1, episodes=1), "give episodes or steps, not both"),
         (lambda: rl_tui.solve("cartpole"), "no transition table"),
         (lambda: rl_tui.solve("cliff", gamma=2), "gamma is 2; expected"),
         (lambda: rl_tui.evaluate("cliff", "optimla"), 'did you mean "optimal"'),

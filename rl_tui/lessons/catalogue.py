@@ -65,9 +65,7 @@ def find_lesson(name_or_path: str, variant: str = "") -> Lesson:
     is_path = name_or_path.endswith(SUFFIX) or "/" in name_or_path or "\\" in name_or_path
     if is_path:
         if in_kiosk():
-            raise UserError(
-                "kiosk mode opens no files: only the shipped lessons, as rl-tui learn --list shows"
-            )
+            raise UserError("kiosk mode opens no files: it has only the lessons of rl-tui learn --list")
         return read_lesson(name_or_path, variant)
     path = lesson_folder() / f"{name_or_path}{SUFFIX}"
     names = sorted(each.stem for each in lesson_folder().glob(f"*{SUFFIX}"))

@@ -166,7 +166,7 @@ def test_episodes_as_csv(tmp_path: Path) -> None:
     assert len(lines) == replayed["episodes"] + 1
     both = replay(path, "--csv", "-", "--json")
     assert both.exit_code == 2
-    assert "both want stdout" in both.stderr
+    assert "both write to stdout" in both.stderr
     out = replay(path, "--csv", "-")
     assert out.stdout.splitlines() == lines
     assert "at step 110" in out.stderr
@@ -179,7 +179,7 @@ def test_a_session_is_never_written_over_by_its_episodes(tmp_path: Path) -> None
     for csv in (path, tmp_path / "link.csv"):
         result = replay(path, "--csv", csv)
         assert (result.exit_code, result.stdout) == (2, "")
-        assert "--csv would write over the session" in result.stderr
+        assert "--csv names the session file: choose another file" in result.stderr
         assert path.read_bytes() == before
 
 
@@ -209,7 +209,7 @@ def test_a_session_takes_no_options_of_a_run(tmp_path: Path) -> None:
     path = saved(tmp_path / "a.json")
     result = CliRunner().invoke(program, ["screenshot", str(path), "--out", "-", "--alpha", "0.5"])
     assert result.exit_code == 2
-    assert "a session brings its own settings" in result.stderr
+    assert "a session has its own settings" in result.stderr
 
 
 def test_a_run_that_does_not_come_so_far(tmp_path: Path) -> None:

@@ -287,5 +287,5 @@ def test_making_one_leaves_gymnasiums_advice_as_it_was():
 
 
 def test_our_own_ids_are_not_read_as_foreign_environments():
-    with pytest.raises(UserError, match="a scenario of rl-tui's"):
+    with pytest.raises(UserError, match="another environment: this is a scenario of rl-tui"):
         find("gym:rl_tui/frozenlake-v0")

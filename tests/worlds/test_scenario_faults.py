@@ -221,7 +221,7 @@ ONE_FAULT = {
     ),
     "mean and means": (
         "[bandit]\nmeans = [1]\nmean = { normal = [0, 1] }\n",
-        ("bandit.mean", "mean beside means", "either the distribution or the means themselves"),
+        ("bandit.mean", "both mean and means", "only one of them"),
     ),
     "a negative deviation of the means": (
         BANDIT + "mean = { normal = [0, -1] }\n",

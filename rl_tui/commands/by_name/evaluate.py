@@ -132,4 +132,4 @@ def _check(name: str, training: Mapping[str, object]) -> None:
             f"{option} needs --policy {PolicyKind.GREEDY}: no other policy is learned", context
         )
     if "episodes" in training and "steps" in training:
-        raise click.UsageError("--episodes and --steps exclude each other", context)
+        raise click.UsageError("give --episodes or --steps, not both", context)

@@ -196,4 +196,4 @@ def _pair_in_words(space: FiniteSpace, pair: int) -> str:
 
 def _check_ahead(is_ahead: bool, wanted: str, here: str) -> None:
     if not is_ahead:
-        raise UserError(f"{wanted} lies behind: this is {here}; b and m g go back")
+        raise UserError(f"{wanted} is in the past: this is {here}; b and m g go back")

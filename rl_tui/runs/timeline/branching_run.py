@@ -203,7 +203,7 @@ class BranchingRun:
             (len(self._branches), most.branches, "branches"),
         ):
             if limit is not None and count >= limit:
-                raise UserError(f"{limit:,} {name} are the most in a kiosk; r r starts again")
+                raise UserError(f"{limit:,} {name} are the limit in a kiosk; r r starts again")
 
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None

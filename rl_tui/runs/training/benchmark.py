@@ -56,8 +56,8 @@ class PlainLoop:
             for space in (self._env.observation_space, self._env.action_space)
         ):
             raise UserError(
-                f"{recipe.scenario.id} observes more than one number, which the plain loop of the benchmark "
-                f"cannot index its table with: choose a scenario such as frozenlake"
+                f"{recipe.scenario.id} has observations of several numbers, and the benchmark needs one: "
+                f"choose a scenario such as frozenlake"
             )
         self._alpha = float(recipe.hyperparameters.alpha)
         self._gamma = recipe.hyperparameters.gamma

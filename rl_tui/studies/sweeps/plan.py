@@ -159,7 +159,7 @@ class SweepPlan:
             )
         if self.count > MOST_SWEEP_CELLS:
             raise UserError(
-                f"{self.count:,} cells are more than {MOST_SWEEP_CELLS:,}; vary less, or take --random N"
+                f"{self.count:,} cells are more than {MOST_SWEEP_CELLS:,}; vary less, or use --random N"
             )
         for each in self.variations:
             for value in _telling(each):
@@ -283,7 +283,7 @@ def read_plan(text: str) -> SweepPlan:
     if plan.count * plan.runs > MOST_SWEEP_ROWS:
         raise UserError(
             f"this plan asks for {plan.count:,} cells of {counted(plan.runs, 'run')}; "
-            f"at most {MOST_SWEEP_ROWS:,} runs can be drawn: plot a sweep of fewer"
+            f"at most {MOST_SWEEP_ROWS:,} runs fit into a chart: plot a smaller sweep"
         )
     return plan
 

@@ -84,7 +84,7 @@ def graph_draft(scenario: Scenario, seed: int) -> GraphDraft:
     """
     rules = dict(tables_in(scenario.text)["mdp"])
     if rules.get("seen_as"):
-        raise UserError("some states have equal observations (seen_as), so this world cannot be drawn")
+        raise UserError("some states have equal observations (seen_as), so this world cannot be edited")
     return GraphDraft(tuple(rules.pop("transition")), rules)
 
 

@@ -225,7 +225,7 @@ def _seen_findings(arrows: Sequence[Arrows], looks: Mapping[str, Any]) -> Iterat
             here, there = (", ".join(sorted(legal[state])) or "none" for state in (name, other))
             yield Finding(
                 ("seen_as", name if name in looks else other),
-                f"{shown(look)} with the actions {here}, but {there} where it is {shown(other)}",
+                f"{shown(look)} with the actions {here}, but {there} in state {shown(other)}",
                 "the same actions in all states with equal observations",
             )
     for name in looks:
