@@ -172,7 +172,7 @@ def test_every_hyper_parameter_can_be_given() -> None:
         (lambda: rl_tui.solve("cartpole"), "no transition table"),
         (lambda: rl_tui.solve("cliff", gamma=2), "gamma is 2; expected"),
         (lambda: rl_tui.evaluate("cliff", "optimla"), 'did you mean "optimal"'),
-        (lambda: rl_tui.evaluate("cliff", "optimal", alpha=0.1), 'alpha needs the policy "greedy"'),
+        (lambda: rl_tui.evaluate("cliff", "optimal", alpha=0.1), 'alpha works only with the policy "greedy"'),
         (lambda: rl_tui.evaluate("cliff", "optimal", epsilon=2), "epsilon is 2; expected"),
         (lambda: rl_tui.evaluate("cliff", np.zeros(3)), "the policy is an array"),
         (lambda: rl_tui.evaluate("cliff", [[1], [1, 0]]), "the policy is not an array"),

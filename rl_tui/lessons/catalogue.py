@@ -72,5 +72,5 @@ def find_lesson(name_or_path: str, variant: str = "") -> Lesson:
     if name_or_path not in names:
         near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
         hint = f"did you mean {', '.join(near)}?" if near else f"choose from {', '.join(names)}"
-        raise UserError(f"no lesson is called {shown(name_or_path)}: {hint}")
+        raise UserError(f"there is no lesson {shown(name_or_path)}: {hint}")
     return read_lesson(path, variant)

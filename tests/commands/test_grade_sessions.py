@@ -107,7 +107,7 @@ def test_what_does_not_go_together(args: tuple[str, ...], message: str, folder: 
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        (("{all}", "no-such-lesson"), "no lesson is called"),
+        (("{all}", "no-such-lesson"), "there is no lesson"),
         (("{folder}/nowhere.json", "{lesson}"), "no such file"),
         (("{lesson}", "{lesson}"), "is not JSON"),
         (("{empty}", "{lesson}"), "found no session in this folder"),

@@ -75,7 +75,7 @@ def test_the_user_s_own_scenarios_are_not_read(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setenv(VARIABLE, "1")
     shipped = {path.stem for path in shipped_folder().glob("*.toml")}
     assert {each.id for each in read_catalogue().scenarios} == shipped
-    with pytest.raises(UserError, match="no scenario is called"):
+    with pytest.raises(UserError, match="there is no scenario"):
         find("mine")
 
 

@@ -99,7 +99,7 @@ def test_a_port_in_use_is_one_line() -> None:
         (("../x",), 1, "and a kiosk has no others: --no-kiosk"),
         (("gym:CliffWalking-v1",), 1, "is not a scenario of rl-tui"),
         (("--theme", "pink"), 1, "theme 'pink' is not known"),
-        (("--no-kiosk", "nowhere"), 1, "no scenario is called"),
+        (("--no-kiosk", "nowhere"), 1, "there is no scenario"),
         (("--port", "65536"), 2, "a whole number in [0, 65535], not 65536"),
         (("--most", "0"), 2, "not 0"),
         (("--url", "lab.example.org"), 2, "--url lab.example.org is not an address"),

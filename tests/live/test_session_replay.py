@@ -109,7 +109,7 @@ def test_what_is_meant_where_nothing_is_said() -> None:
     assert not replay_target(TREE, lane=2).left
     with pytest.raises(UserError, match="there is no run 3: the session has 2 runs"):
         replay_target(TREE, lane=3)
-    with pytest.raises(UserError, match='no branch of run 1 is called "x": there are 1, 2'):
+    with pytest.raises(UserError, match='run 1 has no branch "x": its branches are 1, 2'):
         replay_target(TREE, branch="x")
 
 
@@ -225,7 +225,7 @@ def test_a_run_that_does_not_come_so_far(tmp_path: Path) -> None:
 def test_a_change_that_cannot_be_made_names_the_file(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     path.write_bytes(encoded(after(fresh(recipe("student")), 5, (2, TakeAction(7)))))
-    why = "action 7 is not possible in state Phone\n"
+    why = "action 7 is not available in state Phone\n"
     assert replay(path).stderr == f"rl-tui: {path}: 2:take=action 7: {why}"
     line = f"rl-tui: {path}: {why}"
     shown = CliRunner().invoke(program, ["screenshot", str(path), "--out", "-"])

@@ -47,7 +47,7 @@ ONE_FAULT = {
     "a map that is no text": ("map = 3\n", ("map", "3", "a map of characters, a line for each row")),
     "a wall in the way of a drawn map": (
         'random = { rows = 3, columns = 3 }\n[grid.legend]\nG = { kind = "wall" }\n',
-        ("legend.G.kind", "wall", "a cell to walk on: a map that is drawn has a way to its goal"),
+        ("legend.G.kind", "wall", "a cell that can be entered: a random map needs a path to its goal"),
     ),
     "an empty map": ('map = ""\n', ("map", "an empty map", "a line of characters for each row")),
     "a map of line breaks": (
@@ -233,7 +233,7 @@ ONE_FAULT = {
     ),
     "back to several starts": (
         legend('X = { kind = "cliff", back = true }', "SSXG"),
-        (f"{X}.back", "back with 2 starts", "one start, because back leads there"),
+        (f"{X}.back", "back with 2 starts", "one start: back = true leads there"),
     ),
     "a jump to what is not on the map": (
         legend('X = { kind = "floor", jump = "Y" }'),

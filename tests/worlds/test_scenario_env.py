@@ -277,7 +277,7 @@ def test_a_scenario_of_ones_own_is_made_by_its_path(tmp_path):
     environment = gymnasium.make(spec_of(str(path)))
     assert environment.spec.max_episode_steps == 9
     assert environment.observation_space.n == 3
-    with pytest.raises(UserError, match="no scenario is called"):
+    with pytest.raises(UserError, match="there is no scenario"):
         gymnasium.make(spec_of("clif"))
 
 

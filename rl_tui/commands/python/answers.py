@@ -303,5 +303,7 @@ def _name_of(policy: object, training: Sequence[str]) -> str:
     else:
         name = "array"
     if training and name != PolicyKind.GREEDY:
-        raise UserError(f'{training[0]} needs the policy "{PolicyKind.GREEDY}": no other policy is learned')
+        raise UserError(
+            f'{training[0]} works only with the policy "{PolicyKind.GREEDY}": others need no training'
+        )
     return name

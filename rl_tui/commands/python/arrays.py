@@ -57,8 +57,8 @@ def choices_in(space: FiniteSpace, policy: npt.ArrayLike) -> Mapping[int, Choice
         array = array[:, None] == np.arange(actions)[None, :]
     if array.shape != (states, actions) or array.dtype.kind not in "biuf":
         raise UserError(
-            f"the policy is an array {list(array.shape)} of {array.dtype}; expected actions, "
-            f"[{states}] whole numbers, or probabilities, [{states}, {actions}]"
+            f"the policy is an array {list(array.shape)} of {array.dtype}; expected one action "
+            f"for each state, [{states}] whole numbers, or probabilities, [{states}, {actions}]"
         )
     chances = np.nan_to_num(array.astype(np.float64), nan=0.0)
     live = (state for state in range(states) if space.pairs_of(state))

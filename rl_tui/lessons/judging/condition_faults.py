@@ -105,10 +105,10 @@ def _argument_findings(condition: Measured, measure: TaskMeasure) -> Iterator[Fi
         value = getattr(condition, name)
         is_given = name in condition.model_fields_set
         if name in measure.needs and not is_given:
-            yield Finding((name,), "nothing", f"{name}: the measure {measure.name} takes {takes}")
+            yield Finding((name,), "nothing", f"{name}: the measure {measure.name} needs {takes}")
         elif is_given and name not in measure.needs:
             found = shown(list(value) if isinstance(value, tuple) else value)
-            yield Finding((name,), found, f"no {name}: the measure {measure.name} takes {takes}")
+            yield Finding((name,), found, f"no {name}: the measure {measure.name} needs {takes}")
         elif name == "actions" and is_given and len(value) != 2:
             yield Finding((name,), shown(list(value)), "a list of two actions")
     first, last = condition.first, condition.last

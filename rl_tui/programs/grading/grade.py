@@ -289,7 +289,9 @@ class Grading:
             raise UserError("it created no environment that can be watched")
         known, id_ = world_of_program(environment), self.recipe.scenario.id
         if not _is_same(known.world.mdp, self.mdp):
-            raise UserError(f"it learns in {_as_made(environment)}, which has other transitions than {id_}")
+            raise UserError(
+                f"it learns in {_as_made(environment)}, whose transitions differ from those of {id_}"
+            )
         if log.recording.initial is None:
             raise UserError(_NO_TABLE)
         return known.q_of(log.recording.table_at(log.recording.count))

@@ -222,7 +222,7 @@ class BranchingRun:
         timeline = self.timeline
         number = timeline.branch if branch is None else branch
         if not 0 <= number < len(self._branches):
-            raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(self._branches)}")
+            raise UserError(f"there is no branch {number + 1}: choose 1 to {len(self._branches)}")
         run, kept = self.run, self._branches[number]
         self.kept.branch = replace(self.kept.branch, here=run.step)
         if run.step == self.kept.branch.end:

@@ -45,9 +45,7 @@ class PlainLoop:
                 f"{recipe.scenario.id} is not a Gymnasium environment: choose one for the benchmark"
             )
         if recipe.hyperparameters.sample_average:
-            raise UserError(
-                "the plain loop of the benchmark has a constant step size: give a number for alpha"
-            )
+            raise UserError("the benchmark needs a constant step size: give a number for alpha")
         self._name = section.id
         with self._asked():
             self._env: Any = gymnasium.make(section.id, **section.kwargs)

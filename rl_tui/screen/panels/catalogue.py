@@ -110,8 +110,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.budget:BudgetPanel",
         "Budget",
         "The pulls of a bandit, and its winnings: the sum of rewards. Regret is the expected loss compared "
-        "with the best arm. It appears when the exact values are shown or all pulls are used. Regret leaves "
-        "luck out, so winnings and regret need not add up to the best possible.",
+        "with the best arm. It appears when the exact values are shown or all pulls are used. Winnings "
+        "contain luck, and regret does not. So the two need not add up to the best possible.",
         caption="what the pulls earned",
         terms=(
             *("winnings", "regret", "best-possible", "best-arm-share", "best-arm"),
@@ -132,10 +132,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.PROGRAM,
         "rl_tui.screen.panels.program.program:ProgramPanel",
         "Program",
-        "Your script under rl-tui watch: its environment, its table and its update. Rule, step size and "
-        "discount γ are computed from the changes of the table. A step reveals γ only if its next state has "
-        "a value other than 0. a f shows errors, a w the output, a b another table. Save the file to start "
-        "it again.",
+        "Your script under rl-tui watch: its environment, its table and its update. The update rule, α and "
+        "γ are computed from the changes of the table. A step reveals γ only if its next state has a value "
+        "other than 0. a f shows errors, a w the output, a b another table. Save the file to start it "
+        "again.",
         caption="your own code, watched",
         terms=("program", "finding", "informative-step", "departs", "alpha", "gamma", "target"),
         of_program=True,
@@ -208,9 +208,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.discount:DiscountPanel",
         "Flip points",
         "Q*, the exact value, of each action in one state, for γ from 0 to 1. The highest line is the "
-        "optimal action. At ◆ another action becomes optimal. Vertical lines are flip points, and ┃ changes "
-        "the optimal path. ● is the current γ. Arrows choose a flip point, enter sets γ beyond it. Limit: "
-        "worlds of up to 100 states.",
+        "optimal action. At each flip point (vertical line) an optimal action changes: ◆ in this state, ┃ "
+        "on the optimal path. ● is the current γ. Arrows choose a flip point, enter sets γ beyond it. "
+        "Limit: worlds of up to 100 states.",
         caption="where the optimal actions change",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
         opened_by=OpeningKey(

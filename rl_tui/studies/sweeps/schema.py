@@ -85,8 +85,7 @@ def check_schema(database: sqlite3.Connection, name: str) -> None:
         raise UserError(f"{name}: was written by {older} rl-tui (format {said[0]}, this one has {FORMAT})")
     for kind, of, *_ in sorted(found ^ expected):
         raise UserError(
-            f"{name}: the {kind} {shown(of)} is not as rl-tui makes it; "
-            "use a copy that no other program has changed"
+            f"{name}: the {kind} {shown(of)} differs from what rl-tui writes; use an unchanged copy"
         )
 
 

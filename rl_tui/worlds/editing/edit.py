@@ -237,7 +237,7 @@ def _range(edit: Edit, text: str, what: str, count: int) -> range:
     first = int(match[1])
     last = first + 1 if match[2] is None else int(match[2])
     if not 0 <= first < last <= count:
-        raise UserError(f"{named(edit)}: there are {what}s 0 to {count - 1}")
+        raise UserError(f"{named(edit)}: the {what}s are numbered from 0 to {count - 1}")
     return range(first, last)
 
 
@@ -261,5 +261,5 @@ def lines_added(edit: Edit, count: int) -> tuple[int, int]:
         )
     added, at = int(match[1]), int(match[2])
     if at > count or at - min(added, 0) > count:
-        raise UserError(f"{edit.name}={edit.value}: there are {edit.name} 0 to {count - 1}")
+        raise UserError(f"{edit.name}={edit.value}: the {edit.name} are numbered from 0 to {count - 1}")
     return added, at

@@ -120,7 +120,7 @@ def _random_text(template: str, seed: int, rows: int, columns: int) -> str:
 
     if rows * columns < 2 or max(rows, columns) > LARGEST_SIDE:
         raise UserError(
-            f"{rows} × {columns} cells: expected 2 cells or more, in at most {LARGEST_SIDE} rows and columns"
+            f"{rows} × {columns} cells: expected 2 cells or more, and at most {LARGEST_SIDE} rows and columns"
         )
     document = tomlkit.parse(_read(os.path.join(_FOLDER, f"grid{SUFFIX}")))
     document["summary"] = f"A {template} of {rows}×{columns} cells, drawn with seed {seed}."

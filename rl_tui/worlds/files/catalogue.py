@@ -109,7 +109,7 @@ def find(name_or_path: str) -> Scenario:
     names = [scenario.id for scenario in scenarios()]
     near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
     hint = f"did you mean {', '.join(near)}?" if near else f"choose from {', '.join(names)}"
-    raise UserError(f"no scenario is called {shown(name_or_path)}: {hint}")
+    raise UserError(f"there is no scenario {shown(name_or_path)}: {hint}")
 
 
 def _folders() -> tuple[Path, ...]:

@@ -208,13 +208,13 @@ def _meeting_findings(
     for character, entry in sorted(on_map.items()):
         where = ("legend", character)
         if key == "random" and entry.is_wall and character in WAY_CHARACTERS:
-            expected = "a cell to walk on: a map that is drawn has a way to its goal"
+            expected = "a cell that can be entered: a random map needs a path to its goal"
             yield Finding((*where, "kind"), "wall", expected)
         if entry.jump is not None:
             yield from _jump_findings((*where, "jump"), entry.jump, shape, legend)
         if entry.back and starts > 1:
             yield Finding(
-                (*where, "back"), f"back with {starts} starts", "one start, because back leads there"
+                (*where, "back"), f"back with {starts} starts", "one start: back = true leads there"
             )
         if leaving and (entry.ends or entry.back) and entry.pays and not entry.is_wall:
             own = raw.get("legend")
