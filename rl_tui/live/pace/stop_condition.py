@@ -69,7 +69,7 @@ class StopCondition:
                 self.episodes = run.learner.episodes + 1 + until.number
             case Event.VALUE:
                 if not 0 <= until.pair < run.world.space.pairs:
-                    raise UserError(f"there is no pair {until.pair} here")
+                    raise UserError(f"there is no state–action pair {until.pair}")
             case Event.OPTIMAL:
                 answer = exact_answer()
                 if answer.refused:

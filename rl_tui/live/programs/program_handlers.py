@@ -115,7 +115,7 @@ def _ask_flips(playback: ProgramPlayback, _: commands.AskFlips) -> None:
 def _draw_action(playback: ProgramPlayback, command: commands.DrawAction) -> None:
     space, state, action = playback.beside.world.space, command.state, command.action
     if not 0 <= state < space.states or (action is not None and space.pair_of(state, action) is None):
-        raise UserError("there is no such action to draw")
+        raise UserError("this action does not exist in this state")
     playback.questions.beside.draw(state, action)
 
 

@@ -59,7 +59,7 @@ class ProgramStop:
                 self._asked = {"policy": True}
             case Event.VALUE:
                 if not 0 <= until.pair < world.world.space.pairs:
-                    raise UserError(f"there is no pair {until.pair} here")
+                    raise UserError(f"there is no state–action pair {until.pair}")
                 self._asked = {"value": [int(world.cell_of_pair[until.pair]), until.threshold]}
             case Event.OPTIMAL:
                 self._check_optimal(answer)

@@ -251,7 +251,9 @@ def _branches(lane: StoredLane, lane_place: str) -> Iterator[Branch]:
         place = f"{lane_place}.branches[{number}]"
         parent = () if stored.parent is None else made[stored.parent].journal
         if stored.shared > len(parent):
-            raise UserError(f"{place}.shared is {stored.shared}; its parent has {len(parent)} changes")
+            raise UserError(
+                f"{place}.shared is {stored.shared}, but its parent branch has {len(parent)} changes"
+            )
         in_all += stored.shared + len(stored.journal)
         if in_all > MOST_IN_ALL:
             raise UserError(f"{lane_place}: its branches have more than {MOST_IN_ALL:,} changes")

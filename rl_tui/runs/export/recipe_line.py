@@ -64,8 +64,7 @@ def recipe_line(
     line = shlex.join(words)
     if len(line.encode()) > LONGEST_LINE:
         raise UserError(
-            f"the edits are too long for one line: save the session with m s, then {_REPLAY} does the "
-            f"run again"
+            f"the edits are too long for one line: save the session with m s, then {_REPLAY} repeats the run"
         )
     return line
 

@@ -319,7 +319,7 @@ def _table_text(mdp: TabularMDP) -> WorldText:
     """Return the text for the table of `mdp`. Raises UserError if it is too long to read."""
     if len(mdp.next_state) > MOST_OUTCOMES:
         raise UserError(
-            f"this world has {len(mdp.next_state):,} outcomes, too many for a script that one can read: at "
+            f"this world has {len(mdp.next_state):,} outcomes, too many for a readable script: at "
             f"most {MOST_OUTCOMES:,}"
         )
     noisy = bool(mdp.reward_std.any())

@@ -257,7 +257,7 @@ def lines_added(edit: Edit, count: int) -> tuple[int, int]:
     match = _LINES.fullmatch(edit.value)
     if match is None or edit.at or int(match[1]) == 0:
         raise UserError(
-            f"{edit.name} is {shown(edit.value)}; expected a form such as +1@3, one more before 3"
+            f"{edit.name} is {shown(edit.value)}; expected for example +1@3: one more, before number 3"
         )
     added, at = int(match[1]), int(match[2])
     if at > count or at - min(added, 0) > count:

@@ -99,7 +99,7 @@ class GridDraft(Draft):
         if make is None:
             known = (*_EDITS, *RULES)
             what = f"a map has nothing called {shown(edit.name)}{near(edit.name, known)}"
-            raise UserError(f"{what}; it has {', '.join(known)}")
+            raise UserError(f"{what}; possible are {', '.join(known)}")
         return make(self, edit)
 
     def state_keys(self, world: World) -> IntArray:

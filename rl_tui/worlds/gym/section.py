@@ -125,7 +125,9 @@ def _unprintable(kwargs: Mapping[str, Any]) -> Iterator[Finding]:
         if isinstance(value, Mapping):
             for key, each in value.items():
                 if not is_plain(key):
-                    yield Finding((*location, key), with_control_character(key), "a key that can be printed")
+                    yield Finding(
+                        (*location, key), with_control_character(key), "a key without control characters"
+                    )
                 left.append((each, (*location, key)))
         elif isinstance(value, list):
             left += [(each, (*location, index)) for index, each in enumerate(value)]
