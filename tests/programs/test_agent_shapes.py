@@ -177,7 +177,7 @@ def test_of_several_agents_one_is_to_be_named(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "said"),
-    [("Agnet", r'there is no "Agnet" \(did you mean "Agent"\?\)'), ("helper", "has no shape of an agent")],
+    [("Agnet", r'there is no "Agnet" \(did you mean "Agent"\?\)'), ("helper", "is not an agent")],
 )
 def test_a_name_that_is_no_agent(name: str, said: str, tmp_path: Path) -> None:
     tree = ast.parse(f"{UDACITY}\ndef helper(x):\n    return x\n")

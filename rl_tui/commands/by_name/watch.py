@@ -59,7 +59,7 @@ def command(
     from rl_tui.screen.terminal.driver_choice import in_browser
 
     if in_browser():
-        raise UserError("watch runs your own code, which is not allowed where rl-tui is served")
+        raise UserError("watch runs your own code: rl-tui serve does not allow this")
     if not as_json:
         require_terminal("--json works without one")
     check_script(Path(script))

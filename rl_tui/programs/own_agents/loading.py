@@ -88,7 +88,9 @@ def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
             return named
         others = [each.name for each in tree.body if isinstance(each, (ast.ClassDef, ast.FunctionDef))]
         if name in others:
-            raise UserError(f"{file}: {shown(name)} has no shape of an agent: {shapes_in_words()}")
+            raise UserError(
+                f"{file}: {shown(name)} is not an agent: an agent has these methods: {shapes_in_words()}"
+            )
         raise UserError(f"{file}: there is no {shown(name)}{near(name, others)}")
     if len(places) == 1:
         return places[0]
@@ -97,7 +99,7 @@ def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
         raise UserError(
             f"{file} has several agents ({names}); choose one, as in {path.name}:{places[0].name}"
         )
-    raise UserError(f"{file}: no class or function in it has the shape of an agent: {shapes_in_words()}")
+    raise UserError(f"{file}: found no agent: an agent has these methods: {shapes_in_words()}")
 
 
 def runs_when_imported(tree: ast.Module) -> bool:
