@@ -43,6 +43,7 @@ _LEADS: Final = 4
 _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
 _MOST_KEPT: Final = 20_000
 _LEAST_STAR: Final = 4  # rows of a cell
+_LEAST_ARROW: Final = 4  # columns of a block arrow
 _BOLD: Final = Style(bold=True)
 MOST_ROWS: Final = 512
 
@@ -270,30 +271,35 @@ class _Cell:
 
     def _draw_sign(self) -> None:
         form, face, canvas = self.form, self.face, self.canvas
-        directions = tuple(each for each in face.greedy if isinstance(each, tuple))
-        are_blocks = self.has_blocks and len(directions) == len(face.greedy)
         if not face.greedy:
             middle = (form.inner - 1) // 2, (form.height - 1) // 2
             canvas.put(*middle, self.glyphs.untried, paled(self.ink, 0.3))
             return
-        columns, rows = sign_size(form.width, form.height) if self.has_blocks else (0, 0)
-        free = self._plate_end + (self._plate_end > 0 and form.has_plate)  # a gap, because both may be black
-        if form.inner - free < columns:  # one size smaller beside the agent
-            columns, rows = columns - 2, rows - 1
-        are_blocks = are_blocks and rows >= 2 and (len(directions) == 1 or rows >= 3)
-        top = 0 if form.height <= 4 else 1
-        if are_blocks and free + columns <= form.inner:
-            left = free + (form.inner - free - columns) // 2
-            self._put_rows(left, top, self._sign_rows(directions, columns, rows), self._sign_ink)
-        elif self.has_blocks:
-            self._draw_letters(top + 1)
-        else:
+        if not self.has_blocks:
             self._draw_letters(form.value_row - 1)
+            return
+        free = self._plate_end + (self._plate_end > 0 and form.has_plate)  # a gap, because both may be black
+        top = 0 if form.height <= 4 else 1
+        if not self._put_blocks(free, top):
+            self._draw_letters(top + 1)
 
-    def _sign_rows(self, directions: tuple[Direction, ...], columns: int, rows: int) -> tuple[str, ...]:
-        if len(directions) > 1:
-            return block_sign("heads", columns, rows, *directions)
-        return block_sign("arrow" if any(directions[0]) else "square", columns, rows, *directions)
+    def _put_blocks(self, free: int, top: int) -> bool:
+        """Put greedy directions side by side from column ``free`` on. Return whether they fit.
+
+        Tips point to neighbours: flat sides would merge.
+        """
+        form, signs = self.form, self.face.greedy
+        directions = sorted((each for each in signs if isinstance(each, tuple)), key=lambda each: -each[1])
+        room, most = form.inner - free, sign_size(form.width, form.height)[0]
+        if len(directions) < len(signs) or room < _LEAST_ARROW * len(signs):
+            return False
+        columns = min(most, max(_LEAST_ARROW, (room + 1) // len(signs) - 1)) & ~1
+        step = columns + min(2, room // len(signs) - columns)
+        left = free + (room - step * (len(signs) - 1) - columns) // 2
+        for place, direction in enumerate(directions):
+            sign = block_sign("arrow" if any(direction) else "square", columns, columns // 2, direction)
+            self._put_rows(left + place * step, top + (most - columns + 2) // 4, sign, self._sign_ink)
+        return True
 
     @property
     def _plate_end(self) -> int:
