@@ -160,6 +160,7 @@ class _Cell:
         if self.face.kind is not CellKind.WALL:
             self._draw_content()
             self._put_marks()
+            self._put_edges()
             self._put_seams()
         if self.extra.trace.error is not None:
             self._put_frame(self.extra.trace.error, self.extra.trace.share)
@@ -212,6 +213,15 @@ class _Cell:
         if has_ground and row == 0 and self.extra.wall is Wall.LIT and self.form.height > 1:
             sign = self.glyphs.lit_edge
         self.canvas.put(0, row, sign * self.form.width, self.ink)
+
+    def _put_edges(self) -> None:
+        """Put a wall into the last column of the cell before it, else into the first one after it."""
+        form, is_low = self.form, self.form.height == 1
+        after = is_low and (form.width <= LEAST_ARROWS or (form.has_values and not form.has_seam))
+        if form.width >= LEAST_ARROWS and self.extra.edges[not after]:
+            for row in range(form.height):
+                edge = self.glyphs.edges[not after]
+                self.canvas.put_where_blank(0 if after else form.width - 1, row, edge, self.ink + _BOLD)
 
     def _put_seams(self) -> None:
         if not self.form.has_seam or not self.extra.is_reached:

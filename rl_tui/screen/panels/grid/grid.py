@@ -380,7 +380,8 @@ class GridView(WorldView):
             yield LegendSign(SEVERAL, "tie", palette.strong)
         if actions is None and has_arrows:
             yield from letter_signs(self._map, self.look)
-        yield from ground_signs(self._map, self.look)
+        has_edges = actions is None and form is not None and form.width >= LEAST_ARROWS
+        yield from ground_signs(self._map, self.look, has_edges=has_edges)
         if self._map.unreached:
             yield LegendSign(glyphs.unreached, "unreached", palette.dim)
         if form is not None and self._longest_name > self._room_for_names(form):
@@ -441,7 +442,8 @@ class GridView(WorldView):
 
     def _where(self, width: int) -> str:
         """Return the visible part, or the meaning of rows and columns."""
-        legend = self._map.grid.legend
+        legend, axes = self._map.grid.legend, self._map.grid.axes
         if self._is_whole or self._part is None:
-            return "" if self._names_bins else self.fitting(shorter(legend), width)
+            says_all = axes is not None and axes.names is None and axes.titles
+            return "" if self._names_bins or says_all else self.fitting(shorter(legend), width)
         return self.fitting(where(self._map.grid, self._part, follows=self._following), width)

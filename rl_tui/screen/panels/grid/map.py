@@ -112,6 +112,7 @@ class CellExtra(NamedTuple):
 
     ``name``: if wanted, padded to the longest. ``is_off_way``: without a drawn action, and never reached.
     ``draft``: not active. ``way``: the only exit. ``has_turned``: the last step changed its arrows.
+    ``edges``: whether it has a wall at the left, and at the right.
     """
 
     trace: Trace = Trace()
@@ -123,6 +124,7 @@ class CellExtra(NamedTuple):
     way: Direction | None = None
     wall: Wall = Wall.SLAB
     has_turned: bool = False
+    edges: tuple[bool, bool] = (False, False)
 
 
 PLAIN: Final = CellExtra()
@@ -194,6 +196,11 @@ class GridMap:
         idle = np.flatnonzero(~acting[self._states.ravel()])
         self.unreached = unreached_cells(space, grid)
         self.ways = dict(grid.one_way)
+        self._edges = {
+            cell: (cell - 1 in grid.walls, cell in grid.walls)
+            for wall in grid.walls
+            for cell in (wall, wall + 1)
+        }
         self._walls = _walls(grid)
         self._exits = self._exit_kinds()
         self.ends = dict.fromkeys(self._exits.values(), "exit")
@@ -298,6 +305,8 @@ class GridMap:
                         content = with_extra(content, is_off_way=True)
                 if cell in self.ways:
                     content = with_extra(content, way=self.ways[cell])
+                if cell in self._edges:
+                    content = with_extra(content, edges=self._edges[cell])
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
