@@ -31,7 +31,7 @@ from rl_tui.screen.panels.grid.marks import (
     sign_text,
     value_text,
 )
-from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_way
+from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_update, put_way
 from rl_tui.screen.panels.world.edit_marks import put_marks
 from rl_tui.screen.panels.world.shown_policy import off_way_style
 from rl_tui.screen.theme.look import Look
@@ -163,9 +163,9 @@ class _Cell:
             self._put_edges()
             self._put_seams()
         if self.extra.trace.error is not None:
-            self._put_frame(self.extra.trace.error, self.extra.trace.share)
+            self._put_update(self.extra.trace.error, self.extra.trace.share)
         if self.face.cursor and self.form.height > 1:
-            self.canvas.restyle(0, self.form.value_row, self.form.inner, self.look.palette.focus)
+            self._put_cursor()
         if self.face.agent:
             self._put_agent()
         if self.extra.trace.way is not None and self.form.has_blocks:
@@ -233,9 +233,14 @@ class _Cell:
         if last >= 2:
             self.canvas.put_where_blank(0, last, below * width, blank)
 
-    def _put_frame(self, error: int, share: float) -> None:
+    def _put_cursor(self) -> None:
+        self.canvas.restyle(0, self.form.value_row, self.form.inner, self.look.palette.focus)
         if self.glyphs.braille and self.form.width >= 5:
-            put_frame(self.canvas, error, share, self.ink, self.look)
+            put_frame(self.canvas, self.look.palette.you, self.look)
+
+    def _put_update(self, error: int, share: float) -> None:
+        if self.glyphs.braille and self.form.width >= 5:
+            put_update(self.canvas, error, share, self.ink, self.look)
         elif self.form.has_values:
             self.canvas.restyle(0, self.form.value_row, self.form.inner, Style(reverse=True))
 

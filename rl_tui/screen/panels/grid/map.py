@@ -260,10 +260,12 @@ class GridMap:
         with_actions: bool = False,
         named: bool = False,
         picked: frozenset[int] = frozenset(),
+        traced: bool = True,
     ) -> list[CellContent]:
         """Return the contents of ``part``, row by row.
 
-        ``named`` adds state names. A cell of several states shows the agent's, else the first.
+        ``named`` adds state names, ``traced`` the last steps. A cell of several states shows the agent's,
+        else the first.
         """
         kinds, columns = self.grid.kinds, self.grid.columns
         states = self._states_in(part, snapshot)
@@ -318,6 +320,10 @@ class GridMap:
         for place, state in enumerate(states.tolist() if differing else ()):
             if state in differing:
                 contents[place] = contents[place]._replace(differs=True)
+        for cell, trace in traces(snapshot, self.grid).items() if traced else ():
+            marked = self._place(part, cell)
+            if marked is not None:
+                contents[marked] = with_extra(contents[marked], trace=trace)
         editor = snapshot.editor
         for place, state in enumerate(states.tolist() if editor.turned or editor.endless else ()):
             if (marks := marks_of(editor, state)) != UNMARKED:
@@ -333,10 +339,6 @@ class GridMap:
     def _mark(
         self, contents: list[CellContent], part: MapPart, snapshot: Snapshot, cursors: frozenset[int]
     ) -> None:
-        for cell, trace in traces(snapshot, self.grid).items():
-            marked = self._place(part, cell)
-            if marked is not None:
-                contents[marked] = with_extra(contents[marked], trace=trace)
         for state in snapshot.playback.breakpoints.states:
             marked = self._place(part, int(self.grid.cell_of_state[state]))
             if marked is not None:
