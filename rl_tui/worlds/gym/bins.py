@@ -74,7 +74,7 @@ def check_sizes(name: str, states: int, actions: int, key: str) -> None:
 
 _MOST_TOLD: Final = 100
 _MOST_DECIMALS: Final = 12
-_USUAL_NAME: Final = " " * len("-0.17")
+_USUAL_NAME: Final = " " * len("-0.055")
 _FINEST: Final = 1e-14  # relative to the bounds; a double has 16 digits
 
 
