@@ -106,11 +106,11 @@ def test_a_script_without_an_environment_is_told_of_once_before_it_ends(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(watch, "WORTH_TELLING", 0.0)
-    say = watch.environment_missed("script.py")
+    say = watch.step_missed("script.py")
     log = ProgramLog(notes=["CartPole-v1 is not watched"])
     say(log)
     say(log)
-    line = "rl-tui: script.py has not made an environment yet: CartPole-v1 is not watched\n"
+    line = "rl-tui: script.py has not taken a step yet: CartPole-v1 is not watched\n"
     assert capsys.readouterr().err == line
 
 
