@@ -46,7 +46,7 @@ def command(
     as_json: bool,
     **display: Any,
 ) -> None:
-    """Watch your own Gymnasium script learn, unchanged.
+    """Watch your own script or notebook learn, unchanged.
 
     It runs in its own process, which stops and continues with the screen. Unknown arguments go to the script,
     and so does everything after --. With --json there is no screen: you get a report on the script's table
@@ -117,5 +117,8 @@ def step_missed(name: str) -> Callable[[ProgramLog], None]:
 
 
 def _in_a_line(script: str, error: ProgramError) -> str:
-    place = script if error.line is None else f"{error.file or script}, line {error.line}"
+    from rl_tui.programs.watched.notebook import place_in_words
+
+    place = error.file or script
+    place = script if error.line is None else f"{place}, {place_in_words(place, error.line)}"
     return one_line(f"{place}: {error.type}: {error.text}", _LONGEST_ERROR)

@@ -7,6 +7,7 @@ from typing import Any
 
 from rl_tui.programs.evidence.code_names import declared_discount
 from rl_tui.programs.evidence.verdict import CodeFinding, ProgramVerdict, UpdateFound, step_number
+from rl_tui.programs.watched.notebook import cell_of
 from rl_tui.programs.watched.program_log import FoundTable, ProgramEnvironment, ProgramError, ProgramLog
 from rl_tui.runs.figures import MOST_STATES, finite
 
@@ -149,8 +150,7 @@ def finding_as_json(finding: CodeFinding) -> dict[str, Any]:
         "step": step_number(finding.step),
         "steps_for": finding.steps_for,
         "steps_against": finding.steps_against,
-        "file": finding.file or None,
-        "line": finding.line,
+        **_place(finding.file, finding.line),
         "text": finding.text,
         "correction": finding.correction,
     }
@@ -159,4 +159,12 @@ def finding_as_json(finding: CodeFinding) -> dict[str, Any]:
 def _error(error: ProgramError | None) -> dict[str, Any] | None:
     if error is None:
         return None
-    return {"type": error.type, "text": error.text, "file": error.file or None, "line": error.line}
+    return {"type": error.type, "text": error.text, **_place(error.file, error.line)}
+
+
+def _place(file: str, line: int | None) -> dict[str, Any]:
+    """Return a place in the code, in a notebook with its cell."""
+    cell = None if line is None else cell_of(file, line)
+    if cell is None:
+        return {"file": file or None, "line": line}
+    return {"file": file, "cell": cell[0], "line": cell[1]}

@@ -29,7 +29,9 @@ from rl_tui.programs.watched.child.channel import Channel, Gate
 from rl_tui.programs.watched.child.errors import described, users_place
 from rl_tui.programs.watched.child.making import Making
 from rl_tui.programs.watched.child.recorder import Recorder
+from rl_tui.programs.watched.child.removed_names import give_back_removed_names
 from rl_tui.programs.watched.child.script import read_script, run_script
+from rl_tui.programs.watched.child.stand_ins import stand_in
 from rl_tui.programs.watched.messages import MessageKind
 
 # Seeds of all random generators
@@ -93,7 +95,8 @@ def surround(note: Callable[[str], None]) -> None:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="backslashreplace", line_buffering=True)
     builtins.input = _refuse_input
-    sys.modules.setdefault("pickle5", pickle)  # the pickle of Python 3.8 for older versions
+    for name in ("pickle5", "cPickle"):  # of older versions
+        sys.modules.setdefault(name, pickle)
     warnings.filterwarnings("ignore", message=_NO_WINDOW)
     _tell_of_workers(note)
     for name, change in {
@@ -215,13 +218,19 @@ def main(said: dict[str, Any]) -> None:
     gate = Gate(channel, said["asked"], said["shared"])
     recorder = Recorder(channel, gate, most=said["steps"], wanted=said["table"])
 
+    said_before: set[str] = set()
+
     def note(text: str) -> None:
-        channel.message(MessageKind.NOTE, text=text)
+        if text not in said_before:
+            said_before.add(text)
+            channel.message(MessageKind.NOTE, text=text)
 
     end_with(said["life"])
     if said["memory"] is not None:
         bound_memory(said["memory"])
     surround(note)
+    give_back_removed_names(note)
+    stand_in(note)
     making = Making(recorder, said["seed"])
     making.install()
     seed_all(said["seed"])
