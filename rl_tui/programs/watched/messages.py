@@ -72,7 +72,8 @@ class MessageKind:
     """file, line: position of the program after a second or more without a step."""
     ENVIRONMENT: Final = "environment"
     """number, id, kwargs (null if not plain data), states (sizes of the observation's parts), first_state
-    (first value of each part), actions, first_action, time_limit, wrappers (class names)
+    (first value of each part), actions, first_action, time_limit, wrappers (class names). A known number
+    replaces that environment, which the program uses without its wrappers.
     """
     TRANSITIONS: Final = "transitions"
     """number, P: the table of an environment that only the program has: [[[[p, s', r, terminated], …] …]

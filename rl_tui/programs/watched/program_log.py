@@ -244,7 +244,7 @@ class ProgramLog:
             case MessageKind.ENVIRONMENT:
                 if len(said["states"]) != len(said["first_state"]) or min(said["states"], default=0) < 1:
                     raise ValueError("no observations of ours")
-                self.environments.append(
+                self._take_environment(
                     ProgramEnvironment(
                         said["number"],
                         said["id"],
@@ -315,6 +315,16 @@ class ProgramLog:
                 self.ended = True
             case MessageKind.GONE:
                 self._take_end(said["status"], said["text"])
+
+    def _take_environment(self, environment: ProgramEnvironment) -> None:
+        """Add an environment, or replace it if the program uses it without its wrappers."""
+        known = self.environments[environment.number : environment.number + 1]
+        if not known:
+            self.environments.append(environment)
+        elif (known[0].parts, known[0].actions) == (environment.parts, environment.actions):
+            self.environments[environment.number] = environment
+        else:
+            raise ValueError("no environment of ours")
 
     def _take_output(self, said: Mapping[str, Any]) -> None:
         step = self.recording.count if said["step"] is None else said["step"]
