@@ -42,7 +42,7 @@ class DirectEnvs:
         self._announce, self._announce_again = announce, announce_again
         self.answer: Answer = _as_it_is
         self.more_methods: Mapping[str, Any] = {}
-        """Further methods of the classes."""
+        """Further methods of Gymnasium's own classes."""
         self._classes: dict[type, type] = {}
 
     def install(self, seed: int) -> None:
@@ -62,12 +62,14 @@ class DirectEnvs:
         gymnasium.Env.__new__ = new
         seeding.np_random = np_random
 
-    def hand_out(self, env: gymnasium.Env[Any, Any], reports: StepReports) -> None:
-        """Let `env` report its steps through `reports`, unless a wrapper does."""
+    def hand_out(self, env: gymnasium.Env[Any, Any], reports: StepReports | None) -> None:
+        """Let `env` report its steps through `reports`, if any, unless a wrapper does."""
         if _KEY not in env.__dict__:
             env.__class__ = self._class_of(type(env))
             env.__dict__[_KEY] = reports
-            env.__dict__[_IS_INNER] = True
+            if reports is not None:
+                reports.bare = env
+                env.__dict__[_IS_INNER] = True
 
     def step(self, env: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
         """Take a step of `env` for the program at `frame`."""
@@ -75,9 +77,6 @@ class DirectEnvs:
         reports = self._reports_of(env)
         if reports is None or reports.is_inside or reports.is_silent or len(arguments) + len(more) != 1:
             return take(env, *arguments, **more)
-        state = env.__dict__.get("s")
-        if type(state) is int and reports.numbering.counts_from_0:  # the program may have moved it
-            reports.state = state
         (action,) = (*arguments, *more.values())
         return reports.step(frame, lambda _: take(env, *arguments, **more), action)
 
@@ -96,6 +95,8 @@ class DirectEnvs:
                 reports = self._announce(env)
             except AttributeError:  # its spaces are not known before the end of its __init__
                 return None
+            if reports is not None:
+                reports.bare = env
             inside[_KEY] = reports
         elif _IS_INNER in inside and not inside[_KEY].is_inside:
             del inside[_IS_INNER]
@@ -131,7 +132,9 @@ class DirectEnvs:
                 rest[0] = {name: each for name, each in rest[0].items() if name not in _KEYS}
             return _copied, (made, *arguments), *rest
 
-        methods = {"step": step, "reset": reset, "__reduce_ex__": reduce, _KEY: True, **self.more_methods}
+        methods = {"step": step, "reset": reset, "__reduce_ex__": reduce, _KEY: True}
+        if cls.__module__.startswith("gymnasium."):
+            methods |= self.more_methods
         names = {name: getattr(cls, name) for name in ("__module__", "__qualname__", "__doc__")}
         made: type = type(cls)(cls.__name__, (cls,), {**names, **methods})
         return made

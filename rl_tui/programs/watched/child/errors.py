@@ -147,10 +147,6 @@ _PACKAGES: Final = {
 """Well-known modules with the package to install. Other names may be misspelt or the user's own, and a
 package of that name may be anything.
 """
-_GYM: Final = (
-    "Gym is Gymnasium now: write `import gymnasium as gym`, which is installed; "
-    "reset then returns (observation, info), and step (observation, reward, terminated, truncated, info)"
-)
 _STEP: Final = (
     "step returns five values since Gym 0.26: write `next_state, reward, terminated, truncated, info = "
     "env.step(action)`, and `done = terminated or truncated`"
@@ -192,8 +188,6 @@ def _advice_on(error: BaseException, text: str, frames: Sequence[FrameType], lin
 
 def _on_missing(name: str) -> str:
     top = name.partition(".")[0]
-    if top == "gym":
-        return _GYM
     if top in _PACKAGES:
         return f"install it with `pip install {_PACKAGES[top]}`"
     return _UNKNOWN if top else ""

@@ -28,6 +28,7 @@ from rl_tui.common.after_import import after_import
 from rl_tui.programs.watched.child.channel import Channel, Gate
 from rl_tui.programs.watched.child.errors import described, users_place
 from rl_tui.programs.watched.child.making import Making
+from rl_tui.programs.watched.child.old_gym.modules import offer_old_gym
 from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.removed_names import give_back_removed_names
 from rl_tui.programs.watched.child.script import read_script, run_script
@@ -59,10 +60,6 @@ _INPUT: Final = (
     "script's name"
 )
 _NOT_REPEATABLE: Final = "the script starts {}: the same seed need not give the same run"
-_OLD_GYM: Final = (
-    "the script imports gym, of which rl-tui sees nothing: it watches environments of its successor; "
-    "write `import gymnasium as gym`"
-)
 
 
 def end_with(life: int) -> None:
@@ -103,7 +100,6 @@ def surround(note: Callable[[str], None]) -> None:
         "matplotlib": _draw_into_memory,
         "matplotlib.pyplot": _show_nothing,
         "tqdm.notebook": _draw_bars_as_text,
-        "gym": lambda _: note(_OLD_GYM),
     }.items():
         after_import(name, change)
 
@@ -233,6 +229,7 @@ def main(said: dict[str, Any]) -> None:
     stand_in(note)
     making = Making(recorder, said["seed"])
     making.install()
+    offer_old_gym(making, note)
     seed_all(said["seed"])
     flush_at_exit(recorder)
     Watchman(channel, gate, recorder).begin()

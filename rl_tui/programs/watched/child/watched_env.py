@@ -24,6 +24,8 @@ class StepReports:
 
     def __init__(self, number: int, numbering: Numbering, recorder: Recorder) -> None:
         self.number, self.numbering, self._recorder = number, numbering, recorder
+        self.bare: gymnasium.Env[Any, Any] | None = None
+        """The environment without wrappers, if the program has it and may set its state."""
         self.is_inside = False
         self.is_used = False
         """True after the first call of `reset` or `step`."""
@@ -36,6 +38,10 @@ class StepReports:
     def step(self, frame: Any, take: Callable[[Any], Any], action: Any) -> Any:
         """Call `take` with `action`, once permitted, and report the step. `frame` is the caller's."""
         self._recorder.before(frame, self.numbering, "step")
+        if self.bare is not None:
+            state = self.bare.__dict__.get("s")
+            if type(state) is int and self.numbering.counts_from_0:
+                self.state = state
         count = self._recorder.count
         self.is_inside = self.is_used = True
         try:
@@ -46,7 +52,9 @@ class StepReports:
             self.is_silent = True
             return result
         try:
-            observation, reward, terminated, truncated, _ = result
+            observation, reward, terminated, truncated, _ = (
+                result if len(result) == 5 else in_new_form(result)
+            )
             next_state, number = self.numbering.state(observation), self.numbering.action(action)
             flags = (_TERMINATED if terminated else 0) | (_TRUNCATED if truncated else 0)
             gained = float(reward)
@@ -71,7 +79,7 @@ class StepReports:
             self.is_inside = False
         self._place = 0
         try:
-            self.state = self.numbering.state(result[0])
+            self.state = self.numbering.state(observation_of(result))
         except (TypeError, ValueError, LookupError):
             self._leave_out()
         return result
@@ -80,6 +88,19 @@ class StepReports:
         if not self._is_strange:
             self._is_strange = True
             self._recorder.channel.message(MessageKind.NOTE, text=_STRANGE)
+
+
+def in_new_form(result: Any) -> tuple[Any, ...]:
+    """Return the four values of the old Gym's `step` as five. Raises TypeError or ValueError for others."""
+    observation, reward, done, info = result
+    is_truncated = isinstance(info, dict) and bool(info.get("TimeLimit.truncated"))
+    return observation, reward, bool(done) and not is_truncated, is_truncated, info
+
+
+def observation_of(result: Any) -> Any:
+    """Return the observation that `reset` returned, with or without information."""
+    is_new = type(result) is tuple and len(result) == 2 and isinstance(result[1], dict)
+    return result[0] if is_new else result
 
 
 class Elsewhere:
