@@ -9,7 +9,10 @@ from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watche
 
 pytestmark = pytest.mark.process
 
-NO_ENVIRONMENT = "nothing to watch: the script made no environment with gymnasium.make"
+NO_ENVIRONMENT = (
+    "nothing to watch: the script takes no step in an environment of Gymnasium, or in a class with reset() "
+    "and step(action)"
+)
 
 
 @pytest.mark.usefixtures("real_start")

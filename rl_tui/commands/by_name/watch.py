@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MOST: Final = 10**15
 WORTH_TELLING: Final = 5.0  # seconds without a step
 _LONGEST_ERROR: Final = 500
-_WATCHED: Final = "rl-tui watches steps of environments from gymnasium.make"
+_WATCHED: Final = "rl-tui watches environments of Gymnasium, and classes with reset() and step(action)"
 
 
 @click.command("watch", context_settings={"ignore_unknown_options": True})

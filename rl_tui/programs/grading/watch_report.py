@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from rl_tui.programs.evidence.code_names import declared_discount
 from rl_tui.programs.evidence.verdict import CodeFinding, ProgramVerdict, UpdateFound, step_number
 from rl_tui.programs.watched.notebook import cell_of
@@ -36,7 +38,7 @@ def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[
     document: dict[str, Any] = finite(
         {
             "script": script,
-            "environment": None if environment is None else _environment(environment),
+            "environment": None if environment is None else _environment(environment, log),
             "table": None if log.table_now is None else _table(log.table_now),
             "steps": log.recording.count,
             "episodes": episodes_of(log),
@@ -113,8 +115,12 @@ def _fits(log: ProgramLog, environment: ProgramEnvironment) -> bool:
     return initial is not None and len(initial) == environment.states * environment.actions
 
 
-def _environment(environment: ProgramEnvironment) -> dict[str, Any]:
-    return {"id": environment.id, "states": environment.states, "actions": environment.actions}
+def _environment(environment: ProgramEnvironment, log: ProgramLog) -> dict[str, Any]:
+    states = environment.states
+    if environment.state_names:
+        steps = log.recording.steps
+        states = len(np.union1d(steps.state, steps.next_state))
+    return {"id": environment.id, "states": states, "actions": environment.actions}
 
 
 def _table(table: FoundTable) -> dict[str, Any]:

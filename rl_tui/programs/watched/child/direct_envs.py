@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import gymnasium
 from gymnasium.utils import seeding
@@ -19,6 +19,18 @@ Given = tuple[tuple[Any, ...], dict[str, Any]]
 """Arguments of a call, without and with names."""
 Answer = Callable[[Any, str, Any], Any]
 """Returns the result of a method for the frame that called it."""
+
+
+class Worlds(Protocol):
+    """Watches worlds without spaces."""
+
+    def step(self, it: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
+        """Take a step of `it` for the program at `frame`."""
+        ...
+
+    def reset(self, it: Any, frame: Any, begin: Callable[..., Any], given: Given) -> Any:
+        """Begin an episode of `it` for the program at `frame`."""
+        ...
 
 
 def _as_it_is(frame: Any, method: str, result: Any) -> Any:
@@ -41,6 +53,8 @@ class DirectEnvs:
     ) -> None:
         self._announce, self._announce_again = announce, announce_again
         self.answer: Answer = _as_it_is
+        self.without_spaces: Worlds | None = None
+        """Watches environments without finite spaces."""
         self.more_methods: Mapping[str, Any] = {}
         """Further methods of Gymnasium's own classes."""
         self._classes: dict[type, type] = {}
@@ -75,6 +89,8 @@ class DirectEnvs:
         """Take a step of `env` for the program at `frame`."""
         arguments, more = given
         reports = self._reports_of(env)
+        if reports is None and self.without_spaces is not None and _KEY in env.__dict__:
+            return self.without_spaces.step(env, frame, take, given)
         if reports is None or reports.is_inside or reports.is_silent or len(arguments) + len(more) != 1:
             return take(env, *arguments, **more)
         (action,) = (*arguments, *more.values())
@@ -84,6 +100,8 @@ class DirectEnvs:
         """Begin an episode of `env` for the program at `frame`."""
         arguments, more = given
         reports = self._reports_of(env)
+        if reports is None and self.without_spaces is not None and _KEY in env.__dict__:
+            return self.without_spaces.reset(env, frame, begin, given)
         if reports is None or reports.is_inside or reports.is_silent:
             return begin(env, *arguments, **more)
         return reports.reset(frame, lambda: begin(env, *arguments, **more))

@@ -33,6 +33,7 @@ from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.removed_names import give_back_removed_names
 from rl_tui.programs.watched.child.script import read_script, run_script
 from rl_tui.programs.watched.child.stand_ins import stand_in
+from rl_tui.programs.watched.child.worlds.own_worlds import OwnWorlds
 from rl_tui.programs.watched.messages import MessageKind
 
 # Seeds of all random generators
@@ -230,6 +231,8 @@ def main(said: dict[str, Any]) -> None:
     making = Making(recorder, said["seed"])
     making.install()
     offer_old_gym(making, note)
+    own_worlds = OwnWorlds(recorder, making, note)
+    own_worlds.install()
     seed_all(said["seed"])
     flush_at_exit(recorder)
     Watchman(channel, gate, recorder).begin()
@@ -242,6 +245,7 @@ def main(said: dict[str, Any]) -> None:
             from rl_tui.programs.watched.child.agent import run_agent
 
             run_agent(said, channel.message)
+        own_worlds.finish()
         making.tell_what_was_missed()
     except BaseException as error:
         channel.message(MessageKind.ERROR, **described(error))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 import gymnasium
@@ -25,7 +25,10 @@ _VECTORS: Final = (
     "a vector environment takes several steps at once; rl-tui watches environments made by gymnasium.make, "
     "a step at a time"
 )
-_NO_ENVIRONMENT: Final = "nothing to watch: the script made no environment with gymnasium.make"
+_NO_ENVIRONMENT: Final = (
+    "nothing to watch: the script takes no step in an environment of Gymnasium, or in a class with reset() "
+    "and step(action)"
+)
 _NO_STEP: Final = "no step was seen: those of copies of an environment and of other processes are not watched"
 
 
@@ -37,6 +40,7 @@ class Making:
         self._made = 0
         self._was_asked = False
         self._original: Make = registration.make
+        self._all: list[StepReports] = []
         self._numbers: dict[tuple[type, Numbering], int] = {}
         self.direct = DirectEnvs(self._announce, self._without_limit)
 
@@ -54,6 +58,18 @@ class Making:
         """Report why nothing was seen of a finished program, if so."""
         if self._recorder.count == 0 and not (self._was_asked and self._made == 0):
             self._note(_NO_STEP if self._made else _NO_ENVIRONMENT)
+
+    @property
+    def is_inside(self) -> bool:
+        """True while an environment runs that reports its own steps."""
+        return any(each.is_inside for each in self._all)
+
+    def announce_own(self, name: str, numbering: Numbering) -> int:
+        """Report a world of the program's own class `name`, and return its number."""
+        number = self._made
+        self._made += 1
+        self._tell_sizes(number, name, numbering)
+        return number
 
     def make(self, *arguments: Any, **more: Any) -> Any:
         """Make an environment as Gymnasium does, and a withdrawn one in its newest version."""
@@ -90,6 +106,7 @@ class Making:
 
     def _watched(self, env: gymnasium.Env[Any, Any], numbering: Numbering) -> WatchedEnv:
         reports = StepReports(self._made, numbering, self._recorder)
+        self._all.append(reports)
         self._made += 1
         seed = self._seed + reports.number
         env.action_space.seed(seed)
@@ -104,6 +121,7 @@ class Making:
         key = (type(env), numbering)
         reports = StepReports(self._numbers.setdefault(key, self._made), numbering, self._recorder)
         if reports.number == self._made:
+            self._all.append(reports)
             self._made += 1
             self._tell(env, reports)
         return reports
@@ -119,15 +137,11 @@ class Making:
         kwargs = {} if spec is None else {key: each for key, each in spec.kwargs.items() if each is not None}
         if time_limit is None:
             time_limit = (0 if spec is None else spec.max_episode_steps) or 0
-        self._recorder.channel.message(
-            MessageKind.ENVIRONMENT,
-            number=reports.number,
-            id=_id_of(env),
+        self._tell_sizes(
+            reports.number,
+            _id_of(env),
+            numbering,
             kwargs=kwargs if spec is not None and _is_data(kwargs) else None,
-            states=numbering.parts,
-            first_state=numbering.first,
-            actions=numbering.actions,
-            first_action=numbering.first_action,
             time_limit=time_limit,
             wrappers=_wrappers(env),
         )
@@ -139,6 +153,29 @@ class Making:
                 self._recorder.channel.message(
                     MessageKind.TRANSITIONS, number=reports.number, P=table, start=start
                 )
+
+    def _tell_sizes(
+        self,
+        number: int,
+        name: str,
+        numbering: Numbering,
+        *,
+        kwargs: Mapping[str, Any] | None = None,
+        time_limit: int = 0,
+        wrappers: Sequence[str] = (),
+    ) -> None:
+        self._recorder.channel.message(
+            MessageKind.ENVIRONMENT,
+            number=number,
+            id=name,
+            kwargs=kwargs,
+            states=numbering.parts,
+            first_state=numbering.first,
+            actions=numbering.actions,
+            first_action=numbering.first_action,
+            time_limit=time_limit,
+            wrappers=wrappers,
+        )
 
     def _refuse_vectors(self, *_: Any, **__: Any) -> Any:
         self._recorder.refuse(_VECTORS)

@@ -202,6 +202,8 @@ class Recorder:
         self.channel, self.gate = channel, gate
         self.count = 0
         """Number of steps."""
+        self.resets = 0
+        """Number of episodes begun, also those without a step."""
         self._most, self._wanted = most, wanted
         self._tracker: TableTracker | None = None
         self._next_look = self._next_numbers = 0

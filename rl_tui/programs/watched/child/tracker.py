@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from types import FrameType
 from typing import Any, Final
 
-from rl_tui.programs.watched.child.forms import form_of
 from rl_tui.programs.watched.child.numbering import Numbering
+from rl_tui.programs.watched.child.recognition import form_of
 from rl_tui.programs.watched.child.search import MISSING, TableCandidate, Way, candidates
 
 _CLOSELY: Final = 500  # first comparisons, each of the whole table

@@ -77,6 +77,7 @@ class StepReports:
             result = begin()
         finally:
             self.is_inside = False
+        self._recorder.resets += 1
         self._place = 0
         try:
             self.state = self.numbering.state(observation_of(result))
@@ -120,8 +121,8 @@ def made_elsewhere() -> Iterator[None]:
 
 
 class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
-    """An environment made by `gymnasium.make`. The first reset without a seed uses `seed`. The program gets
-    what is inside it from `hand_out`, which lets that report its steps too.
+    """An environment made by `gymnasium.make`. The first reset without a seed uses `seed`. If the
+    program asks for the environment inside, `hand_out` lets that report its steps too.
     """
 
     def __init__(
@@ -151,7 +152,7 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
 
     @property
     def env(self) -> Any:
-        """What is inside. The program gets what is inside of that, as without this wrapper."""
+        """The environment inside. The program gets the next inner one, as without this wrapper."""
         inside = self._inside
         if is_users_file(sys._getframe(1).f_code.co_filename):
             self._hand_out(inside.unwrapped, self.reports)

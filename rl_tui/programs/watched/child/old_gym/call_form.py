@@ -29,7 +29,7 @@ _Scope = ast.Module | ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 
 
 class Use(Enum):
-    """What the code does with a result."""
+    """The use of a result."""
 
     UNPACKED = auto()
     """It is unpacked into `number` names."""
@@ -39,7 +39,7 @@ class Use(Enum):
 
 
 class CallForm(NamedTuple):
-    """The use of a result, with a number (see `Use`)."""
+    """A use of a result, with its number."""
 
     use: Use
     number: int = 0

@@ -57,7 +57,7 @@ INNER_METHODS: Final = {"render": render, "seed": seed, "__getattr__": missing_a
 
 
 class OldEnv(gymnasium.Wrapper):  # type: ignore[misc]
-    """What the old `gym.make` returned. `hand_out` gets the environment inside, once it is asked for."""
+    """An environment as the old `gym.make` returned it. `hand_out` gets what is inside, if asked for."""
 
     def __init__(self, env: gymnasium.Env[Any, Any], hand_out: HandOut) -> None:
         self._held = env
