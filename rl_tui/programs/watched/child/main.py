@@ -26,8 +26,8 @@ import numpy as np
 
 from rl_tui.common.after_import import after_import
 from rl_tui.programs.watched.child.channel import Channel, Gate
+from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.errors import described, users_place
-from rl_tui.programs.watched.child.making import Making
 from rl_tui.programs.watched.child.old_gym.modules import offer_old_gym
 from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.removed_names import give_back_removed_names

@@ -13,11 +13,11 @@ from typing import Any, Final, NamedTuple, NoReturn
 import numpy as np
 
 from rl_tui.programs.watched.child.channel import Channel, Gate
+from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import is_users_file, users_place
 from rl_tui.programs.watched.child.line_trace import TRACED_AT_FIRST, LineTrace, Place
-from rl_tui.programs.watched.child.numbering import Numbering
-from rl_tui.programs.watched.child.search import TableCandidate, attributes, candidates, turned_table
-from rl_tui.programs.watched.child.tracker import TableTracker
+from rl_tui.programs.watched.child.tables.search import TableCandidate, attributes, candidates, turned_table
+from rl_tui.programs.watched.child.tables.tracker import TableTracker
 from rl_tui.programs.watched.messages import MessageKind
 
 # Numbers in the code

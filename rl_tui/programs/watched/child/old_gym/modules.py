@@ -13,8 +13,9 @@ from typing import Any, Final
 import gymnasium
 import numpy as np
 
-from rl_tui.programs.watched.child.direct_envs import DirectEnvs
-from rl_tui.programs.watched.child.making import Making
+from rl_tui.programs.watched.child.environments.direct_envs import DirectEnvs
+from rl_tui.programs.watched.child.environments.making import Making
+from rl_tui.programs.watched.child.environments.watched_env import WatchedEnv
 from rl_tui.programs.watched.child.old_gym.call_form import NEW, values_around
 from rl_tui.programs.watched.child.old_gym.environments import (
     INNER_METHODS,
@@ -25,7 +26,6 @@ from rl_tui.programs.watched.child.old_gym.environments import (
     seed,
 )
 from rl_tui.programs.watched.child.stand_ins import Nothing
-from rl_tui.programs.watched.child.watched_env import WatchedEnv
 
 _NOTE: Final = (
     "the script imports the old gym: Gymnasium answers instead, in the form that each call of reset and step "

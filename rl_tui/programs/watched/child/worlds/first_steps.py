@@ -9,10 +9,10 @@ from typing import Any, Final, NamedTuple
 import gymnasium
 import numpy as np
 
-from rl_tui.programs.watched.child.forms import MOST_CELLS
-from rl_tui.programs.watched.child.numbering import Numbering
-from rl_tui.programs.watched.child.search import GOOD, LIKE_Q, NO_TABLE, Way, rank, ways
-from rl_tui.programs.watched.child.worlds.keyed_table import Shape, shape_of
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.tables.forms import MOST_CELLS
+from rl_tui.programs.watched.child.tables.keyed_table import Shape, shape_of
+from rl_tui.programs.watched.child.tables.search import GOOD, LIKE_Q, NO_TABLE, Way, rank, ways
 from rl_tui.programs.watched.child.worlds.met import MOST_ACTIONS, UnfitError, key_of, state_key
 from rl_tui.programs.watched.messages import StepFlag
 

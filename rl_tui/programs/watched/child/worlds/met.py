@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.programs.watched.child.numbering import Numbering
+from rl_tui.programs.watched.child.environments.numbering import Numbering
 
 MOST_ACTIONS: Final = 64
 MOST_STATES: Final = 16_384

@@ -14,12 +14,12 @@ from typing import Any, Final
 import gymnasium
 import numpy as np
 
-from rl_tui.programs.watched.child.direct_envs import Given
+from rl_tui.programs.watched.child.environments.direct_envs import Given
+from rl_tui.programs.watched.child.environments.making import Making
+from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import is_users_file
-from rl_tui.programs.watched.child.making import Making
-from rl_tui.programs.watched.child.numbering import Numbering
 from rl_tui.programs.watched.child.recorder import Recorder
-from rl_tui.programs.watched.child.search import attributes
+from rl_tui.programs.watched.child.tables.search import attributes
 from rl_tui.programs.watched.child.worlds.first_steps import (
     FEW_STEPS,
     HeldStep,

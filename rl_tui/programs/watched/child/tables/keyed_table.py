@@ -9,7 +9,8 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.programs.watched.child.forms import (
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.tables.forms import (
     MOST_CELLS,
     NAN,
     add_difference,
@@ -17,8 +18,7 @@ from rl_tui.programs.watched.child.forms import (
     number_of,
     state_of,
 )
-from rl_tui.programs.watched.child.held_table import Doubles, HeldTable
-from rl_tui.programs.watched.child.numbering import Numbering
+from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
 from rl_tui.programs.watched.child.worlds.met import (
     MOST_ACTIONS,
     FixedStates,

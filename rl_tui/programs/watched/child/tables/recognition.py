@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from rl_tui.programs.watched.child.forms import (
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.tables.forms import (
     MOST_CELLS,
     ArrayTable,
     PairTable,
@@ -17,9 +18,8 @@ from rl_tui.programs.watched.child.forms import (
     plain_rows,
     state_of,
 )
-from rl_tui.programs.watched.child.held_table import HeldTable
-from rl_tui.programs.watched.child.numbering import Numbering
-from rl_tui.programs.watched.child.worlds.keyed_table import keyed_form
+from rl_tui.programs.watched.child.tables.held_table import HeldTable
+from rl_tui.programs.watched.child.tables.keyed_table import keyed_form
 from rl_tui.programs.watched.child.worlds.met import MetNumbering
 
 

@@ -14,8 +14,8 @@ from typing import Any, Final
 import numpy as np
 from numpy import ndarray
 
-from rl_tui.programs.watched.child.held_table import Doubles, HeldTable
-from rl_tui.programs.watched.child.numbering import Numbering
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
 
 # Rows, keys and numbers
 

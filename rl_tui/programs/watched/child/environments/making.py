@@ -9,11 +9,16 @@ from typing import Any, Final
 import gymnasium
 from gymnasium.envs import registration
 
-from rl_tui.programs.watched.child.direct_envs import DirectEnvs
-from rl_tui.programs.watched.child.numbering import Numbering, numbering_of
+from rl_tui.programs.watched.child.environments.direct_envs import DirectEnvs
+from rl_tui.programs.watched.child.environments.numbering import Numbering, numbering_of
+from rl_tui.programs.watched.child.environments.watched_env import (
+    Elsewhere,
+    StepReports,
+    WatchedEnv,
+    made_elsewhere,
+)
 from rl_tui.programs.watched.child.recorder import Recorder
-from rl_tui.programs.watched.child.search import attributes
-from rl_tui.programs.watched.child.watched_env import Elsewhere, StepReports, WatchedEnv, made_elsewhere
+from rl_tui.programs.watched.child.tables.search import attributes
 from rl_tui.programs.watched.messages import MessageKind
 
 Make = Callable[..., Any]

@@ -10,8 +10,8 @@ from typing import Any, Final
 
 import gymnasium
 
+from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import is_users_file
-from rl_tui.programs.watched.child.numbering import Numbering
 from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.messages import MessageKind, StepFlag
 

@@ -9,7 +9,7 @@ from typing import Any, Final, Protocol
 import gymnasium
 from gymnasium.utils import seeding
 
-from rl_tui.programs.watched.child.watched_env import Elsewhere, StepReports, made_elsewhere
+from rl_tui.programs.watched.child.environments.watched_env import Elsewhere, StepReports, made_elsewhere
 
 Announce = Callable[[gymnasium.Env[Any, Any]], StepReports | None]
 _KEY: Final = "_rl_tui_reports"

@@ -12,9 +12,9 @@ from typing import Any, Final
 import gymnasium
 import numpy as np
 
-from rl_tui.programs.watched.child.held_table import HeldTable
-from rl_tui.programs.watched.child.numbering import Numbering
-from rl_tui.programs.watched.child.recognition import form_of
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.tables.held_table import HeldTable
+from rl_tui.programs.watched.child.tables.recognition import form_of
 
 MISSING: Final = object()
 NO_TABLE: Final = re.compile(
