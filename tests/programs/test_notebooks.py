@@ -125,6 +125,19 @@ def test_functions_and_modules_of_notebooks_do_no_harm(tmp_path: Path) -> None:
 
 
 @pytest.mark.process
+def test_a_library_finds_no_notebook(tmp_path: Path) -> None:
+    text = """\
+    import os
+    try:
+        exec(compile("get_ipython()", os.__file__, "exec"))
+    except NameError:
+        print("none")
+    """
+    log = watched(script_in(tmp_path, text))
+    assert (lines_of(log), len(log.notes)) == (["none"], 1)
+
+
+@pytest.mark.process
 def test_removed_names_work_and_are_noted(tmp_path: Path) -> None:
     (tmp_path / "pandas.py").write_text(
         "class Series:\n    pass\n\n\nclass DataFrame:\n    loc = 'located'\n\n\n"

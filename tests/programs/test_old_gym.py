@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from corpus import CORRECT, FAULTY, expected
 from watched_scripts import lines_of, script_in, watched
 
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
@@ -168,6 +169,24 @@ def test_a_state_that_the_program_sets_is_where_its_step_begins(tmp_path: Path) 
     """
     log = watched(script_in(tmp_path, text))
     assert (log.recording.steps.state.tolist(), log.recording.steps.next_state.tolist()) == ([14], [15])
+
+
+@pytest.mark.exhaustive("watches every program", but=["correct-sarsa_cliff", "faulty-integers"])
+@pytest.mark.parametrize(
+    "script", [*CORRECT, *FAULTY], ids=lambda script: f"{script.parent.name}-{script.stem}"
+)
+def test_a_program_is_understood_under_the_old_name_too(script: Path, tmp_path: Path) -> None:
+    text = script.read_text(encoding="utf-8").replace("import gymnasium as gym", "import gym")
+    text = text.replace("import gymnasium", "import gym as gymnasium").replace("from gymnasium", "from gym")
+    wanted, group = expected(script), CORRECT if script in CORRECT else FAULTY
+    log = watched(script_in(tmp_path, text), seed=group.index(script))
+    verdict = verdict_of(log)
+    assert (log.error, NOTE in log.notes) == (None, True)
+    faults = [each.fault.value for each in verdict.findings]
+    if group is FAULTY:
+        assert faults == wanted
+    else:
+        assert (faults, verdict.update.rule) == ([], wanted.get("rule", verdict.update.rule))
 
 
 def test_an_installed_gym_is_not_used(tmp_path: Path) -> None:

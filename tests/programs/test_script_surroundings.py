@@ -10,8 +10,8 @@ from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watche
 pytestmark = pytest.mark.process
 
 NO_ENVIRONMENT = (
-    "nothing to watch: the script takes no step in an environment of Gymnasium, or in a class with reset() "
-    "and step(action)"
+    "nothing to watch: the script takes no step in an environment of Gymnasium, a class with reset() and "
+    "step(action), or a function step(state, action)"
 )
 
 

@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 MOST: Final = 10**15
 WORTH_TELLING: Final = 5.0  # seconds without a step
 _LONGEST_ERROR: Final = 500
-_WATCHED: Final = "rl-tui watches environments of Gymnasium, and classes with reset() and step(action)"
+_WATCHED: Final = (
+    "rl-tui watches environments of Gymnasium, classes with reset() and step(action), and functions "
+    "step(state, action)"
+)
 
 
 @click.command("watch", context_settings={"ignore_unknown_options": True})

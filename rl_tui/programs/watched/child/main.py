@@ -33,6 +33,7 @@ from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.removed_names import give_back_removed_names
 from rl_tui.programs.watched.child.script import read_script, run_script
 from rl_tui.programs.watched.child.stand_ins import stand_in
+from rl_tui.programs.watched.child.worlds.functions import with_watched_functions
 from rl_tui.programs.watched.child.worlds.own_worlds import OwnWorlds
 from rl_tui.programs.watched.messages import MessageKind
 
@@ -240,7 +241,8 @@ def main(said: dict[str, Any]) -> None:
     try:
         if said["agent"] is None:
             path = Path(said["path"])
-            run_script(read_script(path), path, said["arguments"], note)
+            script = with_watched_functions(read_script(path), path, own_worlds)
+            run_script(script, path, said["arguments"], note)
         else:
             from rl_tui.programs.watched.child.agent import run_agent
 

@@ -31,8 +31,8 @@ _VECTORS: Final = (
     "a step at a time"
 )
 _NO_ENVIRONMENT: Final = (
-    "nothing to watch: the script takes no step in an environment of Gymnasium, or in a class with reset() "
-    "and step(action)"
+    "nothing to watch: the script takes no step in an environment of Gymnasium, a class with reset() and "
+    "step(action), or a function step(state, action)"
 )
 _NO_STEP: Final = "no step was seen: those of copies of an environment and of other processes are not watched"
 

@@ -13,7 +13,7 @@ from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.tables.forms import MOST_CELLS
 from rl_tui.programs.watched.child.tables.keyed_table import Shape, shape_of
 from rl_tui.programs.watched.child.tables.search import GOOD, LIKE_Q, NO_TABLE, Way, rank, ways
-from rl_tui.programs.watched.child.worlds.met import MOST_ACTIONS, UnfitError, key_of, state_key
+from rl_tui.programs.watched.child.worlds.met import MOST_ACTIONS, Key, UnfitError, key_of, state_key
 from rl_tui.programs.watched.messages import StepFlag
 
 FEW_STEPS: Final = 100
@@ -65,6 +65,24 @@ def step_of(result: Any) -> OwnStep | None:
         done, is_truncated = False, True
     flags = (StepFlag.TERMINATED if done else 0) | (StepFlag.TRUNCATED if is_truncated else 0)
     return OwnStep(observation, float(reward), int(flags), is_of_gymnasium)
+
+
+def function_step_of(result: Any, before: Key) -> OwnStep | None:
+    """Return the step from the state `before` that `result` describes as (next state, reward, ...), or
+    None. Only a flag after them says that it ends.
+    """
+    if type(result) not in (tuple, list) or not 2 <= len(result) <= 4:
+        return None
+    after, reward, *more = result
+    try:
+        is_state = type(state_key(after)) in (type(before), str)
+    except UnfitError:
+        return None
+    is_reward = type(reward) in (int, float) or issubclass(type(reward), np.number)
+    if not (is_state and is_reward):
+        return None
+    done = bool(more) and type(more[0]) in (bool, np.bool_) and bool(more[0])
+    return OwnStep(after, float(reward), int(StepFlag.TERMINATED if done else 0), False)
 
 
 def number_of_actions(cls: type, attributes: Mapping[str, Any]) -> int | None:

@@ -28,7 +28,7 @@ from rl_tui.programs.watched.child.worlds.first_steps import (
     number_of_actions,
     step_of,
 )
-from rl_tui.programs.watched.child.worlds.met import MetNumbering, UnfitError, key_of, state_key
+from rl_tui.programs.watched.child.worlds.met import Key, MetNumbering, UnfitError, key_of, state_key
 from rl_tui.programs.watched.messages import MessageKind
 
 _STEP: Final = (
@@ -74,6 +74,17 @@ class _World:
         self.episode = self.place = 0
 
 
+class FunctionWorld:
+    """A function that takes a step from the state it is given."""
+
+    def __init__(self, function: FunctionType) -> None:
+        self.kind = _Kind(FunctionType)
+        self.kind.name = function.__name__
+        self.world = _World(function)
+        self.next_state: Key | None = None
+        """State in which the last step of an unfinished episode ended."""
+
+
 class OwnWorlds:
     """Watches the worlds of a program's own classes. `note` receives messages."""
 
@@ -81,6 +92,7 @@ class OwnWorlds:
         self._recorder, self._making, self._note = recorder, making, note
         self._kinds: dict[type, _Kind] = {}
         self._worlds: dict[int, _World] = {}
+        self._functions: set[_Kind] = set()
         self._held = 0
         self._are_ends_told = self._is_awake = False
 
@@ -138,9 +150,51 @@ class OwnWorlds:
         world.was_reset, world.place = True, 0
         return result
 
+    def may_report(self, world: FunctionWorld) -> bool:
+        """Return True if the next call of a function may be a step of the program."""
+        return not (world.kind.is_over or world.world.is_inside or self._making.is_inside)
+
+    def step_from(
+        self,
+        function: FunctionWorld,
+        key: Key,
+        given: tuple[Any, Any],
+        frame: Any,
+        take: Callable[[], Any],
+        read: Callable[[Any], OwnStep | None],
+    ) -> Any:
+        """Take a step with a function.
+
+        Args:
+            function: The function.
+            key: Key of the state that it is given. Another one than the last next state begins an episode.
+            given: State and action.
+            frame: Frame of the caller.
+            take: Calls the function.
+            read: Returns the step that its result describes, or None.
+        """
+        kind, world = function.kind, function.world
+        self._functions.add(kind)
+        state, action = given
+        world.observation = _copied(state)
+        if key != function.next_state:
+            world.place = 0
+        self._number(kind, world, action, frame)
+        if kind.numbering is not None:
+            self._recorder.before(frame, kind.numbering, "step")
+        count = self._seen
+        result = self._call(world, None, lambda _: take(), ((), {}))
+        step = read(result)
+        if self._seen != count or step is None:  # another world has reported, or this is not a step
+            self._drop(kind)
+            return result
+        self._report(kind, world, action, step)
+        function.next_state = None if step.flags or kind.is_over else key_of(step.observation)
+        return result
+
     def finish(self) -> None:
         """Report the first steps of a program that ended before they were numbered."""
-        for kind in self._kinds.values():
+        for kind in (*self._kinds.values(), *self._functions):
             if kind.held and not kind.is_over:
                 self._number_by_meeting(kind, None)
 
@@ -278,10 +332,14 @@ class OwnWorlds:
             action_names=[str(numbering.action_key(each)) for each in range(numbering.actions)],
         )
 
-    def _give_up(self, kind: _Kind, why: str) -> None:
+    def _drop(self, kind: _Kind) -> None:
+        """Report no further step of `kind`."""
         kind.is_over = True
         self._held -= len(kind.held)
         kind.held = []
+
+    def _give_up(self, kind: _Kind, why: str) -> None:
+        self._drop(kind)
         more = "" if kind.numbering is None else " any more"
         self._note(f"{kind.name} is not watched{more}: {why}")
 
