@@ -46,7 +46,7 @@ def proofs_at_ends(
     if not predictions.is_known or update.reward == "own" or update.place is MovedCell.ONE_LATE:
         return ()
     evidence = predictions.evidence
-    ended = evidence.terminated & evidence.learns
+    ended = evidence.surely_ended & evidence.learns
     cut_off = evidence.truncated & ~evidence.terminated & evidence.learns
     proofs = [] if may_be_own else [_lost_at_end(predictions, ended, reward, names)]
     if update.target is not UpdateTarget.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT:
