@@ -53,7 +53,7 @@ ELSEWHERE: Final = (
     "some 300 MB for each person",
     "with some 200 MB",
     "It needs 30 minutes.",  # the lesson's own
-    "memory for time travel | 64 MiB |",  # rl_tui.runs.timeline.checkpoints, as the next
+    "memory for going back in a run | 64 MiB |",  # rl_tui.runs.timeline.checkpoints, as the next
     "branches | 50 | | changes per run | 5,000 |",
     "time without a key | 10 minutes",  # rl_tui.screen.app
     "up to 15 steps a second",  # rl_tui.screen.panels.grid.motion

@@ -36,14 +36,14 @@ class Learner(LearnerMemory):
         """
         if self.plans:
             raise UserError(
-                f"{self._row.name} plans and takes no steps: to act yourself, take an algorithm "
-                f"that learns, such as q-learning"
+                f"{self._row.name} is a planner and takes no steps: to act yourself, choose an "
+                f"algorithm that learns, such as q-learning"
             )
         legal = self.space.pairs_of(self.state)
         if pair not in legal:
             names = ", ".join(self.space.action_names[self.space.pair_action[each]] for each in legal)
             there = self.space.state_names[self.state]
-            raise UserError(f"that action cannot be taken in state {there}: take one of {names}")
+            raise UserError(f"this action is not available in state {there}: choose one of {names}")
         self._position.forced[0] = pair
         try:
             return self.advance(1)

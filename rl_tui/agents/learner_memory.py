@@ -333,7 +333,7 @@ class LearnerMemory(LearnerCounters):
         """
         if not self._row.takes_orders:
             able = " or ".join(each.id for each in BY_ID.values() if each.takes_orders)
-            raise UserError(f"{self._row.name} has no sweeps of evaluation and improvement: take {able}")
+            raise UserError(f"{self._row.name} has no separate evaluation and improvement: choose {able}")
         self._module.order(self._memory, phase)
         self._go_on_planning()
 

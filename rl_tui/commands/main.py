@@ -122,9 +122,7 @@ def leave_out_bad_threads() -> None:
     with suppress(ValueError):  # also for thousands of digits
         if int(number) > 0:
             return
-    complain(
-        f"{_THREADS}={one_line(number, _LONGEST_NUMBER)} is left out: expected a whole number, 1 or more"
-    )
+    complain(f"{_THREADS}={one_line(number, _LONGEST_NUMBER)} is ignored: expected a whole number, 1 or more")
     del os.environ[_THREADS]
 
 

@@ -66,5 +66,5 @@ def first_of(faults: Iterable[Fault]) -> tuple[Fault, ...]:
     reported = tuple(islice(faults, MOST_FAULTS + 1))
     if len(reported) <= MOST_FAULTS:
         return reported
-    more = Fault(reported[0].file, "", f"more than {MOST_FAULTS} errors", "those above fixed first")
+    more = Fault(reported[0].file, "", f"more than {MOST_FAULTS} errors: fix these first", "")
     return (*reported[:MOST_FAULTS], more)

@@ -201,7 +201,7 @@ def new_file(path: Path) -> Iterator[TextIO]:
     try:
         stream = path.open("x", encoding="utf-8", newline="")
     except FileExistsError as error:
-        raise UserError(f'"{printable(str(path))}" is there already: choose another name') from error
+        raise UserError(f'"{printable(str(path))}" exists already: choose another name') from error
     except (OSError, ValueError) as error:  # ValueError: not a possible file name
         raise _unwritable(path, error) from error
     begun = os.fstat(stream.fileno())
@@ -242,7 +242,7 @@ def new_path(text: str) -> Path:
         if path.is_dir():
             raise UserError(f"{text} is a folder: type the name of a new file")
         if path.exists() or path.is_symlink():
-            raise UserError(f"{text} is there already: type another name")
+            raise UserError(f"{text} exists already: type another name")
         if not path.parent.is_dir():
             raise UserError(f"there is no folder {path.parent}")
     except (OSError, RuntimeError, ValueError) as error:

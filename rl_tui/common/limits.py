@@ -19,6 +19,8 @@ LARGEST_RESULTS: Final = 100_000_000
 """Size of a results file in bytes. JSON takes ten times as much memory."""
 LARGEST_DRAWN: Final = 1e100
 """Bound of numbers in results, ±. Their sums and ratios stay finite."""
+LARGEST_NOTEBOOK: Final = 64_000_000
+"""Size of a notebook in bytes, with its pictures."""
 LARGEST_SOURCE: Final = 1_000_000
 """Size in bytes of a script that is shown or parsed."""
 

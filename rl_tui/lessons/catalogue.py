@@ -65,14 +65,12 @@ def find_lesson(name_or_path: str, variant: str = "") -> Lesson:
     is_path = name_or_path.endswith(SUFFIX) or "/" in name_or_path or "\\" in name_or_path
     if is_path:
         if in_kiosk():
-            raise UserError(
-                "kiosk mode opens no files: only the shipped lessons, as rl-tui learn --list shows"
-            )
+            raise UserError("kiosk mode opens no files: it has only the lessons of rl-tui learn --list")
         return read_lesson(name_or_path, variant)
     path = lesson_folder() / f"{name_or_path}{SUFFIX}"
     names = sorted(each.stem for each in lesson_folder().glob(f"*{SUFFIX}"))
     if name_or_path not in names:
         near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
         hint = f"did you mean {', '.join(near)}?" if near else f"choose from {', '.join(names)}"
-        raise UserError(f"no lesson is called {shown(name_or_path)}: {hint}")
+        raise UserError(f"there is no lesson {shown(name_or_path)}: {hint}")
     return read_lesson(path, variant)

@@ -92,7 +92,9 @@ def read_lesson(path: str | Path, variant: str = "") -> Lesson:
     """Read a lesson file. Raises ScenarioError with all its errors, in the order of the file."""
     path = Path(path)
     if not is_plain(str(path)):
-        raise ScenarioError([Fault(shown(str(path)), "", "control characters", "a plain path")])
+        raise ScenarioError(
+            [Fault(shown(str(path)), "", "control characters", "a path without control characters")]
+        )
     try:
         text = read_text(path)
     except UnreadableError as reason:
@@ -219,7 +221,7 @@ def _reference_findings(file: LessonFile) -> Iterator[Finding]:
             if proof.condition >= len(page.task.conditions):
                 found = str(proof.condition)
                 yield Finding(
-                    (*where, "task", "proof", "condition"), found, "the place of a condition, from 0"
+                    (*where, "task", "proof", "condition"), found, "the number of a condition, from 0"
                 )
     for name, setup in file.setups.items():
         yield from (each.inside("setups", name, "settings") for each in setting_findings(setup.settings))

@@ -172,15 +172,13 @@ class TaskCheck:
         """Yield missing hints, solution or attempts."""
         task = self._task
         if not task.hints:
-            yield Finding(
-                (*self._where, "hints"), "no hint", "one at least, for who does not know how to go on"
-            )
+            yield Finding((*self._where, "hints"), "no hint", "at least one hint")
         if not task.solution:
-            yield Finding((*self._where, "solution"), "no solution", "what is shown after the last hint")
+            yield Finding((*self._where, "solution"), "no solution", "a text to show after the last hint")
         if len(task.rejects) < LEAST_REJECTS:
             found = f"{len(task.rejects)} wrong attempts"
             yield Finding(
-                (*self._where, "rejects"), found, f"{LEAST_REJECTS} or more that the task is held to"
+                (*self._where, "rejects"), found, f"{LEAST_REJECTS} or more attempts that must fail"
             )
 
     def findings(self, figures: LessonFigures, on_attempt: OnAttempt) -> Iterator[Finding]:
@@ -190,7 +188,7 @@ class TaskCheck:
         if self._task.program is not None and self._quick:
             return
         if not self._task.accepts:
-            yield Finding((*self._where, "accepts"), "no attempt", "one at least that passes")
+            yield Finding((*self._where, "accepts"), "no attempt", "at least one attempt that passes")
         ends = list[int]()
         for key, attempts in (("accepts", self._task.accepts), ("rejects", self._task.rejects)):
             for place, attempt in enumerate(attempts):
@@ -210,7 +208,7 @@ class TaskCheck:
     def _skeleton_findings(self, program: ProgramToWrite) -> Iterator[Finding]:
         if self._judged_program(program.skeleton).view.passed is not None:
             where = (*self._where, "program", "skeleton")
-            yield Finding(where, "a program that passes", "one in which something is missing")
+            yield Finding(where, "a skeleton that already passes", "a skeleton in which something is missing")
 
     def findings_over_seeds(self, on_attempt: OnAttempt) -> Iterator[Finding]:
         """Yield attempts whose verdict is wrong under one of 100 seeds."""
@@ -242,7 +240,7 @@ class TaskCheck:
         ends.append(judged.step)
         has_passed = judged.view.passed is not None
         if has_passed and where[-2] == "rejects":
-            yield Finding(where, f"{shown(attempt.name)}, which passes", "an attempt that the task refuses")
+            yield Finding(where, f"{shown(attempt.name)}, which passes", "an attempt that fails")
         if where[-2] == "accepts" and not has_passed and not (self._quick and judged.is_undecided):
             yield Finding(
                 where, f"{shown(attempt.name)}, refused: {_why(judged.view)}", "an attempt that passes"
@@ -278,7 +276,9 @@ class TaskCheck:
             return  # reported for the figure itself
         if is_met(condition, best):
             found = f"{proof.best}, {in_digits_of(best, '')}, with which {shown(condition.text)} holds"
-            yield Finding((*self._where, "proof", "best"), found, "a best with which it does not hold")
+            yield Finding(
+                (*self._where, "proof", "best"), found, "a best value for which the condition fails"
+            )
 
 
 def _too_long(where: Location, what: str, fault: StepBudgetError) -> Finding:

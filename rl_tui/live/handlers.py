@@ -178,7 +178,7 @@ def _watch_program(playback: Playback, command: commands.WatchProgram) -> None:
 def _draw_action(playback: Playback, command: commands.DrawAction) -> None:
     space, state, action = playback.group.current.run.world.space, command.state, command.action
     if not 0 <= state < space.states or (action is not None and space.pair_of(state, action) is None):
-        raise UserError("there is no such action to draw")
+        raise UserError("this action does not exist in this state")
     playback.questions.draw(state, action)
 
 

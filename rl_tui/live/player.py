@@ -170,7 +170,7 @@ class Player:
             try:
                 thread.start()
             except RuntimeError as error:  # the system limits the number of threads
-                self._failure = UserError(f"the run has no thread to learn in: {error}")
+                self._failure = UserError(f"the run cannot start its thread: {error}")
                 self._wake_reader()
                 return
             switch_often(self)

@@ -39,9 +39,7 @@ class Drawn(NamedTuple):
         match change:
             case EditWorld(edits):
                 if len(written_edits(edits)) > LONGEST_EDIT:
-                    raise UserError(
-                        "this is too much for one stroke, as sessions keep them: draw it in parts"
-                    )
+                    raise UserError("this edit is too large for a session file: draw it in parts")
                 return Drawn(edited_draft(draft, edits), None, Drafts(draft, done))
             case UndoEdit():
                 if done is None:

@@ -116,7 +116,7 @@ def _findings(document: Any, names: _Names) -> Iterator[Finding]:
         if state not in names.states:
             yield Finding((state,), "an unknown state", f"a state of this world{near(state, names.states)}")
         elif not (pairs := names.pairs_of(state)):
-            yield Finding((state,), "a state in which nothing can be done", "states that are not terminal")
+            yield Finding((state,), "a terminal state", "states with available actions")
         else:
             for finding in _choice_findings(said, list(pairs)):
                 yield finding.inside(state)

@@ -114,11 +114,13 @@ class JournalEntry:
 
 
 def action_called(name: str, action_names: Sequence[str]) -> int | None:
-    """Return the number of the action called `name`, or None. Surrounding spaces may belong to the name."""
+    """Return the number of the action called `name`, or None. Spaces matter only if names differ by them."""
     for wanted in (name, name.strip()):
         if wanted in action_names:
             return action_names.index(wanted)
-    return None
+    without = [each.replace(" ", "") for each in action_names]
+    wanted = name.replace(" ", "")
+    return without.index(wanted) if without.count(wanted) == 1 else None
 
 
 def no_such_action(name: str, action_names: Sequence[str]) -> str:

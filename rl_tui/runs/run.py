@@ -291,7 +291,7 @@ class Run:
         if pair is None:
             known = 0 <= action < len(names)
             name = names[action] if known else f"action {wanted}"
-            raise UserError(f"{name} is not possible in state {space.state_names[state]}")
+            raise UserError(f"{name} is not available in state {space.state_names[state]}")
         if self.over:
             raise UserError("the run is over: no step can be taken")
         self._take_in(self.learner.take(pair))

@@ -21,13 +21,15 @@ class CellKind(StrEnum):
 class Title(NamedTuple):
     """A text centred over some columns of walls.
 
-    `column` is the first of the `columns`; `row` is −1 above the map.
+    `column` is the first of the `columns`; `row` is −1 above the map. `brief` replaces a text that is too
+    long.
     """
 
     row: int
     column: int
     columns: int
     text: str
+    brief: str = ""
 
     def is_over(self, column: int) -> bool:
         """Return True if the title covers `column`."""
@@ -38,13 +40,15 @@ class Title(NamedTuple):
 class Axes:
     """Labels of the rows and columns of a grid. A label may be empty.
 
-    `titles` name parts between walls. `names` says what rows and columns mean, if known.
+    `titles` name parts between walls. `names` says what rows and columns mean, if known. `is_upward`: values
+    of rows grow upwards, and a body moves along the columns.
     """
 
     rows: tuple[str, ...]
     columns: tuple[str, ...]
     titles: tuple[Title, ...] = ()
     names: tuple[str, str] | None = None
+    is_upward: bool = False
 
 
 class BodyKind(StrEnum):
@@ -89,6 +93,7 @@ class Grid:
         one_way: Cells that can be left in one direction only, each with its step.
         axes: Labels of rows and columns, if they are numbers.
         body: Body that these numbers belong to, if known.
+        walls: Cells with a wall between them and their neighbour at the right.
     """
 
     rows: int
@@ -101,6 +106,7 @@ class Grid:
     one_way: tuple[tuple[int, tuple[int, int]], ...] = ()
     axes: Axes | None = None
     body: Body | None = None
+    walls: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -184,12 +184,12 @@ def test_an_action_of_another_state_cannot_be_taken(algorithm: str) -> None:
     ours = learner(two_ways(), algorithm, FULL_STEP)
     ours.advance(1)
     for pair in (0, 3, -1, 99):
-        with pytest.raises(UserError, match="cannot be taken in state s1: take one of on, jump"):
+        with pytest.raises(UserError, match="not available in state s1: choose one of on, jump"):
             ours.take(pair)
     assert ours.step == 1
 
 
 def test_nobody_acts_for_a_planner() -> None:
     ours = learner(two_ways(), "value-iteration", FULL_STEP)
-    with pytest.raises(UserError, match="Value iteration plans and takes no steps: to act yourself"):
+    with pytest.raises(UserError, match="Value iteration is a planner and takes no steps: to act yourself"):
         ours.take(0)

@@ -229,5 +229,7 @@ def test_a_checkpoint_keeps_an_order() -> None:
 def test_only_policy_iteration_takes_orders(algorithm: str) -> None:
     ours = Learner(lake(), algorithm, Hyperparameters(), streams(0))
     assert (ours.phase, ours.ordered) == (None, None)
-    with pytest.raises(UserError, match="has no sweeps of evaluation and improvement: take policy-iteration"):
+    with pytest.raises(
+        UserError, match="has no separate evaluation and improvement: choose policy-iteration"
+    ):
         ours.order("evaluation")

@@ -65,7 +65,7 @@ def test_what_is_there_is_not_written_over(tmp_path: Path) -> None:
     path.write_text("my work")
     result = rl_tui("agent", "new", str(path))
     assert result.exit_code == 1
-    assert f'"{path}" is there already' in result.stderr
+    assert f'"{path}" exists already' in result.stderr
     assert path.read_text() == "my work"
 
 

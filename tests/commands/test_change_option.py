@@ -55,7 +55,7 @@ def test_settings_of_the_last_step_count_and_a_step_beyond_does_not() -> None:
         (["--change", "nonsense"], "is not STEP:NAME=VALUE", 2),
         (["--change", "5:take=study", "--runs", "2"], "take=ACTION works for a single run only", 2),
         (["--change", "5:take=sleeep"], '(did you mean "sleep"?)', 1),
-        (["--change", "0:take=sleep"], "sleep is not possible in state Class", 1),
+        (["--change", "0:take=sleep"], "sleep is not available in state Class", 1),
         (["--change", "5:policy=gradient"], "policy gradient is for bandits", 1),
     ],
 )

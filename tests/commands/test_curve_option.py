@@ -74,10 +74,10 @@ def test_on_stdout_it_is_alone() -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (("--curve", "-", "--json"), "--curve and --json both want stdout"),
-        (("--curve", "-", "--csv", "-"), "--csv and --curve both want stdout"),
-        (("--curve", "x.csv", "--csv", "x.csv"), "--csv and --curve both want the same file"),
-        (("--curve", "a/../x.csv", "--csv", "x.csv"), "--csv and --curve both want the same file"),
+        (("--curve", "-", "--json"), "--curve and --json both write to stdout"),
+        (("--curve", "-", "--csv", "-"), "--csv and --curve both write to stdout"),
+        (("--curve", "x.csv", "--csv", "x.csv"), "--csv and --curve both write to the same file"),
+        (("--curve", "a/../x.csv", "--csv", "x.csv"), "--csv and --curve both write to the same file"),
     ],
 )
 def test_two_do_not_go_to_one_place(args: tuple[str, ...], said: str) -> None:

@@ -30,7 +30,7 @@ def test_what_is_no_address_is_refused(address: str) -> None:
 def test_jobs_are_of_this_machine() -> None:
     result = run("--dask", "tcp://node1:8786", "--jobs", "2")
     assert result.exit_code == 2
-    assert "--jobs is for this machine" in result.stderr
+    assert "leave out --jobs" in result.stderr
 
 
 @pytest.mark.parametrize(

@@ -174,7 +174,7 @@ def test_a_training_is_for_a_greedy_policy_only() -> None:
     for option in (("--alpha", "0.5"), ("--episodes", "5"), ("--steps", "5"), ("--algorithm", "sarsa")):
         result = run("student", "--policy", "optimal", *option)
         assert result.exit_code == 2
-        assert f"{option[0]} needs --policy greedy" in one_line(result)
+        assert f"{option[0]} works only with --policy greedy" in one_line(result)
 
 
 def test_an_option_without_effect_is_told() -> None:

@@ -76,8 +76,8 @@ def test_csv_on_stdout_is_alone() -> None:
         ((), "Missing argument"),
         (("8.2", "--out", "x.jpg"), "does not end in .svg or .png"),
         (("8.2", "--runs", "0"), "a whole number in"),
-        (("8.2", "--json", "--csv", "-"), "both want stdout"),
-        (("8.2", "--csv", "x.svg", "--out", "x.svg"), "both want the same file"),
+        (("8.2", "--json", "--csv", "-"), "both write to stdout"),
+        (("8.2", "--csv", "x.svg", "--out", "x.svg"), "both write to the same file"),
     ],
 )
 def test_wrong_usage(args: tuple[str, ...], said: str) -> None:

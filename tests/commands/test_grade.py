@@ -132,7 +132,7 @@ def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None
         "crash.py": "crash.py, line 3: ZeroDivisionError: division by zero",
         "killed.py": "SIGKILL",
         "no_table.py": "no table of values was found",
-        "other_world.py": "is_slippery=True, which has other transitions than frozenlake",
+        "other_world.py": "is_slippery=True, whose transitions differ from those of frozenlake",
     }.items():
         assert said in errors[name], errors[name]
         assert "\n" not in errors[name]

@@ -92,8 +92,8 @@ def test_where_there_are_no_ticks_letters_do(folder: Path, evening: Path) -> Non
     [
         (("{all}",), "is a session: give the lesson after it"),
         (("{folder}",), "Missing option '--scenario'; or give a lesson"),
-        (("{all}", "{lesson}", "--seeds", "3"), "--seeds is for submissions"),
-        (("{all}", "{lesson}", "--scenario", "student"), "--scenario is for submissions"),
+        (("{all}", "{lesson}", "--seeds", "3"), "--seeds works only for submissions"),
+        (("{all}", "{lesson}", "--scenario", "student"), "--scenario works only for submissions"),
         (("agent.py", "{lesson}"), "agent.py is a submission: give --scenario"),
     ],
 )
@@ -107,7 +107,7 @@ def test_what_does_not_go_together(args: tuple[str, ...], message: str, folder: 
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        (("{all}", "no-such-lesson"), "no lesson is called"),
+        (("{all}", "no-such-lesson"), "there is no lesson"),
         (("{folder}/nowhere.json", "{lesson}"), "no such file"),
         (("{lesson}", "{lesson}"), "is not JSON"),
         (("{empty}", "{lesson}"), "found no session in this folder"),

@@ -43,8 +43,7 @@ def refusal(*args: str) -> str:
 @pytest.mark.usefixtures("kiosk")
 def test_it_has_no_other_commands(command: str) -> None:
     assert refusal(command, "x") == (
-        f"rl-tui: kiosk mode has no {command}: it plays the shipped scenarios, and neither reads nor writes "
-        f"files"
+        f"rl-tui: kiosk mode has no {command}: it has only the scenarios of rl-tui, and uses no files"
     )
 
 
@@ -53,7 +52,7 @@ def test_it_has_no_other_commands(command: str) -> None:
 )
 @pytest.mark.usefixtures("kiosk")
 def test_it_opens_shipped_scenarios_only(name: str) -> None:
-    with pytest.raises(UserError, match="only the shipped scenarios"):
+    with pytest.raises(UserError, match="only the scenarios of rl-tui list"):
         find(name)
 
 
@@ -76,7 +75,7 @@ def test_the_user_s_own_scenarios_are_not_read(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setenv(VARIABLE, "1")
     shipped = {path.stem for path in shipped_folder().glob("*.toml")}
     assert {each.id for each in read_catalogue().scenarios} == shipped
-    with pytest.raises(UserError, match="no scenario is called"):
+    with pytest.raises(UserError, match="there is no scenario"):
         find("mine")
 
 

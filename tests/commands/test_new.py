@@ -25,7 +25,7 @@ def test_a_new_file_is_played_checked_and_never_written_over(
     assert CliRunner().invoke(program, ["check", "my-maze.toml"]).exit_code == 0
     again = CliRunner().invoke(program, ["new", "my-maze"])
     assert again.exit_code == 1
-    assert "is there already" in again.stderr
+    assert "exists already" in again.stderr
     assert Path("my-maze.toml").read_text(encoding="utf-8") == text
 
 
@@ -54,7 +54,7 @@ def test_a_name_is_no_path(name: str, tmp_path: Path, monkeypatch: pytest.Monkey
 
 @pytest.mark.parametrize(
     ("scenario", "fault"),
-    [("taxi", "cannot be drawn"), ("no-such", "no-such"), ("no-such.toml", "rl-tui new")],
+    [("taxi", "cannot be edited"), ("no-such", "no-such"), ("no-such.toml", "rl-tui new")],
 )
 def test_what_cannot_be_drawn_says_so_before_the_screen_is_taken(
     scenario: str, fault: str, monkeypatch: pytest.MonkeyPatch

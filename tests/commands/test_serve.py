@@ -95,11 +95,11 @@ def test_a_port_in_use_is_one_line() -> None:
 @pytest.mark.parametrize(
     ("arguments", "status", "words"),
     [
-        (("student.toml",), 1, "and a kiosk plays no other: did you mean student"),
-        (("../x",), 1, "and a kiosk plays no other: --no-kiosk"),
-        (("gym:CliffWalking-v1",), 1, "is not a shipped scenario"),
+        (("student.toml",), 1, "and a kiosk has no others: did you mean student"),
+        (("../x",), 1, "and a kiosk has no others: --no-kiosk"),
+        (("gym:CliffWalking-v1",), 1, "is not a scenario of rl-tui"),
         (("--theme", "pink"), 1, "theme 'pink' is not known"),
-        (("--no-kiosk", "nowhere"), 1, "no scenario is called"),
+        (("--no-kiosk", "nowhere"), 1, "there is no scenario"),
         (("--port", "65536"), 2, "a whole number in [0, 65535], not 65536"),
         (("--most", "0"), 2, "not 0"),
         (("--url", "lab.example.org"), 2, "--url lab.example.org is not an address"),
@@ -151,4 +151,4 @@ def test_a_kiosk_cannot_be_left_by_an_option(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setenv("RL_TUI_KIOSK", "1")
     result = CliRunner().invoke(serve.command, ["--no-kiosk"])  # the whole program would become one
     assert (result.exit_code, result.stdout) == (2, "")
-    assert "RL_TUI_KIOSK is set: a kiosk cannot be left with --no-kiosk" in result.stderr
+    assert "RL_TUI_KIOSK is set, so --no-kiosk is not allowed: unset it first" in result.stderr

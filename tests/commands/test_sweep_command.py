@@ -148,7 +148,7 @@ def test_what_has_no_effect_is_told() -> None:
         (("maze", "--vary", "world.nosie=0.1"), 1, "noise"),
         (("nowhere", "--vary", "alpha=0.1"), 1, "nowhere"),
         (("maze", "--vary", "alpha=0.1", "--store", "no/such/folder/x.sqlite"), 1, "there is no folder"),
-        (("maze", "--vary", "alpha=0.1,0.2", "--alpha", "0.3"), 2, "exclude each other"),
+        (("maze", "--vary", "alpha=0.1,0.2", "--alpha", "0.3"), 2, "give --vary alpha or --alpha, not both"),
         (("maze", "--vary", "alpha=0.1,0.2", "--seed", "9" * 20), 1, "too large"),
         (("maze", "--vary", "alpha=0.1", "--store", ""), 1, "not a file name"),
         (("merge", "out.sqlite"), 2, "IN.sqlite"),

@@ -106,8 +106,8 @@ def test_the_report(tmp_path: Path) -> None:
     [
         (UDACITY.replace("goal = reward if", "goal = 1 / 0 if"), (), "mine.py, line 18: ZeroDivisionError"),
         ("def f(:\n", (), "line 1"),
-        ("x = 1\n", (), "no class or function in it has the shape of an agent"),
-        (OF_STYLE["udacity"], ("--alpha", "sample-average"), "an agent is given a number"),
+        ("x = 1\n", (), "found no agent: an agent has these methods"),
+        (OF_STYLE["udacity"], ("--alpha", "sample-average"), "expected a number for an agent"),
     ],
 )
 def test_what_goes_wrong_is_one_line(text: str, more: tuple[str, ...], said: str, tmp_path: Path) -> None:
@@ -122,4 +122,4 @@ def test_no_changes_on_the_way(tmp_path: Path) -> None:
     path = agent_in(tmp_path, UDACITY)
     result = train("frozenlake", "--agent", path, "--change", "10:alpha=0.5")
     assert result.exit_code == 2
-    assert "--change and --agent exclude each other" in result.stderr
+    assert "give --change or --agent, not both" in result.stderr

@@ -106,11 +106,11 @@ def test_a_script_without_an_environment_is_told_of_once_before_it_ends(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(watch, "WORTH_TELLING", 0.0)
-    say = watch.environment_missed("script.py")
+    say = watch.step_missed("script.py")
     log = ProgramLog(notes=["CartPole-v1 is not watched"])
     say(log)
     say(log)
-    line = "rl-tui: script.py has not made an environment yet: CartPole-v1 is not watched\n"
+    line = "rl-tui: script.py has not taken a step yet: CartPole-v1 is not watched\n"
     assert capsys.readouterr().err == line
 
 
@@ -182,12 +182,28 @@ def test_what_is_no_script_is_refused_in_a_line(tmp_path: Path, content: bytes |
     assert len(line) < 500
 
 
-def test_a_notebook_is_told_how_to_become_a_script(tmp_path: Path) -> None:
-    path = tmp_path / "course.ipynb"
-    path.write_text('{"cells": []}')
+def notebook_in(folder: Path, *cells: str) -> Path:
+    """Write a notebook with a text and then ``cells`` of code."""
+    said = [{"cell_type": "markdown", "source": ["a text\n", "of two lines"]}]
+    said += [{"cell_type": "code", "outputs": [], "source": each.splitlines(keepends=True)} for each in cells]
+    path = folder / "course.ipynb"
+    path.write_text(json.dumps({"cells": said}, indent=1))
+    return path
+
+
+def test_a_line_of_a_notebook_has_its_cell(tmp_path: Path) -> None:
+    path = notebook_in(tmp_path, "x = 1", "y = 2\n\nx / 0")
     code, printed, complaint = run(str(path), "--json")
+    assert code == 1
+    assert "course.ipynb, cell 3, line 3: ZeroDivisionError" in complaint
+    error = json.loads(printed)["error"]
+    assert (error["file"], error["cell"], error["line"]) == (str(path), 3, 3)
+
+
+def test_a_notebook_that_is_not_python_is_told_with_its_cell(tmp_path: Path) -> None:
+    code, printed, complaint = run(str(notebook_in(tmp_path, "x = 1", "y =\n")), "--json")
     assert (code, printed, len(complaint.splitlines())) == (1, "", 1)
-    assert "nbconvert" in complaint
+    assert "course.ipynb, cell 3, line 1: " in complaint
 
 
 @pytest.mark.parametrize("name", [".", "/dev/null", "no\0name.py"])

@@ -115,8 +115,8 @@ def test_each_seed_edits_the_world_that_it_drew(tmp_path: Path) -> None:
         ("10:world.undo=1", "10:world.undo=1: there is no edit", 1),
         ("10:world.redo=1", "10:world.redo=1: there is no edit", 1),
         ("10:world.undo=2", 'world.undo is "2"; expected world.undo=1', 2),
-        ("10:world.rows=+1@9", "rows=+1@9: there are rows 0 to 2", 1),
-        ("10:world.rows=+0@1", "such as +1@3", 1),
+        ("10:world.rows=+1@9", "rows=+1@9: the rows are numbered from 0 to 2", 1),
+        ("10:world.rows=+0@1", "for example +1@3", 1),
         (
             "10:world.noise=$(rm -rf /)",
             'grid.noise is "$(rm -rf /)"; expected a finite number from 0 to 1',

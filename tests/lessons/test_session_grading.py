@@ -103,7 +103,7 @@ def test_a_run_whose_world_was_drawn_in_does_nothing_for_a_lesson(
     graded = grading.grade(write(tmp_path, "a.json", BEGUN, run_of(LAKE, 60, entries((5, DRAWN)))))
     assert passed(graded) == []
     assert graded.remarks == (
-        "branch 1 cannot be replayed: the world of a lesson must not change, and here it was changed",
+        "branch 1 cannot be replayed: the world was changed, but a task of a lesson needs its own world",
     )
     assert passed(grading.grade(write(tmp_path, "b.json", BEGUN, run_of(LAKE, 60)))) == ["lake"]
 

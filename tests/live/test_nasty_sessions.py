@@ -61,7 +61,7 @@ REFUSED = {
     "its own parent": (lambda: changed(f"{BRANCH}.parent", 0), "parent"),
     "no such branch": (lambda: changed(f"{LANE}.branch", 7), "no branch 7"),
     "no such lane": (lambda: changed("shown", 10**18), "no lane"),
-    "a fork beyond the end": (lambda: changed(f"{BRANCH}.fork", 10**9), "after its end"),
+    "a fork beyond the end": (lambda: changed(f"{BRANCH}.fork", 10**9), "after its last step"),
     "no speed": (lambda: changed("speed", math.inf), "damaged"),
     "a truth value": (lambda: changed("shown", False), "integer"),
     "half a letter": (lambda: changed("title", "\ud800"), "title"),
@@ -117,7 +117,7 @@ def test_is_refused_in_one_short_line(name, tmp_path):
 
 
 UNPLAYABLE = {
-    "an action that is not there": (changed(f"{BRANCH}.journal", [{"step": 9, "take": 10**12}]), "not possible"),
+    "an action that is not there": (changed(f"{BRANCH}.journal", [{"step": 9, "take": 10**12}]), "not available"),
 }  # fmt: skip
 
 

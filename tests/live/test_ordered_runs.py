@@ -122,7 +122,7 @@ def test_a_planner_that_is_done_goes_on_with_what_is_ordered() -> None:
 def test_others_take_no_orders_and_say_so(algorithm: str) -> None:
     playback = begin(recipe("frozenlake", algorithm=algorithm))
     shown = do(playback, EVALUATE)
-    assert "take policy-iteration" in shown.playback.paused_by
+    assert "choose policy-iteration" in shown.playback.paused_by
     assert (shown.counters.step, changes(shown)) == (0, [])
 
 
@@ -218,7 +218,7 @@ def test_training_refuses_an_order_to_another_algorithm() -> None:
         program, ["train", "student", "--change", "5:sweep=evaluation", "--steps", "9"]
     )
     assert result.exit_code == 1
-    assert "Q-learning has no sweeps of evaluation and improvement: take policy-iteration" in result.stderr
+    assert "Q-learning has no separate evaluation and improvement: choose policy-iteration" in result.stderr
 
 
 def test_how_it_is_cut_makes_no_difference() -> None:

@@ -167,7 +167,7 @@ def test_a_breakpoint_on_what_no_world_of_the_session_has_is_refused(tmp_path: P
     playback = begin(small_map())
     do(playback, Train(20), draw("rows=+1@0"))
     record = replace(playback.record, breakpoints=Breakpoints(frozenset({99})))
-    with pytest.raises(UserError, match="there is no state 99 here"):
+    with pytest.raises(UserError, match="there is no state 99: choose"):
         begin(record.lanes[0].recipe, record)
 
 

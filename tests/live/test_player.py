@@ -324,7 +324,7 @@ async def test_where_no_thread_can_be_started_it_says_so(monkeypatch: pytest.Mon
 
     player = Player(recipe("student"))
     monkeypatch.setattr(threading.Thread, "start", refuse)
-    with pytest.raises(UserError, match="no thread to learn in: can't start new thread"):
+    with pytest.raises(UserError, match="cannot start its thread: can't start new thread"):
         await anext(player.snapshots())
     player.close()
 

@@ -250,7 +250,7 @@ def test_an_edited_file_is_told(tmp_path: Path) -> None:
         ({"lanes": branch(name="x" * 81)}, "lanes[0].branches[0].name"),
         ({"lanes": branch(parent=0)}, "parent"),
         ({"lanes": branch(shared=1)}, "shared is 1"),
-        ({"lanes": branch(here=41)}, "after its end"),
+        ({"lanes": branch(here=41)}, "after its last step"),
         ({"lanes": branch(end=10**15 + 1)}, "lanes[0].branches[0].end"),
         ({"lanes": branch(journal=[{"step": 9, "take": 1}, {"step": 8, "take": 1}])}, "out of order"),
         ({"lanes": branch(journal=[{"step": 41, "take": 1}])}, "beyond its end"),

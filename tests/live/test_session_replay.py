@@ -109,7 +109,7 @@ def test_what_is_meant_where_nothing_is_said() -> None:
     assert not replay_target(TREE, lane=2).left
     with pytest.raises(UserError, match="there is no run 3: the session has 2 runs"):
         replay_target(TREE, lane=3)
-    with pytest.raises(UserError, match='no branch of run 1 is called "x": there are 1, 2'):
+    with pytest.raises(UserError, match='run 1 has no branch "x": its branches are 1, 2'):
         replay_target(TREE, branch="x")
 
 
@@ -166,7 +166,7 @@ def test_episodes_as_csv(tmp_path: Path) -> None:
     assert len(lines) == replayed["episodes"] + 1
     both = replay(path, "--csv", "-", "--json")
     assert both.exit_code == 2
-    assert "both want stdout" in both.stderr
+    assert "both write to stdout" in both.stderr
     out = replay(path, "--csv", "-")
     assert out.stdout.splitlines() == lines
     assert "at step 110" in out.stderr
@@ -179,7 +179,7 @@ def test_a_session_is_never_written_over_by_its_episodes(tmp_path: Path) -> None
     for csv in (path, tmp_path / "link.csv"):
         result = replay(path, "--csv", csv)
         assert (result.exit_code, result.stdout) == (2, "")
-        assert "--csv would write over the session" in result.stderr
+        assert "--csv names the session file: choose another file" in result.stderr
         assert path.read_bytes() == before
 
 
@@ -209,7 +209,7 @@ def test_a_session_takes_no_options_of_a_run(tmp_path: Path) -> None:
     path = saved(tmp_path / "a.json")
     result = CliRunner().invoke(program, ["screenshot", str(path), "--out", "-", "--alpha", "0.5"])
     assert result.exit_code == 2
-    assert "a session brings its own settings" in result.stderr
+    assert "a session has its own settings" in result.stderr
 
 
 def test_a_run_that_does_not_come_so_far(tmp_path: Path) -> None:
@@ -225,7 +225,7 @@ def test_a_run_that_does_not_come_so_far(tmp_path: Path) -> None:
 def test_a_change_that_cannot_be_made_names_the_file(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     path.write_bytes(encoded(after(fresh(recipe("student")), 5, (2, TakeAction(7)))))
-    why = "action 7 is not possible in state Phone\n"
+    why = "action 7 is not available in state Phone\n"
     assert replay(path).stderr == f"rl-tui: {path}: 2:take=action 7: {why}"
     line = f"rl-tui: {path}: {why}"
     shown = CliRunner().invoke(program, ["screenshot", str(path), "--out", "-"])

@@ -36,7 +36,7 @@ def test_a_run_pauses_at_breakpoints_and_at_what_was_waited_for() -> None:
     assert shown.counters.state == 9
     shown = do(playback, ClearBreakpoints(), RunUntil(Until(Event.STEP, 2_000)))
     assert (shown.counters.step, shown.playback.paused_by) == (2_000, "step 2,000")
-    assert "lies behind" in do(playback, RunUntil(Until(Event.STEP, 10))).playback.paused_by
+    assert "is in the past" in do(playback, RunUntil(Until(Event.STEP, 10))).playback.paused_by
     shown = do(playback, RunUntil(Until(Event.EPISODE, 300)))
     assert (shown.counters.episodes, shown.counters.episode_step) == (299, 0)
     shown = do(playback, GoTo(0), RunUntil(Until(Event.VALUE, pair=0, threshold=0.1)))

@@ -67,6 +67,70 @@ def test_an_agent_of_a_course_learns_and_is_understood(name: str, tmp_path: Path
     assert np.nanmax(log.recording.table_at(log.recording.count)) > 0.5
 
 
+OTHER_NAMES = """
+import random
+
+class Learner:
+    def __init__(self, n_states, n_actions, alpha=0.1, gamma=0.95, epsilon=0.2):
+        self.n_actions, self.alpha, self.gamma, self.epsilon = n_actions, alpha, gamma, epsilon
+        self.q_table = [[0.0] * n_actions for _ in range(n_states)]
+
+    def {choose}(self, state):
+        if random.random() < self.epsilon:
+            return random.randrange(self.n_actions)
+        row = self.q_table[state]
+        return random.choice([each for each in range(self.n_actions) if row[each] == max(row)])
+
+    def update(self):
+        raise RuntimeError("this is something else")
+
+    def {learn}:
+        ahead = 0.0 if done else max(self.q_table[{after}])
+        self.q_table[{before}][{action}] += self.alpha * (
+            reward + self.gamma * ahead - self.q_table[{before}][{action}]
+        )
+"""
+
+
+@pytest.mark.parametrize(
+    ("choose", "learn", "before", "action", "after"),
+    [
+        (
+            "choose_action",
+            "learn(self, state, action, reward, next_state, done)",
+            "state",
+            "action",
+            "next_state",
+        ),
+        ("act", "train(self, s0, a0, reward, new_state, done)", "s0", "a0", "new_state"),
+        (
+            "sample_action",
+            "update_q(self, state1, reward, done, action1, state2)",
+            "state1",
+            "action1",
+            "state2",
+        ),
+    ],
+)
+def test_methods_may_have_other_names(
+    choose: str, learn: str, before: str, action: str, after: str, tmp_path: Path
+) -> None:
+    text = OTHER_NAMES.format(choose=choose, learn=learn, before=before, action=action, after=after)
+    path = agent_in(tmp_path, text)
+    assert style_in(text, tmp_path) == [("Learner", "gymnasium")]
+    log = learned(path)
+    verdict = verdict_of(log)
+    assert (log.error, verdict.findings, verdict.update.rule) == (None, (), Rule.Q_LEARNING)
+    assert (verdict.update.alpha, verdict.update.gamma) == pytest.approx((0.1, 0.95))
+
+
+def test_a_method_that_learns_from_a_memory_is_no_agent(tmp_path: Path) -> None:
+    text = (
+        "class A:\n    def act(self, state):\n        return 0\n    def train(self, memory):\n        pass\n"
+    )
+    assert style_in(text, tmp_path) == []
+
+
 def test_what_is_given_by_name_is_what_it_learns_with(tmp_path: Path) -> None:
     log = learned(agent_in(tmp_path, FUNCTION), alpha=0.5, gamma=0.8)
     update = verdict_of(log).update
@@ -177,7 +241,7 @@ def test_of_several_agents_one_is_to_be_named(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "said"),
-    [("Agnet", r'there is no "Agnet" \(did you mean "Agent"\?\)'), ("helper", "has no shape of an agent")],
+    [("Agnet", r'there is no "Agnet" \(did you mean "Agent"\?\)'), ("helper", "is not an agent")],
 )
 def test_a_name_that_is_no_agent(name: str, said: str, tmp_path: Path) -> None:
     tree = ast.parse(f"{UDACITY}\ndef helper(x):\n    return x\n")

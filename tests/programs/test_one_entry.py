@@ -63,7 +63,7 @@ def test_the_last_reward_lost_under_a_mask_is_found(initial: str) -> None:
     (finding,) = verdict.findings
     assert finding.fault is CodeFault.LOSES_UPDATE
     assert finding.steps_for > 100
-    assert finding.correction.endswith("gamma * max(Q[s2][b] for b in allowed)")
+    assert finding.correction.endswith("gamma * max(Q[s2, b] for b in allowed)")
 
 
 @pytest.mark.parametrize("initial", INITIAL)

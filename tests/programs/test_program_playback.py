@@ -87,7 +87,7 @@ def test_it_runs_until_a_step_an_episode_a_value_and_an_optimal_policy(tmp_path:
 def test_what_lies_behind_is_refused_in_a_sentence(tmp_path: Path) -> None:
     with watched(written(tmp_path)) as watcher:
         watcher.do(commands.Train(50))
-        assert "lies behind" in watcher.do(commands.RunUntil(Until(Event.STEP, 10))).playback.paused_by
+        assert "is in the past" in watcher.do(commands.RunUntil(Until(Event.STEP, 10))).playback.paused_by
 
 
 def test_a_breakpoint_stops_it_at_the_very_step(tmp_path: Path) -> None:

@@ -9,7 +9,10 @@ from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watche
 
 pytestmark = pytest.mark.process
 
-NO_ENVIRONMENT = "nothing to watch: the script made no environment with gymnasium.make"
+NO_ENVIRONMENT = (
+    "nothing to watch: the script takes no step in an environment of Gymnasium, a class with reset() and "
+    "step(action), or a function step(state, action)"
+)
 
 
 @pytest.mark.usefixtures("real_start")
@@ -125,7 +128,6 @@ def test_floods_by_processes_do_not_outlive_the_script(tmp_path: Path) -> None:
         ("import cv2_", "ModuleNotFoundError", "put it beside the script"),
         ("import cv2.no", "ModuleNotFoundError", "install it with `pip install opencv-python`"),
         ("import sklearn.tree as x", "ModuleNotFoundError", "`pip install scikit-learn`"),
-        ("import gym", "ModuleNotFoundError", "write `import gymnasium as gym`"),
         ("s, r, done, info = env.step(0)", "ValueError", "step returns five values since Gym 0.26"),
         ("state = env.reset(); q = [0.0] * 16; q[state]", "TypeError", "`state, info = env.reset()`"),
         ("state = env.reset(); q = {}; q[state]", "TypeError", "`state, info = env.reset()`"),
@@ -290,12 +292,6 @@ def test_plots_open_no_window(tmp_path: Path) -> None:
     )
     assert log.error is None
     assert lines_of(log) == ["agg", "Agg dummy 0"]
-
-
-def test_the_old_gym_is_told_of_where_it_is_installed(tmp_path: Path) -> None:
-    (tmp_path / "gym.py").write_text("")
-    note, _ = watched(script_in(tmp_path, "import gym\n")).notes
-    assert "write `import gymnasium as gym`" in note
 
 
 def test_pickle5_is_pickle(tmp_path: Path) -> None:

@@ -145,12 +145,7 @@ def test_what_cannot_be_watched_is_refused(tmp_path: Path, text: str, refused: s
 @pytest.mark.parametrize(
     ("text", "note"),
     [
-        ("print('nothing')", "no environment"),
-        (
-            "from gymnasium.envs.toy_text import FrozenLakeEnv as Env; env = Env(); env.reset()",
-            "no environment",
-        ),
-        ("env = gym.make('FrozenLake-v1').unwrapped; env.reset(); env.step(0)", "env.unwrapped"),
+        ("print('nothing')", "nothing to watch"),
         ("import copy; env = copy.deepcopy(gym.make('FrozenLake-v1')); env.reset(); env.step(0)", "copies"),
         ("env = gym.make('CartPole-v1'); env.reset()", "CartPole-v1 is not watched"),
     ],

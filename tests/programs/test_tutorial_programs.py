@@ -264,13 +264,6 @@ def test_what_is_not_installed_is_said_with_its_line(tmp_path: Path) -> None:
     assert "pip install" not in error.text
 
 
-@pytest.mark.parametrize("line", ["get_ipython().system('pip install numpy')", "display(1)"])
-def test_what_only_a_notebook_has_is_said_to_be_of_one(line: str, tmp_path: Path) -> None:
-    error = watched(script_in(tmp_path, f"import gymnasium\n{line}\n")).error
-    assert (error.type, error.line) == ("NameError", 2)
-    assert "notebook" in error.text
-
-
 @pytest.mark.exhaustive("watches a long program")
 def test_a_line_of_another_file_is_told_with_that_file(folder: Path) -> None:
     arguments = ["grade", str(TUTORIALS / "udacity" / "main.py"), "--scenario", "taxi", "--seeds", "1"]

@@ -92,7 +92,7 @@ def test_a_file_that_is_gone_is_written_anew_and_one_that_came_in_its_place_is_n
         file.written(path, text)
     path.rmdir()
     path.symlink_to(path.with_name("nowhere"))
-    with pytest.raises(UserError, match="is there already"):
+    with pytest.raises(UserError, match="exists already"):
         file.written(path, text)
 
 
@@ -100,14 +100,14 @@ def test_another_file_is_never_written_over(path: Path, tmp_path: Path) -> None:
     scenario = read_scenario(path)
     file, other = file_of(scenario), tmp_path / "other.toml"
     other.write_text("another's", encoding="utf-8")
-    with pytest.raises(UserError, match="is there already"):
+    with pytest.raises(UserError, match="exists already"):
         path_named(str(other), file)
-    with pytest.raises(UserError, match="is there already"):
+    with pytest.raises(UserError, match="exists already"):
         file.written(other, drawn_text(scenario))
     assert other.read_text(encoding="utf-8") == "another's"
     with pytest.raises(UserError, match="no folder"):
         path_named(str(tmp_path / "no" / "such.toml"), file)
-    with pytest.raises(UserError, match="shipped"):
+    with pytest.raises(UserError, match="is a scenario of rl-tui"):
         path_named("maze", file)
 
 

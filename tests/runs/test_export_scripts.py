@@ -327,14 +327,14 @@ def test_bins_are_those_of_the_scenario() -> None:
 def test_what_is_too_large_to_read_is_refused_in_a_line(tmp_path: Path) -> None:
     path = tmp_path / "large.toml"
     path.write_text("[grid]\nrandom = { rows = 61, columns = 10 }\n", encoding="utf-8")
-    with pytest.raises(UserError, match=r"61 × 10 cells, too many for a script"):
+    with pytest.raises(UserError, match=r"61 × 10 cells, too many for a readable script"):
         script(recipe_for(read_scenario(path)), 1)
     rows = "\n".join(
         f'[[mdp.transition]]\nstate = "{state}"\naction = "go"\nreward = 0.0\nto = "{state + 1}"'
         for state in range(2001)
     )
     path.write_text(f'[mdp]\nstart = "0"\n{rows}\n', encoding="utf-8")
-    with pytest.raises(UserError, match=r"2,001 outcomes, too many for a script"):
+    with pytest.raises(UserError, match=r"2,001 outcomes, too many for a readable script"):
         script(recipe_for(read_scenario(path)), 1)
 
 
@@ -344,7 +344,7 @@ def test_states_that_look_alike_have_no_script() -> None:
 
 
 def test_a_planner_without_a_table_of_the_environment_is_refused() -> None:
-    with pytest.raises(UserError, match="shows no transition table"):
+    with pytest.raises(UserError, match="a planner needs a transition table"):
         script_of("blackjack-table", algorithm="value-iteration")
 
 

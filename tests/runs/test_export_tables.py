@@ -100,9 +100,9 @@ def test_what_is_broken_off_leaves_no_file(run: Run, tmp_path: Path) -> None:
 def test_nothing_is_written_over(tmp_path: Path) -> None:
     path = tmp_path / "there.txt"
     path.write_text("mine", encoding="utf-8")
-    with pytest.raises(UserError, match="is there already"):
+    with pytest.raises(UserError, match="exists already"):
         new_path(str(path))
-    with pytest.raises(UserError, match="is there already"):
+    with pytest.raises(UserError, match="exists already"):
         write_new(path, "other")
     assert path.read_text(encoding="utf-8") == "mine"
 

@@ -337,7 +337,7 @@ def test_an_action_that_is_not_possible_is_refused() -> None:
     playback = begin(recipe("student"))
     before = stand(playback.group.current.run)
     shown = do(playback, Take(4))
-    assert shown.playback.paused_by == "sleep is not possible in state Class"
+    assert shown.playback.paused_by == "sleep is not available in state Class"
     assert stand(playback.group.current.run) == before
     assert playback.record.lanes[0].branches[0].journal == ()
 

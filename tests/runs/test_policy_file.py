@@ -58,7 +58,7 @@ def test_an_editor_on_windows_may_have_written_it(tmp_path: Path) -> None:
         ),
         (
             {"Sleep": "sleep"},
-            "Sleep: found a state in which nothing can be done; expected states that are not terminal",
+            "Sleep: found a terminal state; expected states with available actions",
         ),
         ({"Phone": "quitt"}, 'Phone: found "quitt"; expected one of scroll, quit (did you mean "quit"?)'),
         ({"Phone": "sleep"}, 'Phone: found "sleep"; expected one of scroll, quit'),
@@ -109,7 +109,7 @@ def test_all_faults_are_told_at_once_and_of_very_many_the_first(tmp_path: Path) 
     assert [line.split(":")[0] for line in said] == ["Class.study", 'Class."check phone"', "Phone", "Nowhere"]
     many = faults(tmp_path, {f"room {number}": "go" for number in range(150)})
     assert len(many) == 101
-    assert many[-1] == "found more than 100 errors; expected those above fixed first"
+    assert many[-1] == "more than 100 errors: fix these first"
 
 
 def test_what_cannot_be_read_is_said(tmp_path: Path) -> None:

@@ -95,7 +95,7 @@ def test_a_session_that_was_gone_on_with_names_its_scenario_where_it_is_now(tmp_
     mine = recipe_for(read_scenario(path))
     path.write_text(text + "# changed", encoding="utf-8")
     for gone in (mine, recipe_for(scenario_of(text + "\n", Path("student.toml")))):
-        with pytest.raises(UserError, match=r"no file .* holds this scenario any more: save the session"):
+        with pytest.raises(UserError, match=r"no file .* contains this scenario any more: save the session"):
             recipe_line(gone, (), 5, ACTIONS)
 
 

@@ -13,7 +13,7 @@ from rl_tui.agents.exact.policy_figures import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Phase
-from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm
+from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm, action_called
 from rl_tui.runs.run import Run, RunState
 
 
@@ -216,3 +216,9 @@ def test_the_last_step_is_told_by_whoever_took_it() -> None:
     assert snapshot_of(run).agent.learned_by[0] == "value-iteration"
     run.restore(kept)
     assert snapshot_of(run).agent.learned_by[0] == "q-learning"
+
+
+def test_spaces_of_an_action_matter_only_if_names_differ_by_them() -> None:
+    names = ("south", "pick up", "a b", "ab", " left")
+    wanted = ("pick up", "pickup", " south", "a b", "ab", "left", "up", "a  b")
+    assert [action_called(each, names) for each in wanted] == [1, 1, 0, 2, 3, 4, None, None]

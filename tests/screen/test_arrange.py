@@ -84,6 +84,8 @@ STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "lanes, drawing": ({}, {"lanes": True, "is_drawn": True}),
     "lesson": ({}, {"has_lesson": True}),
     "lesson, read": ({}, {"has_lesson": True, "reads": True}),
+    "lesson, looked at": ({}, {"has_lesson": True, "reads": True, "spotlight": WORLD}),
+    "lesson, at first": ({}, {"has_lesson": True, "is_fresh": True}),
     "lesson, world alone": ({}, {"shown": frozenset({WORLD}), "has_lesson": True}),
     "lesson, world and curve": ({}, {"shown": frozenset({WORLD, CURVE, TIMELINE}), "has_lesson": True}),
     "lesson, world and table": (
@@ -133,7 +135,7 @@ def check(place: Arrangement, shape: Shape, state: str, size: Size) -> None:
     assert not any(one.overlaps(other) for one, other in combinations(place.regions.values(), 2)), case
     if "shown" in changes and "opened" in asked and size_class(size) is not ROOMY:
         return  # a board then shows all panels
-    if state == "lesson, read" and place.regions.keys() == {LESSON}:
+    if changes.get("reads") and place.regions.keys() == {LESSON}:
         return
     wanted = {asked.get("opened", asked.get("zoomed", WORLD))}
     wanted |= {DRAW} if changes.get("is_drawn") and not asked else set()
@@ -279,7 +281,7 @@ def test_a_small_screen_has_curve_and_timeline_in_its_last_line() -> None:
 def test_a_panel_of_charts_has_the_lower_band_where_it_is_roomy_else_the_right_column() -> None:
     lake = MAPS["lake"]
     assert arrange(Size(120, 40), lake, "discount", wide_rows=15).regions["discount"] == (2, 20, 116, 16)
-    assert arrange(Size(80, 24), lake, "discount", wide_rows=15).regions["discount"] == (35, 1, 44, 22)
+    assert arrange(Size(80, 24), lake, "discount", wide_rows=15).regions["discount"] == (39, 1, 40, 22)
     assert arrange(Size(60, 18), lake, "discount", wide_rows=15).regions == {"discount": (0, 1, 60, 16)}
 
 
@@ -299,8 +301,57 @@ def test_a_table_ends_where_its_rows_and_its_legend_do() -> None:
 
 def test_a_page_about_the_world_alone_leaves_it_nearly_all_of_the_height() -> None:
     place = arranged(MAPS["lake"], "lesson, world alone", Size(120, 40))
-    assert place.cell == (15, 8)
-    assert place.regions == {WORLD: (1, 2, 61, 33), LESSON: (70, 2, 48, 36)}
+    assert place.cell == (17, 8)
+    assert place.regions == {WORLD: (1, 2, 69, 33), LESSON: (73, 2, 45, 36)}
+
+
+@pytest.mark.parametrize(
+    ("size", "cell", "columns"), [((80, 24), (3, 2), 40), ((120, 40), (5, 3), 48), ((160, 50), (9, 5), 45)]
+)
+@pytest.mark.parametrize("state", ["panel", "drawing"])
+def test_a_wide_map_beside_a_panel_is_larger_than_the_curve(
+    size: tuple[int, int], cell: tuple[int, int], columns: int, state: str
+) -> None:
+    place = arranged(MAPS["cliff"], state, Size(*size))
+    assert place.cell == cell
+    assert place.regions[DRAW if state == "drawing" else "microscope"].width == columns
+    assert 4 * cell[1] > place.regions[CURVE].height
+
+
+@pytest.mark.parametrize(("name", "state"), product(SHAPES, ["panel", "drawing", "drawing, panel"]))
+def test_a_curve_beside_a_panel_is_low(name: str, state: str) -> None:
+    for size, most in (((80, 24), 5), ((100, 30), 5), ((120, 40), 10), ((160, 50), 10)):
+        assert arranged(SHAPES[name], state, Size(*size)).regions[CURVE].height <= most
+
+
+@pytest.mark.parametrize("state", ["plain", "lesson"])
+def test_at_80x24_the_table_shows_ten_arms(state: str) -> None:
+    assert arranged(SHAPES["bandit"], state, Size(80, 24)).regions[TABLE].height >= 10 + 3
+
+
+@pytest.mark.parametrize(
+    ("name", "cell", "columns"), [("lake", (7, 3), 48), ("cliff", (3, 2), 40), ("maze", (4, 2), 40)]
+)
+def test_at_80x24_a_page_that_points_at_the_world_has_a_small_map(
+    name: str, cell: tuple[int, int], columns: int
+) -> None:
+    place = arranged(MAPS[name], "lesson, looked at", Size(80, 24))
+    assert place.cell == cell
+    assert place.regions.keys() == {WORLD, LESSON}
+    assert place.regions[LESSON].width == columns
+    assert place.regions[WORLD].bottom <= 16
+    assert arranged(MAPS[name], "lesson, read", Size(80, 24)).regions.keys() == {LESSON}
+    assert arranged(MAPS[name], "lesson, looked at", Size(60, 18)).regions.keys() == {LESSON}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_before_the_first_step_a_lesson_shows_no_empty_panel_and_nothing_moves_after_it(name: str) -> None:
+    size, shape = Size(120, 40), SHAPES[name]
+    before, after = (arranged(shape, each, size).regions for each in ("lesson, at first", "lesson"))
+    assert before.items() <= after.items()
+    assert before.keys() == {WORLD, CONTROLS, LESSON}
+    pointed = replace(shape, has_lesson=True, is_fresh=True, spotlight=TABLE)
+    assert arrange(size, pointed).regions[TABLE] == after[TABLE]
 
 
 def test_two_wide_maps_lie_one_above_the_other() -> None:

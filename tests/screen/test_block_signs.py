@@ -40,13 +40,6 @@ def test_a_diagonal_fills_the_corner_it_points_at() -> None:
     assert block_sign("arrow", 6, 3, (1, 1)) == ("    ▗▄", "  ▗▟██", "▗▟███▛")
 
 
-def test_tied_directions_are_heads_apart() -> None:
-    both = block_sign("heads", 6, 3, (0, -1), (0, 1))
-    assert all("  " in row[2:4] for row in both)
-    assert block_sign("heads", 6, 3, (-1, 0), (0, 1)) == ("  ▟▙  ", "    █▌", "      ")
-    assert block_sign("heads", 8, 4, (1, 0), (0, 1))[1:] == ("     ▗▄▖", "     ▝▀▘", "   ▜▛   ")
-
-
 @pytest.mark.parametrize(
     ("cell", "size"),
     [((7, 3), (4, 2)), ((9, 4), (6, 3)), ((11, 5), (6, 3)), ((17, 6), (6, 3)), ((23, 9), (10, 5))],

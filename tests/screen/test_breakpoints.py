@@ -88,14 +88,16 @@ def test_holes_can_be_breakpoints_and_walls_can_have_the_cursor() -> None:
     view = GridView(snapshot.world, LOOK)
     view.put_cursor(15)
     view.has_focus = True
-    assert marks(view.picture(snapshot, 40, 8), PALETTE.focus) == [(7, 30, " " * 9)]
+    assert marks(view.picture(snapshot, 40, 8), PALETTE.focus) == [(7, 31, " " * 8)]
 
 
-def test_the_cursor_lights_the_row_of_the_value() -> None:
+def test_the_cursor_lights_the_row_of_the_value_and_frames_the_cell() -> None:
     snapshot = lake()
     view = pointing(GridView(snapshot.world, LOOK), 10, snapshot)
-    ((row, column, text),) = marks(view.picture(snapshot, 40, 8), PALETTE.focus)
-    assert (row, column, len(text)) == (5, 20, 9)
+    strips = view.picture(snapshot, 40, 8)
+    ((row, column, text),) = marks(strips, PALETTE.focus)
+    assert (row, column, len(text)) == (5, 21, 8)
+    assert [strip.text[20] + strip.text[29] for strip in strips[4:6]] == ["▌▐", "▌▐"]
     assert text.strip().startswith(".")
     ((row, column, text),) = marks(view.picture(snapshot, 20, 4), PALETTE.focus)
     assert (row, column) == (2, 12)

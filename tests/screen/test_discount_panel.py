@@ -84,12 +84,12 @@ def test_of_the_student_it_tells_the_one_flip_and_what_it_earns() -> None:
     assert "state Class: check phone to study" in text
 
 
-def test_of_the_lake_it_tells_both_flips_to_twelve_digits_where_there_is_room() -> None:
+def test_of_the_lake_it_tells_both_flips_to_three_digits() -> None:
     text = drawn(with_flips(lake()), state=0)
-    assert ".808783309216  earns .446599 below, .729766 above" in text
-    assert ".978316459143  earns .729766 below, .740165 above" in text
+    assert ".809  earns .4466 below, .7298 above" in text
+    assert ".978  earns .7298 below, .7402 above" in text
     narrow = said(with_flips(lake()), 36, state=0)
-    assert ".808783 .447 below, .730 above" in narrow
+    assert ".809 .447 below, .730 above" in narrow
 
 
 def test_what_turns_in_the_state_shown_is_told_first() -> None:
@@ -99,8 +99,8 @@ def test_what_turns_in_the_state_shown_is_told_first() -> None:
     assert of_2.index(second) < of_2.index(first)
     here = [line.split()[0] for line in of_2.splitlines() if "earns" in line]
     assert here == [
-        f"{UNICODE.flip}{UNICODE.change_mark}.808783309216",
-        f"{UNICODE.flip}{UNICODE.change_mark}.978316459143",
+        f"{UNICODE.flip}{UNICODE.change_mark}.809",
+        f"{UNICODE.flip}{UNICODE.change_mark}.978",
     ]
 
 

@@ -61,7 +61,7 @@ async def test_a_script_is_written_under_the_name_offered_and_never_over_what_is
         assert pilot.app.screen.query_one(Input).value == name
         await tap(pilot, *"mine.py")
         fault = pilot.app.screen.query_one(".error", Static)
-        assert str(fault.render()) == "Mine.py is there already: type another name."
+        assert str(fault.render()) == "Mine.py exists already: type another name."
         await press(pilot, "enter")
         assert isinstance(pilot.app.screen, Prompt)
         await press(pilot, "escape")

@@ -150,6 +150,20 @@ def test_boxes_are_tinted_by_value_and_terminal_ones_are_not() -> None:
     assert style_at(unknown[8], 20) == palette.unvisited
 
 
+def test_actions_that_differ_only_by_name_are_one_edge_with_their_number() -> None:
+    run = begin(recipe_for(find("max-bias"), {}, 0))
+    assert isinstance(run.world.drawing, Graph)
+    shape = graph_shape(run.world, run.world.drawing, UNICODE)
+    bundled = shape.bundled()
+    assert [each.label for each in bundled.actions] == ["left 0", "right 0", "10 actions −0.1"]
+    bundle = bundled.actions[-1]
+    assert len(bundle.pairs) == 10
+    assert bundled.marked({bundle.pairs[3]}) == {bundle.pair}
+    assert bundled.marked(set()) == frozenset()
+    evening = shape_of(student().world.mdp, ((0, 1), (0, 0), (1, 1), (2, 1)))
+    assert evening.bundled() == evening
+
+
 def test_ascii() -> None:
     rows = picture(student(), 40, 10, ascii=True)
     assert "".join(rows).isascii()

@@ -11,6 +11,7 @@ from rich.style import Style
 from sample_worlds import LEFT, RIGHT, UP, lake_world
 from samples import big_lake, lake, look
 from snapshots import changed
+from textual.geometry import Size
 
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.numbers_in_common import all_v
@@ -115,6 +116,25 @@ def test_ties_are_several_arrows_or_a_star_where_they_do_not_fit_and_a_tie_of_al
     assert four[0][10:] == "    ·    ▕    ·    ▕    ·    ▕"
     assert four[1][10:] == "    0    ▕         ▕         ▕"
     assert small(visited(start, 1))[0] == "◉ ·      0  ·    ·  "
+
+
+@pytest.mark.parametrize(
+    ("size", "rows"),
+    [
+        ((7, 3), ("       ", "  ↑←   ")),
+        ((9, 4), ("         ", " ▟▙ ▗▄▟█ ", "▟██▙▝▀▜█ ")),
+        ((11, 4), ("           ", " ▟▙  ▗▄▟█  ", "▟██▙ ▝▀▜█  ")),
+    ],
+)
+def test_two_tied_directions_are_arrows_side_by_side_or_letters(
+    size: tuple[int, int], rows: tuple[str, ...]
+) -> None:
+    two = changed(lake(step=0), q=q_of(lake(step=0), {(1, LEFT): 0.5, (1, UP): 0.5}))
+    view = GridView(two.world, look())
+    view.cell = Size(*size)
+    drawn = [strip.text for strip in view.picture(two, 60, 24)]
+    cell = [row[size[0] : 2 * size[0] - 1] for row in drawn[: len(rows)]]
+    assert cell == [row[: size[0] - 1] for row in rows]
 
 
 def test_the_less_an_action_leads_the_paler_is_its_arrow() -> None:

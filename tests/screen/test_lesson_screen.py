@@ -49,6 +49,8 @@ from rl_tui.screen.kit.row import LESSON as LESSON_PANEL
 from rl_tui.screen.kit.row import MANY_SEEDS, MICROSCOPE, POLICIES, TABLE, WORLD
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.lesson.lesson import LessonPanel
+from rl_tui.screen.panels.lesson.prose import plain
+from rl_tui.screen.panels.lesson.words import open_page
 from rl_tui.screen.playground.actions.kept_back import PREDICT_FIRST
 from rl_tui.screen.playground.actions.lesson import CAN_BE_DONE, NOT_DONE, SEEN_BEFORE
 from rl_tui.screen.playground.actions.next_lesson import LAST_PAGE
@@ -133,6 +135,22 @@ async def test_an_answer_is_given_beside_the_page_or_below_it() -> None:
             assert box.bottom == size[1]
             assert box.right <= page.x if size == wide else box.y > page.y + page.height // 2
             await press(pilot, "escape")
+
+
+@pytest.mark.parametrize("size", [(60, 18), small, wide])
+@pytest.mark.parametrize("page", [page.id for page in LESSON.pages if page.asked is not None])
+async def test_the_box_for_an_answer_leaves_the_question_in_view_and_says_it_once(
+    size: tuple[int, int], page: str
+) -> None:
+    async with lesson(size, page) as pilot:
+        await press(pilot, "enter")
+        assert not isinstance(pilot.app.screen, Playground)
+        ask = open_page(record(pilot)).asked
+        assert ask is not None
+        words = plain(ask.ask).split()
+        said = screen_text(pilot.app)
+        assert said.count(" ".join(words[:4])) == said.count(words[-1]) == 1
+        await press(pilot, "escape")
 
 
 async def test_where_there_is_room_the_page_stands_beside_the_world() -> None:

@@ -144,7 +144,7 @@ def test_why_it_is_bounded_or_out_of_date_is_said() -> None:
     assert "CPU-time limit" in out_of_time
     assert "low priority" not in out_of_time
     outdated = changed(lake(), study=lake_study(is_outdated=True))
-    assert "enter counts again" in said(outdated)
+    assert "enter repeats the study" in said(outdated)
     assert "seeds 0 to 63" not in said(outdated)
     assert "of the mean" not in said(outdated)
 

@@ -148,7 +148,7 @@ async def test_a_panel_leaves_the_arrows_to_who_acts_and_goes_on_from_what_was_d
         await press(pilot, "d", "t", "p")
         assert board.opened == POLICIES
         seen = await press(pilot, "down")
-        assert (seen.counters.step, seen.answers.studied) == (2, PolicyKind.UNIFORM)
+        assert (seen.counters.step, seen.answers.studied) == (2, PolicyKind.GREEDY)
         await press(pilot, "y", "t", "p", "t", "p")
         assert (await press(pilot, "w", "p")).answers.studied is PolicyKind.DRAWN
         await press(pilot, "w", "p")

@@ -36,7 +36,7 @@ from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.curve.text import amount as curve_amount
 from rl_tui.screen.panels.curve.text import plot_columns
 from rl_tui.screen.panels.policies import policies
-from rl_tui.screen.panels.policies.studied import POLICY_NAMES, as_studied
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES, as_studied, policy_ink
 from rl_tui.screen.panels.side_by_side import sides
 from rl_tui.screen.theme.glyphs import UNICODE
 
@@ -119,7 +119,7 @@ def test_what_exploring_costs_is_the_difference() -> None:
 
 def test_the_limit_and_the_discount_are_told() -> None:
     text = said(studied(lake()), 60)
-    assert "return: mean of an episode within 100 steps" in text
+    assert "return: mean within 100 steps" in text
     assert "γ .99, without the limit" in text
     assert "ending: how likely an episode ends" in text
 
@@ -138,6 +138,26 @@ def test_how_likely_a_policy_ends_stands_where_that_is_not_certain_rather_than_i
     text = drawn(studied(student(), greedy=endless), 36, 11).splitlines()
     head = next(y for y, line in enumerate(text) if line.split() == ["return", "at", "start", "ending"])
     assert text[head + 2].split()[-1] == "%"
+
+
+def test_a_policy_has_one_colour_in_names_bars_and_curve() -> None:
+    palette = look().palette
+    inks = {kind: policy_ink(kind, palette) for kind in KINDS}
+    assert len({ink.color for ink in inks.values()}) == len(KINDS)
+    assert inks[PolicyKind.GREEDY] == palette.greedy_line
+    panel = policies.Policies(look())
+    shown = studied(lake(), PolicyKind.GREEDY)
+    text = {
+        (segment.text.strip(" ‹›"), segment.style.color)
+        for strip in panel.picture(shown, 70, 36)
+        for segment in strip
+        if segment.style is not None and segment.text.strip()
+    }
+    for kind in set(KINDS) - {PolicyKind.GREEDY}:  # the row of the cursor
+        assert any(word.startswith(POLICY_NAMES[kind]) and ink == inks[kind].color for word, ink in text)
+    colours = {colour for word, colour in text if word and set(word) <= set("█▏▎▍▌▋▊▉▐")}
+    assert {ink.color for ink in inks.values()} >= colours
+    assert len(colours) > 1
 
 
 def test_bars_show_the_returns_on_one_scale() -> None:
@@ -242,7 +262,8 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
     async with on_screen(make_app("student"), size) as pilot:
         board = playground(pilot).board
         assert snapshot(pilot).answers.studied is None
-        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.UNIFORM
+        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.GREEDY
+        assert (await press(pilot, "up")).answers.studied is PolicyKind.UNIFORM
         assert board.panel(POLICIES).has_focus
         assert board.shows(WORLD) is (size != (60, 18))
         assert not board.shows(TABLE)
@@ -261,8 +282,8 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert board.shows(TABLE)
         assert "V of" not in headings(pilot)[0]
         assert "4.04" not in screen_text(pilot.app)
-        assert (await press(pilot, "t", "p", "down", "escape")).answers.studied is None
-        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.GREEDY  # the row of the cursor
+        assert (await press(pilot, "t", "p", "end", "escape")).answers.studied is None
+        assert (await press(pilot, "t", "p")).answers.studied is PolicyKind.DRAWN  # the row of the cursor
         assert (await press(pilot, "d")).answers.studied is None
 
 
@@ -271,7 +292,7 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         await train(pilot, 400)
         board = playground(pilot).board
         assert Layer.POLICY not in board.table.layer_choices
-        kept = await press(pilot, "t", "p", "enter")
+        kept = await press(pilot, "t", "p", "up", "enter")
         assert kept.answers.studied is PolicyKind.UNIFORM
         assert board.opened is None
         assert "V of the random policy · t p: policies" in headings(pilot)[0]
@@ -299,7 +320,7 @@ async def test_a_state_that_a_policy_may_never_leave_has_a_dash_and_arrows_are_t
 ) -> None:
     async with on_screen(make_app("cliff"), (120, 40)) as pilot:
         await train(pilot, 300)
-        await press(pilot, "t", "p", "down")
+        await press(pilot, "t", "p")
         assert "γ 1 " in screen_text(pilot.app)
         assert policies.WITHOUT_LIMIT not in screen_text(pilot.app)  # there is no limit
         shown = await press(pilot, "enter")
@@ -340,7 +361,7 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
         screen.send(AddLane((SetParameter("epsilon", 0.5),)))
         await settle(pilot)
         await train(pilot, 500)
-        both = await press(pilot, "t", "p", "down", "down", "enter")
+        both = await press(pilot, "t", "p", "down", "enter")
         assert both.beside.answers.studied is PolicyKind.BEHAVIOUR
         assert screen.board.is_paired
         text = screen_text(pilot.app)

@@ -76,7 +76,7 @@ def test_a_map_has_it_with_and_without_its_signs() -> None:
 
 
 def test_a_graph_has_it_and_arms_have_their_signs_alone() -> None:
-    assert line_below(GraphView(student().world, look()), student()).startswith("value 5.71 ")
+    assert line_below(GraphView(student().world, look()), student()).startswith("value 0 ")
     assert line_below(ArmsView(bandit(400).world, look()), bandit(400)).startswith("◉ last pull")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -199,6 +200,19 @@ def test_coast_is_its_letter_in_the_map_and_pushes_are_arrows() -> None:
     assert GridMap(world.space, world.drawing).signs == ((0, -1), "c", (0, 1))
 
 
+@pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40), (160, 50)])
+def test_the_car_is_above_the_bin_of_its_position(size: tuple[int, int]) -> None:
+    run = Run(recipe_for(find("mountain-car"), {}, 0), evaluate=False)
+    for steps in (1, 60, 60):
+        run.advance(steps)
+        view, rows = drawn(snapshot_of(run), size)
+        car = next(row for row in rows if "▟█▙" in row)
+        agent = next(row for row in rows if "◉" in row)
+        assert view.cell is not None
+        assert len(set(map(len, rows))) == 1
+        assert abs(car.index("▟█▙") + 1 - agent.index("◉")) <= max(1, view.cell.width)
+
+
 def test_a_push_is_an_arrow_at_its_side() -> None:
     cart_row = -2  # above the wheels
     assert picture(cart(0.0, "right"))[cart_row].rstrip().endswith("━━▶")
@@ -266,9 +280,11 @@ def test_parts_between_walls_have_their_titles_there() -> None:
     run.advance(50)
     snapshot = snapshot_of(run)
     view, rows = drawn(snapshot, (200, 60))
-    titles = [row.split() for row in rows if "→R" in row]
-    assert titles == [[f"{stop}→{place}" for place in "RGYB"] for stop in ("R", "G", "Y", "B", "in")]
-    name = snapshot.world.space.state_names[snapshot.counters.state].split()[1]
+    heads = "at R", "at G", "at Y", "at B", "in taxi"
+    titles = [re.split("  +", row.strip()) for row in rows if ", to R" in row]
+    assert titles == [[f"{head}, to {place}" for place in "RGYB"] for head in heads]
+    ride = snapshot.world.space.state_names[snapshot.counters.state].split()[1]
+    name = f"at {ride[0]}, to {ride[2]}"
     y = next(y for y, row in enumerate(rows) if name in row)
     strip = view.picture(snapshot, len(rows[0]), len(rows))[y]
     assert style_at(strip, rows[y].index(name)) == look().palette.strong

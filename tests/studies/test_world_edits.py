@@ -222,7 +222,7 @@ def test_a_change_of_the_world_is_written_as_it_is_read(text: str) -> None:
 def test_a_stroke_that_no_session_could_keep_is_refused() -> None:
     run = Run(Recipe(find("maze")))
     stroke = EditWorld(read_edits("world.cell[0,0]=S") * (LONGEST_EDIT // 17))
-    with pytest.raises(UserError, match="too much for one stroke"):
+    with pytest.raises(UserError, match="too large for a session file"):
         run.apply(stroke)
     assert run.journal == ()
     run.apply(EditWorld(stroke.edits[:1_000]))

@@ -76,7 +76,7 @@ def leave(terminal: PseudoTerminal) -> None:
     assert terminal.wait_for_end() == 0
     assert terminal.modes_left_changed == set()
     assert terminal.attributes == terminal.attributes_before
-    assert terminal.screen.strip().startswith("kept: ")
+    assert terminal.screen.strip().startswith("saved: ")
     assert "╭" not in terminal.screen
 
 

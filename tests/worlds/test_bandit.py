@@ -97,7 +97,7 @@ PROBABILITY = "means from 0 to 1, since they are probabilities"
         ),
         (
             "arms = 2\nmean = { uniform = [0, 1], normal = [0, 1] }",
-            ("bandit.mean", "normal beside uniform", "one of the two"),
+            ("bandit.mean", "both normal and uniform", "only one of them"),
         ),
         (
             "arms = 2\nmean = [0, 1]",
@@ -114,11 +114,11 @@ PROBABILITY = "means from 0 to 1, since they are probabilities"
         ),
         (
             'arms = 2\nrewards = "bernoulli"\nstd = 1',
-            ("bandit.std", "std beside bernoulli rewards", "gaussian rewards where it is given"),
+            ("bandit.std", "std with bernoulli rewards", "gaussian rewards, or no std"),
         ),
         (
             'arms = 2\nrewards = "bernoulli"\ndrift = 0.1',
-            ("bandit.drift", "drift beside bernoulli rewards", "gaussian rewards where it is given"),
+            ("bandit.drift", "drift with bernoulli rewards", "gaussian rewards, or no drift"),
         ),
         ("arms = 2\ndrift = -1", ("bandit.drift", "-1", "a finite number from 0 to 1e+06")),
         ('arms = 2\ndrift = "slow"', ("bandit.drift", '"slow"', "a finite number from 0 to 1e+06")),
@@ -137,5 +137,5 @@ def test_faults_between_keys_are_told_together_with_those_of_form(mdp: Read) -> 
         ("bandit.means[0]", "2"),
         ("bandit.means[1]", "nan"),
         ("bandit.drift", "-1"),
-        ("bandit.drift", "drift beside bernoulli rewards"),
+        ("bandit.drift", "drift with bernoulli rewards"),
     ]

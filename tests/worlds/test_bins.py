@@ -89,7 +89,7 @@ def test_what_does_not_fit_the_box_is_refused(keys, location, found):
         ("count = [2, 2]\nlow = [0, 0]\nhigh = [1, 0]", "gymnasium.bins.high[1]", "0"),
         ("count = [2, 2]\nlow = [0, nan]", "gymnasium.bins.low[1]", "nan"),
         ("edges = [[1.0, 1.0], []]", "gymnasium.bins.edges[0]", "[1.0, 1.0]"),
-        ("edges = [[], []]\ncount = [1, 1]", "gymnasium.bins.count", "count beside edges"),
+        ("edges = [[], []]\ncount = [1, 1]", "gymnasium.bins.count", "both count and edges"),
         ("counts = [2, 2]\ncount = [2, 2]", "gymnasium.bins.counts", "an unknown key"),
         ("count = [2, 2, 2]", "gymnasium.bins.count", "3 entries"),
         ("count = [2000, 2000]", "gymnasium.bins", "4,000,000 states of MountainCar-v0"),
@@ -115,7 +115,7 @@ def test_faults_of_a_file(bins, place, found, tmp_path):
         (
             'id = "MountainCar-v0"\ntable = true\nbins = { count = [2, 2] }',
             "gymnasium.table",
-            "true beside bins",
+            "both table and bins",
         ),
         ('id = "MountainCar-v0"\nbins = 3', "gymnasium.bins", "3"),
         ('id = "Blackjack-v1"\ntable = "yes"', "gymnasium.table", '"yes"'),

@@ -159,10 +159,10 @@ def test_finds_a_file_by_its_path(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("frozenlke", r'no scenario is called "frozenlke": did you mean frozenlake'),
+        ("frozenlke", r'there is no scenario "frozenlke": did you mean frozenlake'),
         ("Bandit", "did you mean bandit"),
         ("xyz", f"choose from {', '.join(SHIPPED)}$"),
-        ("a\x1b[31m", r"no scenario is called \"a\\u001b\[31m\""),
+        ("a\x1b[31m", r"there is no scenario \"a\\u001b\[31m\""),
     ],
 )
 def test_unknown_names_get_near_ones(name, message):

@@ -56,7 +56,7 @@ def test_the_first_draft_is_the_world_bit_for_bit(scenario: Scenario) -> None:
 
 @pytest.mark.parametrize("name", sorted(REFUSED))
 def test_what_cannot_be_drawn_says_why(name: str) -> None:
-    assert "cannot be drawn" in refusal(find(name), 0)
+    assert "cannot be edited" in refusal(find(name), 0)
 
 
 def test_a_reward_of_its_own_has_a_character_until_no_cell_has_it() -> None:

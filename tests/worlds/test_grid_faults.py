@@ -42,12 +42,12 @@ ONE_FAULT = {
     "neither map nor random": ("", ("map", "nothing", "a map of characters, or random")),
     "map and random": (
         MAP + "random = { rows = 3, columns = 3 }\n",
-        ("random", "random beside map", "either a map or one to be drawn"),
+        ("random", "both map and random", "only one of them"),
     ),
     "a map that is no text": ("map = 3\n", ("map", "3", "a map of characters, a line for each row")),
     "a wall in the way of a drawn map": (
         'random = { rows = 3, columns = 3 }\n[grid.legend]\nG = { kind = "wall" }\n',
-        ("legend.G.kind", "wall", "a cell to walk on: a map that is drawn has a way to its goal"),
+        ("legend.G.kind", "wall", "a cell that can be entered: a random map needs a path to its goal"),
     ),
     "an empty map": ('map = ""\n', ("map", "an empty map", "a line of characters for each row")),
     "a map of line breaks": (
@@ -69,11 +69,11 @@ ONE_FAULT = {
     "no start": ('map = "..G"\n', ("map", "no start", 'a cell of the kind "start", such as S')),
     "an unknown character": (
         'map = "S.\\n?G"\n',
-        ("map", '"?" in line 2, column 1', "a character that the legend knows"),
+        ("map", '"?" in line 2, column 1', "a character of the legend"),
     ),
     "a control character": (
         'map = "S\\tG"\n',
-        ("map", '"\\t" in line 1, column 2', "a character that the legend knows"),
+        ("map", '"\\t" in line 1, column 2', "a character of the legend"),
     ),
     "too many cells": (
         f'map = """\n{chr(10).join(["S" * 3001] * 1334)}\n"""\n',
@@ -132,7 +132,7 @@ ONE_FAULT = {
     "noise beyond 1": (MAP + "noise = 1.5\n", ("noise", "1.5", "a finite number from 0 to 1")),
     "noise on ice": (
         MAP + "noise = 0.2\nslippery = true\n",
-        ("slippery", "slippery beside noise", "one of the two"),
+        ("slippery", "both noise and slippery", "only one of them"),
     ),
     "noise with king's moves": (
         MAP + 'noise = 0.2\nmoves = "king"\n',
@@ -161,10 +161,13 @@ ONE_FAULT = {
         MAP + "wind = [0, 0, 0, 101]\n",
         ("wind[3]", "101", "a whole number from -100 to 100"),
     ),
-    "gusts in a calm": (MAP + "gusts = true\n", ("gusts", "gusts without wind", "wind or wind_rows")),
+    "gusts in a calm": (
+        MAP + "gusts = true\n",
+        ("gusts", "gusts without wind", "gusts with wind or wind_rows"),
+    ),
     "gusts of no wind": (
         MAP + "gusts = true\nwind = [0, 0, 0, 0]\n",
-        ("gusts", "gusts without wind", "wind or wind_rows"),
+        ("gusts", "gusts without wind", "gusts with wind or wind_rows"),
     ),
     "a time limit below 0": (
         MAP + "time_limit = -1\n",
@@ -202,11 +205,11 @@ ONE_FAULT = {
     ),
     "a reward in a wall": (
         legend('X = { kind = "wall", reward = 1 }'),
-        (f"{X}.reward", "reward in a wall", "only the kind: a wall cannot be entered"),
+        (f"{X}.reward", "reward in a wall", "no reward: a wall cannot be entered"),
     ),
     "a terminal start": (
         legend('X = { kind = "start", terminal = true }'),
-        (f"{X}.terminal", "a start that is terminal", "a start in which something can be done"),
+        (f"{X}.terminal", "a start that is terminal", "a start that is not terminal"),
     ),
     "an exit from a terminal cell": (
         legend('X = { kind = "goal", terminal = true, exit = true }'),
@@ -222,15 +225,15 @@ ONE_FAULT = {
     ),
     "two special things at once": (
         legend('X = { kind = "floor", back = true, exit = true }'),
-        (f"{X}.back", "back beside exit", "one of the two"),
+        (f"{X}.back", "both exit and back", "only one of them"),
     ),
     "back in a start": (
         legend('X = { kind = "start", back = true }', ".XG"),
-        (f"{X}.back", "back in a start", "back in another cell"),
+        (f"{X}.back", "back in a start cell", "no back: it leads to the start"),
     ),
     "back to several starts": (
         legend('X = { kind = "cliff", back = true }', "SSXG"),
-        (f"{X}.back", "back with 2 starts", "one start to go back to"),
+        (f"{X}.back", "back with 2 starts", "one start: back = true leads there"),
     ),
     "a jump to what is not on the map": (
         legend('X = { kind = "floor", jump = "Y" }'),
@@ -242,7 +245,7 @@ ONE_FAULT = {
     ),
     "a jump into a wall": (
         legend('X = { kind = "floor", jump = "#" }', "S#XG"),
-        (f"{X}.jump", '"#", a wall', "a cell that one can be in"),
+        (f"{X}.jump", '"#", a wall', "a cell that can be entered"),
     ),
     "a jump that is no character": (
         legend('X = { kind = "floor", jump = "home" }'),
@@ -266,7 +269,7 @@ ONE_FAULT = {
     ),
     "a move that the grid has not": (
         legend('X = { kind = "floor", only = ["stay"] }'),
-        (f"{X}.only", '"stay"', "moves that the grid has: left, down, right, up"),
+        (f"{X}.only", '"stay"', "moves of this grid: left, down, right, up"),
     ),
     "a goal that never pays": (
         'rewards = "leaving"\nmap = "S.G"\n',

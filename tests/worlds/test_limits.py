@@ -116,7 +116,7 @@ def test_of_very_many_faults_the_first_are_told(tmp_path):
     error = refusal(text.replace("[mdp]", "[mdp]\nplace = { s0 = [0, 0] }"), tmp_path)
     assert len(error.faults) == MOST_FAULTS + 1
     assert error.faults[0].found == 'unknown state "s100000"'
-    assert error.faults[-1].found == "more than 100 errors"
+    assert error.faults[-1].found == "more than 100 errors: fix these first"
 
 
 def test_very_many_unknown_keys_are_put_in_order_quickly(tmp_path):

@@ -119,7 +119,7 @@ def test_states_that_look_alike_have_the_same_actions() -> None:
     text = EGG.replace('state = "pot 2"\naction = "eat"', 'state = "pot 2"\naction = "smell"')
     ((place, found, expected),) = faults_of(text)
     assert place == 'mdp.seen_as."pot 2"'
-    assert found == '"Pot" with the actions smell, wait, but eat, wait where it is "pot 1"'
+    assert found == '"Pot" with the actions smell, wait, but eat, wait in state "pot 1"'
     assert expected == "the same actions in all states with equal observations"
     ((place, found, _),) = faults_of(EGG.replace('"pot 3" = "Pot"', '"Plate" = "Pot"\n"pot 3" = "Pot"'))
     assert place == 'mdp.seen_as."pot 1"'

@@ -277,7 +277,7 @@ def test_a_scenario_of_ones_own_is_made_by_its_path(tmp_path):
     environment = gymnasium.make(spec_of(str(path)))
     assert environment.spec.max_episode_steps == 9
     assert environment.observation_space.n == 3
-    with pytest.raises(UserError, match="no scenario is called"):
+    with pytest.raises(UserError, match="there is no scenario"):
         gymnasium.make(spec_of("clif"))
 
 
@@ -287,5 +287,5 @@ def test_making_one_leaves_gymnasiums_advice_as_it_was():
 
 
 def test_our_own_ids_are_not_read_as_foreign_environments():
-    with pytest.raises(UserError, match="a scenario of rl-tui's"):
+    with pytest.raises(UserError, match="another environment: this is a scenario of rl-tui"):
         find("gym:rl_tui/frozenlake-v0")

@@ -160,7 +160,7 @@ ONE_FAULT = {
         (
             "mdp.transition[3]",
             'state "Phone" with action "scroll" a second time',
-            "each state and action once (it is already mdp.transition[2])",
+            "each state and action once (first in mdp.transition[2])",
         ),
     ),
     "no start": (
@@ -193,7 +193,7 @@ ONE_FAULT = {
     ),
     "two states in one place": (
         student("Sleep = [2, 1]", "Sleep = [1, 1]"),
-        ("mdp.place.Sleep", '[1, 1], the place of "Pass"', "a free place"),
+        ("mdp.place.Sleep", '[1, 1], where "Pass" is already', "a free place"),
     ),
     "a place between two": (
         student("Sleep = [2, 1]", "Sleep = [2.5, 1]"),
@@ -221,7 +221,7 @@ ONE_FAULT = {
     ),
     "mean and means": (
         "[bandit]\nmeans = [1]\nmean = { normal = [0, 1] }\n",
-        ("bandit.mean", "mean beside means", "either the distribution or the means themselves"),
+        ("bandit.mean", "both mean and means", "only one of them"),
     ),
     "a negative deviation of the means": (
         BANDIT + "mean = { normal = [0, -1] }\n",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
-from rl_tui.worlds.drawing import CellKind
+from rl_tui.worlds.drawing import Body, BodyKind, CellKind, Title
 from rl_tui.worlds.gym.states import BinStates, OutsideError, ProductNames, discrete_states
 from rl_tui.worlds.gym.stepped_layout import product_grid
 
@@ -79,6 +79,16 @@ def test_a_grid_of_two_parts_has_the_first_down_and_the_second_across():
     assert (grid.rows, grid.columns, grid.cell_of_state) == (2, 3, tuple(range(6)))
 
 
+def test_a_body_on_a_hill_has_its_position_across_and_the_velocity_upwards() -> None:
+    terms, names = ("position", "velocity"), (["a", "b", "c"], ["slow", "fast"])
+    grid = product_grid([3, 2], 1, terms, names, Body(BodyKind.MOUNTAIN_CAR, ()))
+    assert grid.legend == "velocity up, position across"
+    assert (grid.rows, grid.columns, grid.cell_of_state) == (2, 3, (3, 0, 4, 1, 5, 2))
+    assert grid.axes is not None
+    assert grid.axes.is_upward
+    assert (grid.axes.rows, grid.axes.columns) == (("fast", "slow"), ("a", "b", "c"))
+
+
 @pytest.mark.parametrize("sizes", [[32, 11, 2], [3, 3, 6, 6], [2, 2, 2, 2, 2], [10, 2, 7]])
 def test_further_parts_make_blocks_with_walls_between(sizes):
     grid = product_grid(sizes, 1)
@@ -103,7 +113,7 @@ def test_rows_columns_and_blocks_are_labelled() -> None:
     assert axes is not None
     assert axes.rows == tuple("abcdef")
     assert axes.columns == ("0", "1", "2", "", "0", "1", "2")
-    assert axes.titles == ((-1, 0, 3, "ace: no"), (-1, 4, 3, "ace: yes"))
+    assert axes.titles == (Title(-1, 0, 3, "ace: no"), Title(-1, 4, 3, "ace: yes"))
     assert axes.names == ("sum", "dealer")
 
 

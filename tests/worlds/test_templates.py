@@ -77,7 +77,7 @@ def test_what_is_drawn_can_be_solved_and_is_the_same_for_the_same_seed(
         (MAZE, (200, 9), "--rows 199, not 200"),
         (LAKE, (1, 1), "expected 2 cells"),
         (LAKE, (201, 9), "at most 200 rows"),
-        ("grid", (3, 3), "a size of its own"),
+        ("grid", (3, 3), "has a fixed size"),
         ("labyrinth", (None, None), "there is no template"),
     ],
 )

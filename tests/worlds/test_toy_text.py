@@ -127,7 +127,7 @@ def test_a_table_without_a_map_lies_in_the_squarest_grid_that_holds_it():
 def test_taxi_is_twenty_towns():
     world = built("taxi")
     assert (world.space.states, world.space.pairs, world.space.time_limit) == (500, 6 * 400, 200)
-    assert world.space.action_names == ("south", "north", "east", "west", "pickup", "dropoff")
+    assert world.space.action_names == ("south", "north", "east", "west", "pick up", "drop off")
     assert len(world.space.start_state) == 300
     assert world.space.start_probability == pytest.approx(np.full(300, 1 / 300))
     drawing = world.drawing
@@ -135,6 +135,23 @@ def test_taxi_is_twenty_towns():
     assert len(set(drawing.cell_of_state)) == 500
     assert drawing.kinds.count(CellKind.WALL) == 29 * 23 - 500
     assert all(drawing.kinds[cell] is not CellKind.WALL for cell in drawing.cell_of_state)
+
+
+def test_a_wall_of_the_town_is_where_driving_east_and_back_leads_nowhere():
+    world = built("taxi")
+    mdp, drawing = world.space, world.drawing
+    east, west = mdp.action_names.index("east"), mdp.action_names.index("west")
+
+    def stays(state: int, action: int) -> bool:
+        pair = mdp.pair_of(state, action)
+        return pair is not None and int(mdp.next_state[mdp.outcomes_of(pair)[0]]) == state
+
+    state_of = {cell: state for state, cell in enumerate(drawing.cell_of_state)}
+    acting = {cell for cell, state in state_of.items() if mdp.pairs_of(state)}
+    beside = {cell for cell in acting if cell + 1 in acting and (cell + 1) % drawing.columns}
+    assert {cell for cell in beside if stays(state_of[cell], east)} == set(drawing.walls) & beside
+    assert {cell for cell in beside if stays(state_of[cell + 1], west)} == set(drawing.walls) & beside
+    assert len(drawing.walls) == 20 * 6
 
 
 def test_the_names_of_taxi_are_what_gymnasium_decodes():

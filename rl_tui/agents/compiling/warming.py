@@ -44,7 +44,7 @@ def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], 
     if ALWAYS_INTERPRETED:
         raise UserError("NUMBA_DISABLE_JIT is set: unset it to have machine code")
     if not takes_code():
-        raise UserError(f"{cache_folder()}: machine code cannot be kept there: the folder cannot be written")
+        raise UserError(f"{cache_folder()}: machine code cannot be saved there: the folder is not writable")
     noted = set(filter(was_compiled, loops))
     with CompilerLock() as lock:
         longest = time.monotonic() + LONGEST_WAIT
@@ -57,7 +57,7 @@ def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], 
         on_progress(len(outcomes), len(loops))
         for outcome in _compiled(missing, workers):
             if outcome is CodeOrigin.NOT_KEPT:
-                raise UserError(f"{cache_folder()}: machine code is not kept there: the disk may be full")
+                raise UserError(f"{cache_folder()}: machine code was not saved there: the disk may be full")
             outcomes.append(outcome)
             on_progress(len(outcomes), len(loops))
     compiled = outcomes.count(CodeOrigin.COMPILED)

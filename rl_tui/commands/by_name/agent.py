@@ -34,6 +34,6 @@ def new(file: str, style: str) -> None:
 
     write_skeleton(Path(file), Style(style))
     name = shlex.quote(file)
-    complain(f"{file} is written; add the missing line, its update")
+    complain(f"{file} is written; now add the missing line, the update")
     click.echo(f"rl-tui play frozenlake --agent {name}")
     click.echo(f"rl-tui grade {name} --scenario frozenlake")

@@ -39,7 +39,7 @@ def command(
             context.exit(1)
         return
     if as_json:
-        raise click.UsageError("--json is for --deep", context)
+        raise click.UsageError("--json needs --deep", context)
     from rl_tui.common.findings import printable
     from rl_tui.lessons.check import is_lesson_file
 

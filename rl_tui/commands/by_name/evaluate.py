@@ -129,7 +129,7 @@ def _check(name: str, training: Mapping[str, object]) -> None:
     if training and name != PolicyKind.GREEDY:
         option = f"--{next(iter(training))}"
         raise click.UsageError(
-            f"{option} needs --policy {PolicyKind.GREEDY}: no other policy is learned", context
+            f"{option} works only with --policy {PolicyKind.GREEDY}: other policies need no training", context
         )
     if "episodes" in training and "steps" in training:
-        raise click.UsageError("--episodes and --steps exclude each other", context)
+        raise click.UsageError("give --episodes or --steps, not both", context)

@@ -48,7 +48,9 @@ def command(session: Path, lane: int | None, branch: str | None, csv: CsvTarget,
 
     stored = read_session(session)
     if isinstance(csv, Path) and csv.exists() and session.samefile(csv):
-        raise click.UsageError("--csv would write over the session", click.get_current_context())
+        raise click.UsageError(
+            "--csv names the session file: choose another file", click.get_current_context()
+        )
     target = replay_target(stored.record(), lane, branch)
     run, seconds = _replayed(stored, target, csv)
     if comes_out_otherwise(stored, target, run):

@@ -85,13 +85,15 @@ def command(
     """
     context = click.get_current_context()
     if watch is not None and (scenario is not None or overrides or agent is not None):
-        raise click.UsageError("a script that is watched brings its own settings", context)
+        raise click.UsageError("a script has its own settings: leave out the options of a run", context)
     if lesson is not None and (scenario is not None or overrides or seed or agent is not None or watch):
-        raise click.UsageError("a lesson brings its own runs", context)
+        raise click.UsageError("a lesson has its own runs: leave out the options of a run", context)
     if (lesson is not None and (display["big"] or display["panels"])) or (watch and display["panels"]):
-        raise click.UsageError("a lesson and a script bring their own panels", context)
+        raise click.UsageError(
+            "lessons and scripts have their own panels: leave out --panels and --big", context
+        )
     if watch is None and scenario is None and (overrides or seed or agent is not None):
-        raise click.UsageError("options of a run need a scenario", context)
+        raise click.UsageError("options of a run need a scenario: name one", context)
     start = start_of(scenario, overrides, seed) if scenario is not None else None
     wanted = keys.split(",") if keys else []
     if lesson is not None:

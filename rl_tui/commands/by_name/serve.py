@@ -73,7 +73,7 @@ def command(
         raise UserError(_MISSING)
     kiosk = not no_kiosk
     if no_kiosk and in_kiosk():
-        raise click.UsageError(f"{VARIABLE} is set: a kiosk cannot be left with --no-kiosk")
+        raise click.UsageError(f"{VARIABLE} is set, so --no-kiosk is not allowed: unset it first")
     if url is not None and not _is_url(url):
         raise click.UsageError(f"--url {url} is not an address; expected one such as https://lab.example.org")
     _check_start(scenario, display, kiosk=kiosk)
@@ -149,7 +149,7 @@ def _check_shipped(scenario: str) -> None:
     if scenario not in shipped:
         near = get_close_matches(scenario.lower(), shipped, n=3, cutoff=0.5)
         hint = f"did you mean {' or '.join(near)}?" if near else "--no-kiosk allows your own files"
-        raise UserError(f"{shown(scenario)} is not a shipped scenario, and a kiosk plays no other: {hint}")
+        raise UserError(f"{shown(scenario)} is not a scenario of rl-tui, and a kiosk has no others: {hint}")
 
 
 def _confirm(

@@ -80,7 +80,7 @@ def command(
     rl-tui train student --runs 50 --curve student.csv
     """
     if episodes is not None and steps is not None:
-        raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
+        raise click.UsageError("give --episodes or --steps, not both", click.get_current_context())
     check_targets({"--csv": csv, "--curve": curve}, as_json)
     from rl_tui.runs.changes import ALGORITHM, TAKE, name_and_value
 
@@ -92,7 +92,7 @@ def command(
         )
     if changes and agent is not None:
         raise click.UsageError(
-            "--change and --agent exclude each other: change your agent's code instead",
+            "give --change or --agent, not both: to change your agent, edit its code",
             click.get_current_context(),
         )
     from rl_tui.common.files import file_or_stream

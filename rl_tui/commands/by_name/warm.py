@@ -31,7 +31,7 @@ def command(scenarios: tuple[str, ...]) -> None:
     from rl_tui.runs.training.compile_or_interpret import cores
 
     if any(refusals()):
-        raise UserError("nothing is compiled: the folder to fill is left out")
+        raise UserError("nothing is compiled: the cache folder is ignored")
     loops = sorted({_loop_of(each) for each in scenarios}) if scenarios else [*all_loops(), *all_batches()]
     with progress("compiling") as on_progress:
         warmed = warm(loops, cores(), on_progress)

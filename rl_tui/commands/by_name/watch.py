@@ -23,8 +23,12 @@ if TYPE_CHECKING:
     from rl_tui.programs.watched.program_process import ProgramRequest
 
 MOST: Final = 10**15
-WORTH_TELLING: Final = 3.0  # seconds without an environment
+WORTH_TELLING: Final = 5.0  # seconds without a step
 _LONGEST_ERROR: Final = 500
+_WATCHED: Final = (
+    "rl-tui watches environments of Gymnasium, classes with reset() and step(action), and functions "
+    "step(state, action)"
+)
 
 
 @click.command("watch", context_settings={"ignore_unknown_options": True})
@@ -45,7 +49,7 @@ def command(
     as_json: bool,
     **display: Any,
 ) -> None:
-    """Watch your own Gymnasium script learn, unchanged.
+    """Watch your own script or notebook learn, unchanged.
 
     It runs in its own process, which stops and continues with the screen. Unknown arguments go to the script,
     and so does everything after --. With --json there is no screen: you get a report on the script's table
@@ -59,7 +63,7 @@ def command(
     from rl_tui.screen.terminal.driver_choice import in_browser
 
     if in_browser():
-        raise UserError("watch runs your own code, which is not allowed where rl-tui is served")
+        raise UserError("watch runs your own code: rl-tui serve does not allow this")
     if not as_json:
         require_terminal("--json works without one")
     check_script(Path(script))
@@ -83,7 +87,7 @@ def _print_report(request: ProgramRequest) -> ProgramError | None:
 
     name = request.path.name
     with progress(name, has_end=request.steps is not None) as bar:
-        say_what_is_missing = environment_missed(name)
+        say_what_is_missing = step_missed(name)
 
         def show(log: ProgramLog) -> None:
             say_what_is_missing(log)
@@ -97,20 +101,17 @@ def _print_report(request: ProgramRequest) -> ProgramError | None:
     return error_of(log)
 
 
-def environment_missed(name: str) -> Callable[[ProgramLog], None]:
-    """Return a callback that warns once on stderr if script `name` makes no environment.
-
-    It waits three seconds before it warns.
-    """
+def step_missed(name: str) -> Callable[[ProgramLog], None]:
+    """Return a callback that warns once on stderr if script `name` takes no step for five seconds."""
     due, is_said = time.monotonic() + WORTH_TELLING, False
 
     def say(log: ProgramLog) -> None:
         nonlocal is_said
-        if is_said or log.environments or log.ended or time.monotonic() < due:
+        if is_said or log.recording.count or log.ended or time.monotonic() < due:
             return
         is_said = True
-        why = f": {'; '.join(log.notes)}" if log.notes else ""
-        text = one_line(f"{name} has not made an environment yet{why}", _LONGEST_ERROR)
+        why = "; ".join(log.notes) or _WATCHED
+        text = one_line(f"{name} has not taken a step yet: {why}", _LONGEST_ERROR)
         if sys.stderr.isatty():
             click.echo(err=True)  # ends the line of the progress bar
         complain(f"rl-tui: {text}")
@@ -119,5 +120,8 @@ def environment_missed(name: str) -> Callable[[ProgramLog], None]:
 
 
 def _in_a_line(script: str, error: ProgramError) -> str:
-    place = script if error.line is None else f"{error.file or script}, line {error.line}"
+    from rl_tui.programs.watched.notebook import place_in_words
+
+    place = error.file or script
+    place = script if error.line is None else f"{place}, {place_in_words(place, error.line)}"
     return one_line(f"{place}: {error.type}: {error.text}", _LONGEST_ERROR)

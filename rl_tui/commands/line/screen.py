@@ -71,7 +71,7 @@ def enter_kiosk(command: str | None) -> None:
         return
     if command not in COMMANDS:
         raise UserError(
-            f"kiosk mode has no {command}: it plays the shipped scenarios, and neither reads nor writes files"
+            f"kiosk mode has no {command}: it has only the scenarios of rl-tui, and uses no files"
         )
     sys.dont_write_bytecode = True
     os.environ.update(dict.fromkeys(_THREADS, "1"))
@@ -243,7 +243,7 @@ def refuse_where_served() -> None:
         UserError: This is a kiosk, or the app runs in a browser.
     """
     if in_kiosk() or in_browser():
-        raise UserError("your own code runs neither in a kiosk nor where the program is served")
+        raise UserError("your own code does not run in a kiosk or in rl-tui serve")
 
 
 def _run_app(display: Display, start: Start) -> None:
@@ -277,8 +277,8 @@ def _tell_what_is_kept(kept: KeptSession, glyphs: Glyphs) -> None:
     from rl_tui.screen.draw.to_ascii import separated
 
     with suppress(OSError):
-        complain(f"kept: {separated(kept.title, glyphs)}, at step {kept.step:,}")
-        complain(f"to go on: rl-tui play {shlex.quote(str(kept.path))}")
+        complain(f"saved: {separated(kept.title, glyphs)}, at step {kept.step:,}")
+        complain(f"continue with: rl-tui play {shlex.quote(str(kept.path))}")
 
 
 def _stand_somewhere() -> None:

@@ -228,7 +228,10 @@ def check_targets(targets: Mapping[str, CsvTarget], as_json: bool) -> None:
         if place in wanted:
             where = "stdout" if is_stdout(target) else "the same file"
             first, second = sorted((option, wanted[place]))
-            raise click.UsageError(f"{first} and {second} both want {where}", click.get_current_context())
+            raise click.UsageError(
+                f"{first} and {second} both write to {where}: choose another target for one",
+                click.get_current_context(),
+            )
         wanted[place] = option
 
 
@@ -302,7 +305,7 @@ def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | Sto
         return recipe_named(name, overrides, seed)
     if overrides or seed:
         context = click.get_current_context()
-        raise click.UsageError("a session brings its own settings: leave the options of a run out", context)
+        raise click.UsageError("a session has its own settings: leave out the options of a run", context)
     session = read_session(Path(name))
     session.record()  # reports errors before the screen opens
     return session

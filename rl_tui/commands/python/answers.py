@@ -100,7 +100,7 @@ def goal_of(recipe: Recipe, episodes: int | None, steps: int | None) -> Goal:
     from rl_tui.runs.training.seeded_runs import Goal
 
     if episodes is not None and steps is not None:
-        raise UserError("episodes and steps exclude each other: leave one of them out")
+        raise UserError("give episodes or steps, not both")
     if steps is not None:
         return Goal(steps=whole(steps, "steps", 1, MOST))
     return Goal(episodes=episodes_of(recipe.scenario) if episodes is None else whole(episodes, "episodes"))
@@ -303,5 +303,7 @@ def _name_of(policy: object, training: Sequence[str]) -> str:
     else:
         name = "array"
     if training and name != PolicyKind.GREEDY:
-        raise UserError(f'{training[0]} needs the policy "{PolicyKind.GREEDY}": no other policy is learned')
+        raise UserError(
+            f'{training[0]} works only with the policy "{PolicyKind.GREEDY}": others need no training'
+        )
     return name

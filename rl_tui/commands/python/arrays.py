@@ -57,8 +57,8 @@ def choices_in(space: FiniteSpace, policy: npt.ArrayLike) -> Mapping[int, Choice
         array = array[:, None] == np.arange(actions)[None, :]
     if array.shape != (states, actions) or array.dtype.kind not in "biuf":
         raise UserError(
-            f"the policy is an array {list(array.shape)} of {array.dtype}; expected actions, "
-            f"[{states}] whole numbers, or probabilities, [{states}, {actions}]"
+            f"the policy is an array {list(array.shape)} of {array.dtype}; expected one action "
+            f"for each state, [{states}] whole numbers, or probabilities, [{states}, {actions}]"
         )
     chances = np.nan_to_num(array.astype(np.float64), nan=0.0)
     live = (state for state in range(states) if space.pairs_of(state))
@@ -72,7 +72,7 @@ def _choice(space: FiniteSpace, state: int, chances: FloatArray) -> Choice:
     if (chances < 0.0).any() or not abs(here.sum() - 1.0) <= SUM_TOLERANCE or np.delete(chances, legal).any():
         names = ", ".join(space.action_names[action] for action in legal[:10])
         raise UserError(
-            f"the policy in state {state} ({space.state_names[state]}): expected one of the actions that are "
-            f"legal there ({names}), or probabilities of them that sum to 1"
+            f"the policy in state {state} ({space.state_names[state]}): expected an available "
+            f"action ({names}), or probabilities of these that sum to 1"
         )
     return dict(zip(pairs, here.tolist(), strict=True))

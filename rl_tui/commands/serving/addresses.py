@@ -33,7 +33,7 @@ def bind(host: str, port: int) -> socket.socket:
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     except socket.gaierror as fault:
-        raise UserError(f"--host {host}: no address is known for it ({fault.strerror})") from None
+        raise UserError(f"--host {host}: unknown host name ({fault.strerror})") from None
     except OSError as fault:
         raise _cannot_listen(host, port, fault) from None
     bound = socket.socket(family, socket.SOCK_STREAM)

@@ -273,15 +273,13 @@ class LessonFigures:
         """Return the error of a figure, or None if its value is right."""
         figure = self._lesson.figures[name]
         if plain_name(name) in SETTINGS and figure.by.strip() != name:
-            return Finding(
-                ("figures", name), shown(name), f"another name: {name} is the setting of that name"
-            )
+            return Finding(("figures", name), shown(name), f"another name: {name} is already a setting")
         try:
             exact = self.value(name)
         except FigureError as fault:
             return Finding(("figures", name, "by"), fault.found, fault.expected)
         except UserError as fault:
-            return Finding(("figures", name, "by"), str(fault), "something that can be computed")
+            return Finding(("figures", name, "by"), str(fault), "an expression that can be computed")
         wrong = _why_wrong(figure.value, exact)
         return None if wrong is None else Finding(("figures", name, "value"), shown(figure.value), wrong)
 

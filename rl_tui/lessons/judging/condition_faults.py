@@ -50,13 +50,13 @@ def attempt_findings(attempt: Attempt) -> Iterator[Finding]:
     """Yield settings and changes of `attempt` that are impossible."""
     yield from (each.inside("settings") for each in setting_findings(attempt.settings))
     if attempt.steps is not None and attempt.episodes is not None:
-        yield Finding(("episodes",), shown(attempt.episodes), "either steps or episodes: how far it goes")
+        yield Finding(("episodes",), shown(attempt.episodes), "either steps or episodes, not both")
     for number, change in enumerate(attempt.changes):
         try:
             read_change(change)
         except ValueError as fault:
             why = str(fault).removeprefix(shown(change)).removeprefix(":").strip()
-            yield Finding(("changes", number), shown(change), f"a change that can be made: {why}")
+            yield Finding(("changes", number), shown(change), f"a possible change: {why}")
 
 
 def prediction_findings(ask: Ask) -> Iterator[Finding]:
@@ -105,10 +105,10 @@ def _argument_findings(condition: Measured, measure: TaskMeasure) -> Iterator[Fi
         value = getattr(condition, name)
         is_given = name in condition.model_fields_set
         if name in measure.needs and not is_given:
-            yield Finding((name,), "nothing", f"{name}: the measure {measure.name} takes {takes}")
+            yield Finding((name,), "nothing", f"{name}: the measure {measure.name} needs {takes}")
         elif is_given and name not in measure.needs:
             found = shown(list(value) if isinstance(value, tuple) else value)
-            yield Finding((name,), found, f"no {name}: the measure {measure.name} takes {takes}")
+            yield Finding((name,), found, f"no {name}: the measure {measure.name} needs {takes}")
         elif name == "actions" and is_given and len(value) != 2:
             yield Finding((name,), shown(list(value)), "a list of two actions")
     first, last = condition.first, condition.last
@@ -152,7 +152,7 @@ def _seed_findings(condition: Condition, measure: TaskMeasure) -> Iterator[Findi
     if not condition.seeds:
         for name in _OF_SEEDS:
             if name in condition.model_fields_set:
-                yield Finding((name,), shown(getattr(condition, name)), f"no {name} without seeds")
+                yield Finding((name,), shown(getattr(condition, name)), f"no {name}, or a number of seeds")
         return
     if not measure.differs_by_seed:
         expected = f"no seeds: {measure.name} is the same in all of them"

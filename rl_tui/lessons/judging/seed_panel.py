@@ -87,7 +87,7 @@ def attempted_run(
 
     def on_progress(done: int, wanted: int) -> None:
         if max(run.step, goal.steps or 0) > MOST_STEPS:
-            raise UserError(f"it goes on for more than {MOST_STEPS:,} steps")
+            raise UserError(f"it takes more than {MOST_STEPS:,} steps")
 
     try:
         train(run, goal, on_progress, journal)
@@ -107,7 +107,7 @@ def replayed(recipe: Recipe, journal: tuple[JournalEntry, ...], step: int) -> Ru
 def check_world_stays(journal: Iterable[JournalEntry]) -> None:
     """Raise UserError if `journal` changes the world: a task is about its lesson's world."""
     if any(isinstance(entry.change, WorldChange) for entry in journal):
-        raise UserError("the world of a lesson must not change, and here it was changed")
+        raise UserError("the world was changed, but a task of a lesson needs its own world")
 
 
 def _new_run(recipe: Recipe) -> Run:

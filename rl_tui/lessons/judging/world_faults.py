@@ -33,7 +33,7 @@ def reference_faults(lesson: Lesson) -> list[Fault]:
             check_compatible(worlds[name][1].space, recipe.algorithm, recipe.hyperparameters)
         except UserError as reason:
             what = f"a setup that cannot run ({reason})"
-            findings.append(Finding(("setups", name), what, "a setup that runs"))
+            findings.append(Finding(("setups", name), what, "a setup that can run"))
     for number, page in enumerate(lesson.pages):
         found = worlds.get(lesson.setup_of(page.id))
         if found is None:
@@ -67,13 +67,15 @@ def _of_condition(condition: Measured, world: World) -> Iterator[Finding]:
     for where, action in _actions_named(condition):
         yield from _of_action(where, action, state, world)
     if measure.name in _OF_BANDITS and world.budget is None:
-        yield Finding(("measure",), shown(measure.name), "a measure of this world, which is not a bandit")
+        yield Finding(("measure",), shown(measure.name), "a measure for worlds that are not bandits")
     if measure.kind is MeasureKind.EXACT and world.mdp is None:
-        yield Finding(("measure",), shown(measure.name), "a measure without a table: this world has none")
+        yield Finding(
+            ("measure",), shown(measure.name), "a measure that needs no transition table: this world has none"
+        )
     elif measure.kind is MeasureKind.EXACT and world.mdp is not None:
         refused = why_too_dear(world.mdp, value_of_policy=measure.name == "value_at_start")
         if refused:
-            yield Finding(("measure",), shown(measure.name), f"no such figure: {refused}")
+            yield Finding(("measure",), shown(measure.name), f"another measure: {refused}")
 
 
 def _actions_named(condition: Measured) -> Iterator[tuple[Location, str]]:

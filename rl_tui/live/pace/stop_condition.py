@@ -70,7 +70,7 @@ class StopCondition:
                 self.episodes = run.learner.episodes + 1 + until.number
             case Event.VALUE:
                 if not 0 <= until.pair < run.world.space.pairs:
-                    raise UserError(f"there is no pair {until.pair} here")
+                    raise UserError(f"there is no state–action pair {until.pair}")
             case Event.OPTIMAL:
                 answer = exact_answer()
                 if answer.refused:
@@ -197,4 +197,4 @@ def _pair_in_words(space: FiniteSpace, pair: int) -> str:
 
 def _check_ahead(is_ahead: bool, wanted: str, here: str) -> None:
     if not is_ahead:
-        raise UserError(f"{wanted} lies behind: this is {here}; b and m g go back")
+        raise UserError(f"{wanted} is in the past: this is {here}; b and m g go back")

@@ -57,7 +57,7 @@ class Breakpoints:
         for marked, count, what in ((self.states, space.states, "state"), (self.pairs, space.pairs, "pair")):
             unknown = next((each for each in sorted(marked) if not 0 <= each < count), None)
             if unknown is not None:
-                raise UserError(f"there is no {what} {unknown} here: they are 0 to {count - 1:,}")
+                raise UserError(f"there is no {what} {unknown}: choose 0 to {count - 1:,}")
 
     def __bool__(self) -> bool:
         """Return True if there are any."""

@@ -251,12 +251,14 @@ def _branches(lane: StoredLane, lane_place: str) -> Iterator[Branch]:
         place = f"{lane_place}.branches[{number}]"
         parent = () if stored.parent is None else made[stored.parent].journal
         if stored.shared > len(parent):
-            raise UserError(f"{place}.shared is {stored.shared}; its parent has {len(parent)} changes")
+            raise UserError(
+                f"{place}.shared is {stored.shared}, but its parent branch has {len(parent)} changes"
+            )
         in_all += stored.shared + len(stored.journal)
         if in_all > MOST_IN_ALL:
             raise UserError(f"{lane_place}: its branches have more than {MOST_IN_ALL:,} changes")
         if max(stored.here, stored.fork) > stored.end:
-            raise UserError(f"{place}: its position or its fork is after its end, step {stored.end}")
+            raise UserError(f"{place}: its position or its start is after its last step, {stored.end}")
         shared = parent[: stored.shared]
         latest = shared[-1].step if shared else 0
         journal = (*shared, *_journal(stored.journal, place, stored.end, latest))
@@ -364,7 +366,7 @@ def _lesson_record(stored: StoredLesson) -> LessonRecord:
 def _lesson(stored: StoredLesson) -> Lesson:
     source = Path(stored.source) if stored.source else lesson_folder() / f"{stored.id}{SUFFIX}"
     if source.stem != stored.id:
-        raise UserError(f"lesson.id is {shown(stored.id)}, which is not the name of its file")
+        raise UserError(f"lesson.id is {shown(stored.id)}, but its file has another name")
     try:
         return lesson_of(stored.text, source, stored.variant)
     except UserError as fault:

@@ -51,7 +51,7 @@ def replay_target(record: Record, lane: int | None = None, branch: str | None = 
         if each.name == branch:
             return ReplayTarget(chosen, number, each, left=number == record.shown and each is here)
     names = ", ".join(each.name for each in chosen.branches[:20])
-    raise UserError(f"no branch of run {number + 1} is called {shown(branch)}: there are {names}")
+    raise UserError(f"run {number + 1} has no branch {shown(branch)}: its branches are {names}")
 
 
 def replayed(

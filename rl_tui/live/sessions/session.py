@@ -150,7 +150,7 @@ def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str 
     try:
         content = json.dumps({**fields, _CHECKSUM: checksum_of(fields)}, allow_nan=False).encode()
     except ValueError as error:
-        raise UserError(f"it holds a number that cannot be written ({error})") from error
+        raise UserError(f"it contains a number that a file cannot hold ({error})") from error
     if len(content) > LARGEST_SESSION:
         raise UserError(f"it is larger than {LARGEST_SESSION // 10**6} MB")
     return content

@@ -208,7 +208,7 @@ class SessionWriter:
                 return hold_new(new_path(self._folder, subject))
             except FileExistsError:  # another program was quicker
                 continue
-        raise UserError("no name for its file is free")
+        raise UserError("found no free file name")
 
     def _let_go(self, old: HeldFile) -> None:
         """Release the previous file, and remove it if the user did not save it."""

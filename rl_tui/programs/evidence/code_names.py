@@ -56,6 +56,10 @@ _LONGEST: Final = 40
 _NEAR: Final = 1e-9
 
 
+_NESTED: Final = ("lists", "dict-of-arrays", "dict-of-dicts")
+"""Forms of a table with an index for the state, and another one for the action."""
+
+
 @dataclass(frozen=True, slots=True)
 class CodeNames:
     """Names for a correction, by default those of the book. Each is a name or a short expression."""
@@ -76,8 +80,7 @@ class CodeNames:
 
     def cell(self) -> str:
         """Return the expression of the updated estimate."""
-        is_nested = self.form in ("lists", "dict-of-arrays")
-        between = "][" if is_nested else ", "
+        between = "][" if self.form in _NESTED else ", "
         return f"{self.table}[{self.state}{between}{self.action}]"
 
     def rows(self, actions: int) -> str:
@@ -90,6 +93,8 @@ class CodeNames:
         """Return the expression of the next state's value."""
         if self.form == "dict-of-pairs":
             return f"max({self.table}[{self.next_state}, b] for b in actions)"
+        if self.form == "dict-of-dicts":
+            return f"max({self.table}[{self.next_state}].values())"
         return f"max({self.table}[{self.next_state}])"
 
     def random_tie(self) -> str:
@@ -102,10 +107,10 @@ class CodeNames:
     def target(self) -> str:
         """Return the correct line of the target."""
         value = self.best()
+        between = "][" if self.form in _NESTED else ", "
         if self.value is UpdateTarget.ALLOWED:
-            value = f"max({self.table}[{self.next_state}][b] for b in allowed)"
+            value = f"max({self.table}[{self.next_state}{between}b] for b in allowed)"
         elif self.value is UpdateTarget.NEXT_ACTION:
-            between = "][" if self.form in ("lists", "dict-of-arrays") else ", "
             value = f"{self.table}[{self.next_state}{between}next_action]"
         elif self.value is UpdateTarget.EXPECTED:
             value = f"((1 - epsilon) * {value} + epsilon * mean({self.table}[{self.next_state}]))"

@@ -180,6 +180,16 @@ class Evidence:
         """True if only whole numbers were written to the table."""
         return bool(np.array_equal(self.changes.after, np.rint(self.changes.after)))
 
+    @cached_property
+    def surely_ended(self) -> BoolArray:
+        """True for terminal steps, `[N]`. If the program's own limit may make a step terminal, only for
+        steps into a state from which no step starts.
+        """
+        if not self.recording.has_own_ends:
+            return self.terminated
+        ended: BoolArray = self.terminated & ~np.isin(self.next_state, self.recording.steps.state)
+        return ended
+
     def rows(self, state: IntArray, at: IntArray) -> FloatArray:
         """Return the rows of `state`, `[n]`, before the steps at the indexes `at`, `[n]`, as `[n, A]`."""
         cells = state[:, None] * self.actions + np.arange(self.actions)

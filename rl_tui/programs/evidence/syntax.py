@@ -9,8 +9,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Final, TypeVar
 
+from rl_tui.common.errors import UserError
 from rl_tui.common.limits import LARGEST_SOURCE
 from rl_tui.common.text_file import UnreadableError, read_bytes
+from rl_tui.programs.watched.notebook import is_notebook, read_notebook
 
 _MAGIC: Final = re.compile(r"^([ \t]*)[!%].*$", re.MULTILINE)
 """A line that only notebooks understand."""
@@ -31,7 +33,13 @@ def parsed_file(file: str) -> ast.Module | None:
 @lru_cache(maxsize=32)
 def _parsed(path: Path, changed: int) -> ast.Module | None:
     del changed  # a new key after each save
-    text, _ = read_bytes(path, "a Python file", LARGEST_SOURCE)
+    try:
+        if is_notebook(path):
+            text = read_notebook(path).text.encode()
+        else:
+            text, _ = read_bytes(path, "a Python file", LARGEST_SOURCE)
+    except UserError:
+        return None
     try:
         return ast.parse(text)
     except (SyntaxError, ValueError, RecursionError, MemoryError):

@@ -97,7 +97,7 @@ def agent_request(
     for name in GIVEN:
         value = given.get(name)
         if isinstance(value, str):
-            raise UserError(f"--{name.replace('_', '-')} is {shown(value)}; an agent is given a number")
+            raise UserError(f"--{name.replace('_', '-')} is {shown(value)}; expected a number for an agent")
         if isinstance(value, (int, float)):
             numbers[name] = float(value)
     return ProgramRequest(

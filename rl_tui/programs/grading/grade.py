@@ -307,10 +307,12 @@ class Grading:
         """
         environment = environment_of(log)
         if environment is None:
-            raise UserError("it made no environment that can be watched")
+            raise UserError("it created no environment that can be watched")
         known, id_ = world_of_program(environment), self.recipe.scenario.id
         if not _is_same(known.world.mdp, self.mdp):
-            raise UserError(f"it learns in {_as_made(environment)}, which has other transitions than {id_}")
+            raise UserError(
+                f"it learns in {_as_made(environment)}, whose transitions differ from those of {id_}"
+            )
         if log.recording.initial is None:
             raise UserError(_NO_TABLE)
         return known.q_of(log.recording.table_at(log.recording.count))
@@ -351,7 +353,7 @@ def _measured(recipe: Recipe) -> tuple[TabularMDP, Yardstick]:
         )
     measured = yardstick_of(mdp, recipe.hyperparameters.gamma)
     if measured is None:
-        raise UserError(f"{id_} cannot be graded by: no policy in it has a best return")
+        raise UserError(f"{id_} cannot be used for grading: no policy has a best return")
     return mdp, measured
 
 

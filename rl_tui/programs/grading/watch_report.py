@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from rl_tui.programs.evidence.code_names import declared_discount
 from rl_tui.programs.evidence.verdict import CodeFinding, ProgramVerdict, UpdateFound, step_number
+from rl_tui.programs.watched.notebook import cell_of
 from rl_tui.programs.watched.program_log import FoundTable, ProgramEnvironment, ProgramError, ProgramLog
 from rl_tui.runs.figures import MOST_STATES, finite
 
@@ -35,7 +38,7 @@ def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[
     document: dict[str, Any] = finite(
         {
             "script": script,
-            "environment": None if environment is None else _environment(environment),
+            "environment": None if environment is None else _environment(environment, log),
             "table": None if log.table_now is None else _table(log.table_now),
             "steps": log.recording.count,
             "episodes": episodes_of(log),
@@ -113,8 +116,12 @@ def _fits(log: ProgramLog, environment: ProgramEnvironment) -> bool:
     return initial is not None and len(initial) == environment.states * environment.actions
 
 
-def _environment(environment: ProgramEnvironment) -> dict[str, Any]:
-    return {"id": environment.id, "states": environment.states, "actions": environment.actions}
+def _environment(environment: ProgramEnvironment, log: ProgramLog) -> dict[str, Any]:
+    states = environment.states
+    if environment.state_names:
+        steps = log.recording.steps
+        states = len(np.union1d(steps.state, steps.next_state))
+    return {"id": environment.id, "states": states, "actions": environment.actions}
 
 
 def _table(table: FoundTable) -> dict[str, Any]:
@@ -150,8 +157,7 @@ def finding_as_json(finding: CodeFinding) -> dict[str, Any]:
         "step": step_number(finding.step),
         "steps_for": finding.steps_for,
         "steps_against": finding.steps_against,
-        "file": finding.file or None,
-        "line": finding.line,
+        **_place(finding.file, finding.line),
         "text": finding.text,
         "correction": finding.correction,
     }
@@ -160,4 +166,12 @@ def finding_as_json(finding: CodeFinding) -> dict[str, Any]:
 def _error(error: ProgramError | None) -> dict[str, Any] | None:
     if error is None:
         return None
-    return {"type": error.type, "text": error.text, "file": error.file or None, "line": error.line}
+    return {"type": error.type, "text": error.text, **_place(error.file, error.line)}
+
+
+def _place(file: str, line: int | None) -> dict[str, Any]:
+    """Return a place in the code, in a notebook with its cell."""
+    cell = None if line is None else cell_of(file, line)
+    if cell is None:
+        return {"file": file or None, "line": line}
+    return {"file": file, "cell": cell[0], "line": cell[1]}

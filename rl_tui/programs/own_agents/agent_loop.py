@@ -12,7 +12,6 @@ import numpy as np
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import shown
-from rl_tui.programs.own_agents.binding import SHAPE_OF
 from rl_tui.programs.own_agents.loading import AgentPlace
 from rl_tui.programs.own_agents.players import GivenSettings, Happened, ready_agent
 
@@ -46,7 +45,7 @@ def learn(
     agent, player, unused = ready_agent(built, place, env, settings)
     for name in sorted(unused):
         note(f"--{name.replace('_', '-')} has no effect: {place.name} has no such parameter")
-    actions, method = int(env.action_space.n), SHAPE_OF[place.style].choose or place.name
+    actions, method = int(env.action_space.n), place.shape.choose or place.name
     # the search for the table starts at the names in this frame, such as `agent`
     for episode in count() if settings.episodes is None else range(settings.episodes):
         state, info = env.reset(seed=settings.seed) if episode == 0 else env.reset()

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Container, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, Final
@@ -116,11 +116,30 @@ SHAPE_OF: Final[Mapping[Style, AgentShape]] = {shape.style: shape for shape in S
 FUNCTION: Final = SHAPE_OF[Style.FUNCTION]
 OF_FUNCTION: Final = ("q", "state", "action", "reward", "next_state")
 """Roles that every bare function must have, which distinguish it from other functions."""
+OF_LEARNING: Final = ("state", "action", "reward", "next_state")
+"""Roles that the parameters of a learning method must have, if it has another name than `update`."""
+CHOOSING: Final = (
+    *("get_action", "choose_action", "select_action", "sample_action", "take_action", "pick_action"),
+    *("get_next_action", "act", "choose"),
+)
+LEARNING: Final = (
+    *("update", "learn", "train", "step", "update_q", "update_q_table", "update_q_value", "update_table"),
+    *("update_q_values", "learn_step"),
+)
+"""Names of methods in Gymnasium's shape, the usual name first."""
 
 
 def style_of_methods(methods: frozenset[str]) -> Style | None:
     """Return the style of a class with these `methods`, or None."""
     return next((each.style for each in SHAPES if each.methods and methods.issuperset(each.methods)), None)
+
+
+def shape_with(choose: str, update: str) -> AgentShape:
+    """Return Gymnasium's shape with other names of its methods."""
+    usual = SHAPE_OF[Style.GYMNASIUM]
+    roles = {choose: usual.roles[usual.choose], update: usual.roles[usual.update]}
+    decay = {"decay_epsilon": usual.roles["decay_epsilon"]}
+    return replace(usual, methods=(choose, update), choose=choose, update=update, roles={**roles, **decay})
 
 
 def shapes_in_words() -> str:
@@ -132,15 +151,41 @@ def shapes_in_words() -> str:
 
 
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
-    "state": ("s", "state", "obs", "observation", "current_state", "prev_state", "last_state", "st"),
-    "action": ("a", "action", "act", "last_action", "prev_action"),
+    "state": (
+        "s",
+        "state",
+        "obs",
+        "observation",
+        "current_state",
+        "prev_state",
+        "last_state",
+        "st",
+        "s0",
+        "state1",
+        "old_state",
+        "old_obs",
+        "discrete_obs",
+        "cur_state",
+    ),
+    "action": ("a", "action", "act", "last_action", "prev_action", "a0", "action1"),
     "reward": ("r", "reward", "rew"),
     "next_state": (
         *("s_next", "next_s", "next_state", "new_state", "state_next", "s_prime", "s2", "sp", "s_", "state_"),
         *("next_obs", "new_obs", "obs_next", "next_observation", "new_observation", "observation_", "sn"),
-        "successor",
+        *("successor", "state2", "following_state", "next_discrete_obs"),
     ),
-    "next_action": ("a_next", "next_a", "next_action", "new_action", "a_prime", "a2", "ap", "a_", "action_"),
+    "next_action": (
+        "a_next",
+        "next_a",
+        "next_action",
+        "new_action",
+        "a_prime",
+        "a2",
+        "ap",
+        "a_",
+        "action_",
+        "action2",
+    ),
     "terminated": ("terminated", "terminal", "term", "is_terminal"),
     "truncated": ("truncated", "trunc"),
     "done": ("done", "is_done", "d", "finished", "over"),

@@ -16,10 +16,15 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.common.text_file import UnreadableError, read_bytes
 from rl_tui.programs.own_agents.binding import (
+    CHOOSING,
+    LEARNING,
     OF_FUNCTION,
+    OF_LEARNING,
     SHAPE_OF,
+    AgentShape,
     Style,
     role_of,
+    shape_with,
     shapes_in_words,
     style_of_methods,
 )
@@ -32,11 +37,19 @@ _DEFINITIONS: Final = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class AgentPlace(NamedTuple):
-    """An agent in a file: `name` of its class or function, shape, and first line."""
+    """An agent in a file: `name` of its class or function, shape, first line, and the names of its methods
+    if they are not the usual ones of the shape.
+    """
 
     name: str
     style: Style
     line: int
+    methods: tuple[str, str] | None = None
+
+    @property
+    def shape(self) -> AgentShape:
+        """The shape with the names of the methods."""
+        return SHAPE_OF[self.style] if self.methods is None else shape_with(*self.methods)
 
 
 class AgentName(NamedTuple):
@@ -57,11 +70,8 @@ def agents_in(tree: ast.Module, folder: Path) -> list[AgentPlace]:
     functions count only without a class of a known shape, and without an environment, because they belong
     to a script there.
     """
-    classes = [
-        AgentPlace(each.name, style, each.lineno)
-        for each in _classes(tree)
-        if (style := _style(each, tree, folder)) is not None
-    ]
+    found = (_place_of(each, tree, folder) for each in _classes(tree))
+    classes = [each for each in found if each is not None]
     if classes or makes_environment(tree):
         return classes
     functions = (each for each in tree.body if isinstance(each, ast.FunctionDef))
@@ -88,7 +98,9 @@ def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
             return named
         others = [each.name for each in tree.body if isinstance(each, (ast.ClassDef, ast.FunctionDef))]
         if name in others:
-            raise UserError(f"{file}: {shown(name)} has no shape of an agent: {shapes_in_words()}")
+            raise UserError(
+                f"{file}: {shown(name)} is not an agent: an agent has these methods: {shapes_in_words()}"
+            )
         raise UserError(f"{file}: there is no {shown(name)}{near(name, others)}")
     if len(places) == 1:
         return places[0]
@@ -97,7 +109,7 @@ def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
         raise UserError(
             f"{file} has several agents ({names}); choose one, as in {path.name}:{places[0].name}"
         )
-    raise UserError(f"{file}: no class or function in it has the shape of an agent: {shapes_in_words()}")
+    raise UserError(f"{file}: found no agent: an agent has these methods: {shapes_in_words()}")
 
 
 def runs_when_imported(tree: ast.Module) -> bool:
@@ -132,13 +144,29 @@ def _classes(tree: ast.Module) -> Iterator[ast.ClassDef]:
     return (each for each in tree.body if isinstance(each, ast.ClassDef))
 
 
-def _style(node: ast.ClassDef, tree: ast.Module, folder: Path) -> Style | None:
-    """Return the style of a class, or None if it is abstract or not an agent."""
+def _place_of(node: ast.ClassDef, tree: ast.Module, folder: Path) -> AgentPlace | None:
+    """Return the agent that a class is, or None if it is abstract or not an agent."""
     methods = _methods(node, tree, folder, _DEEPEST)
     style = style_of_methods(frozenset(methods))
-    if style is None or any(_is_abstract(methods[name]) for name in SHAPE_OF[style].methods):
-        return None
-    return style
+    if style is not None:
+        place = AgentPlace(node.name, style, node.lineno)
+    else:
+        choose = next((name for name in CHOOSING if name in methods), None)
+        update = next((name for name in LEARNING if name in methods and _learns(methods[name])), None)
+        if choose is None or update is None:
+            return None
+        place = AgentPlace(node.name, Style.GYMNASIUM, node.lineno, (choose, update))
+    return None if any(_is_abstract(methods[name]) for name in place.shape.methods) else place
+
+
+def _learns(method: _Function) -> bool:
+    """Return True if `method` has parameters for a whole step."""
+    return _roles(method).issuperset(OF_LEARNING)
+
+
+def _roles(function: _Function) -> set[str]:
+    parameters = (*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs)
+    return {role_of(each.arg) for each in parameters}
 
 
 def _methods(node: ast.ClassDef, tree: ast.Module, folder: Path, deepest: int) -> dict[str, _Function]:
@@ -193,8 +221,7 @@ def _named(tree: ast.Module, folder: Path, name: str) -> AgentPlace | None:
     """Return the agent `name`. A function given by name may have any name."""
     for each in tree.body:
         if isinstance(each, ast.ClassDef) and each.name == name:
-            style = _style(each, tree, folder)
-            return None if style is None else AgentPlace(name, style, each.lineno)
+            return _place_of(each, tree, folder)
         if isinstance(each, ast.FunctionDef) and each.name == name and _has_roles_of_function(each):
             return AgentPlace(name, Style.FUNCTION, each.lineno)
     return None
@@ -205,8 +232,7 @@ def _is_update_function(node: ast.FunctionDef) -> bool:
 
 
 def _has_roles_of_function(node: ast.FunctionDef) -> bool:
-    parameters = (*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs)
-    return {role_of(each.arg) for each in parameters}.issuperset(OF_FUNCTION)
+    return _roles(node).issuperset(OF_FUNCTION)
 
 
 def _asks_for_name(node: ast.stmt) -> bool:

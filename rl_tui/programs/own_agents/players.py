@@ -270,7 +270,7 @@ def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings
     sizes = int(env.observation_space.n), int(env.action_space.n)
     if place.style == Style.FUNCTION:
         return _of_function(built, place.name, sizes, settings)
-    shape, legal = SHAPE_OF[place.style], LegalActions(sizes[1])
+    shape, legal = place.shape, LegalActions(sizes[1])
     surroundings = {
         "env": env,
         "action_space": env.action_space,

@@ -72,8 +72,15 @@ class MessageKind:
     """file, line: position of the program after a second or more without a step."""
     ENVIRONMENT: Final = "environment"
     """number, id, kwargs (null if not plain data), states (sizes of the observation's parts), first_state
-    (first value of each part), actions, first_action, time_limit, wrappers (class names)
+    (first value of each part), actions, first_action, time_limit, wrappers (class names). A known number
+    replaces that environment, which the program uses without its wrappers.
     """
+    NAMES: Final = "names"
+    """number, state_names, action_names: those of a world without a known number of states. Later states
+    have no name.
+    """
+    OWN_ENDS: Final = "own-ends"
+    """A world of the program's own says "done", which may be its own limit of steps."""
     TRANSITIONS: Final = "transitions"
     """number, P: the table of an environment that only the program has: [[[[p, s', r, terminated], …] …]
     …], start: probability of each start state, or null

@@ -67,6 +67,8 @@ class ProgramEnvironment:
         transitions: Its table if only the program has it, `[s][a]` a list of (probability, next state,
             reward, terminated).
         start: Probability of each start state for that table, None if unknown.
+        state_names: Names of the first states, in a world without a known number of states.
+        action_names: Names of the actions there.
     """
 
     number: int
@@ -80,6 +82,8 @@ class ProgramEnvironment:
     wrappers: tuple[str, ...] = ()
     transitions: Any = None
     start: Any = None
+    state_names: tuple[str, ...] = ()
+    action_names: tuple[str, ...] = ()
 
     @property
     def states(self) -> int:
@@ -93,7 +97,7 @@ class FoundTable:
 
     name: str
     form: str
-    """array, dict-of-arrays, dict-of-pairs or lists."""
+    """array, lists, dict-of-arrays, dict-of-dicts, dict-of-pairs, dict-of-parts or data-frame."""
     shape: tuple[int, ...]
     dtype: str
     """NumPy's name, or "" for Python numbers."""
@@ -178,11 +182,11 @@ class ProgramLog:
         state.
         """
         table, actions = self.table, self.recording.actions
-        if table is None or not table.form.startswith("dict") or not actions:
+        if table is None or not table.form.startswith(("dict", "data")) or not actions:
             return table
         is_there = ~np.isnan(self.recording.table_at(self.recording.count)).reshape(-1, actions)
         rows = int(is_there.any(axis=1).sum())
-        by_pair = table.form == "dict-of-pairs"
+        by_pair = table.form in ("dict-of-pairs", "dict-of-parts")
         return replace(table, shape=(int(is_there.sum()),) if by_pair else (rows, actions))
 
     def frozen(self) -> ProgramLog:
@@ -244,7 +248,7 @@ class ProgramLog:
             case MessageKind.ENVIRONMENT:
                 if len(said["states"]) != len(said["first_state"]) or min(said["states"], default=0) < 1:
                     raise ValueError("no observations of ours")
-                self.environments.append(
+                self._take_environment(
                     ProgramEnvironment(
                         said["number"],
                         said["id"],
@@ -257,6 +261,10 @@ class ProgramLog:
                         tuple(said["wrappers"]),
                     )
                 )
+            case MessageKind.NAMES:
+                self._take_names(said["number"], said["state_names"], said["action_names"])
+            case MessageKind.OWN_ENDS:
+                self.recording.has_own_ends = True
             case MessageKind.TABLE:
                 if len(said["others"]) != len(said["other_forms"]):
                     raise ValueError("no tables of ours")
@@ -316,6 +324,22 @@ class ProgramLog:
             case MessageKind.GONE:
                 self._take_end(said["status"], said["text"])
 
+    def _take_environment(self, environment: ProgramEnvironment) -> None:
+        """Add an environment, or replace it if the program uses it without its wrappers."""
+        known = self.environments[environment.number : environment.number + 1]
+        if not known:
+            self.environments.append(environment)
+        elif (known[0].parts, known[0].actions) == (environment.parts, environment.actions):
+            self.environments[environment.number] = environment
+        else:
+            raise ValueError("no environment of ours")
+
+    def _take_names(self, number: int, states: list[str], actions: list[str]) -> None:
+        known = self.environments[number]
+        if len(states) > known.states or len(actions) != known.actions:
+            raise ValueError("no names of ours")
+        self.environments[number] = replace(known, state_names=tuple(states), action_names=tuple(actions))
+
     def _take_output(self, said: Mapping[str, Any]) -> None:
         step = self.recording.count if said["step"] is None else said["step"]
         line, before = OutputLine(step, said["stream"], said["text"]), self._unfinished.get(said["stream"])
@@ -373,7 +397,7 @@ def _check_types(said: Mapping[str, Any]) -> None:
             fits = isinstance(value, str)
         elif name in ("states", "shape", "first_state"):
             fits = isinstance(value, list) and all(_is_whole(each) for each in value)
-        elif name in ("others", "wrappers"):
+        elif name in ("others", "wrappers", "state_names", "action_names"):
             fits = isinstance(value, list) and all(isinstance(each, str) for each in value)
         elif name == "numbers":
             fits = isinstance(value, dict) and all(isinstance(each, int | float) for each in value.values())

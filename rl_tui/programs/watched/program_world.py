@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
@@ -11,7 +11,7 @@ import numpy as np
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
-from rl_tui.common.limits import LONGEST_TIME_LIMIT, MOST_PAIRS
+from rl_tui.common.limits import LONGEST_NAME, LONGEST_TIME_LIMIT, MOST_PAIRS
 from rl_tui.common.own_ids import OWN_IDS
 from rl_tui.common.streams import streams
 from rl_tui.programs.watched.program_log import ProgramEnvironment
@@ -28,6 +28,10 @@ _VERSION: Final = "-v0"
 _BLACKJACK: Final = "Blackjack-v1"
 _NOT_OF_THE_WORLD: Final = ("render_mode", "max_episode_steps")
 _UNKNOWN: Final = -1
+_LEAST_SHOWN: Final = 16
+_SHOWN_FOR_EACH: Final = 2
+"""States shown of a world that numbers them as it meets them, for each that was met at first."""
+_FURTHER: Final = "further states"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,8 +189,8 @@ def _fitting(scenario: Scenario, world: World, environment: ProgramEnvironment) 
 
 
 def _program_world(scenario: Scenario, world: World, environment: ProgramEnvironment) -> ProgramWorld:
-    """Return a world whose states are the observations."""
-    space, numbers = world.space, np.arange(environment.states)
+    """Return a world whose states are the observations. The last state may have all further ones."""
+    space, numbers = world.space, np.minimum(np.arange(environment.states), world.space.states - 1)
     cell_of_pair: IntArray = space.pair_state * environment.actions + space.pair_action
     return ProgramWorld(
         scenario, world, cell_of_pair, _inverse(cell_of_pair, environment), numbers, numbers.copy()
@@ -236,12 +240,17 @@ def _bare_world(environment: ProgramEnvironment) -> World:
     space: FiniteSpace = all_pairs(
         _state_names(environment), _action_names(environment), max(environment.time_limit, 0)
     )
-    return World(space, product_grid(environment.parts, environment.actions))
+    parts = (space.states,) if environment.state_names else environment.parts
+    return World(space, product_grid(parts, environment.actions))
 
 
 def _state_names(environment: ProgramEnvironment) -> tuple[str, ...]:
     from rl_tui.worlds.gym.states import ProductNames
 
+    met = len(environment.state_names)
+    if met:
+        shown = max(_LEAST_SHOWN, _SHOWN_FOR_EACH * met)
+        return (*_distinct(environment.state_names, min(shown, environment.states - 1)), _FURTHER)
     first = environment.first_state or (0,) * len(environment.parts)
     numbers = [
         [str(start + place) for place in range(size)]
@@ -250,7 +259,21 @@ def _state_names(environment: ProgramEnvironment) -> tuple[str, ...]:
     return tuple(ProductNames(numbers))
 
 
+def _distinct(names: Sequence[str], count: int) -> Iterator[str]:
+    """Yield `count` distinct names of states, short ones from `names` and numbers for the others."""
+    seen: set[str] = set()
+    for number in range(count):
+        known = number < len(names)
+        name = (one_line(names[number], LONGEST_NAME) if known else "") or f"state {number}"
+        while name in seen:
+            name += "′"
+        seen.add(name)
+        yield name
+
+
 def _action_names(environment: ProgramEnvironment) -> tuple[str, ...]:
+    if environment.action_names:
+        return tuple(_distinct(environment.action_names, environment.actions))
     return tuple(str(environment.first_action + action) for action in range(environment.actions))
 
 

@@ -116,6 +116,7 @@ class Recording:
         actions: Number of actions, A.
         found_at: Step at which the table was found.
         initial: The table at `found_at`, `[S·A]`, NaN for missing entries, or None.
+        has_own_ends: True if a terminal step may be stopped by a limit of the program's own.
     """
 
     def __init__(self, most: int = MOST_STEPS) -> None:
@@ -125,6 +126,7 @@ class Recording:
         self.actions = 0
         self.found_at = 0
         self.initial: FloatArray | None = None
+        self.has_own_ends = False
         self.rebound: list[int] = []
         """Steps after which another object was the table."""
         self._most, self._most_changes = most, most * _CHANGES_OF_A_STEP

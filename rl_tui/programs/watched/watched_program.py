@@ -109,7 +109,7 @@ class WatchedProgram:
         try:
             self._process = ProgramProcess(request, allowed=0)
         except OSError as error:
-            raise UserError(f"{_name(request)}: no process can be started: {error.strerror}") from error
+            raise UserError(f"{_name(request)}: cannot start a process: {error.strerror}") from error
 
     @property
     def exit_status(self) -> int | None:

@@ -55,7 +55,7 @@ class FlipAnswers:
         try:
             self._background.begin(mdp, PENDING)
         except OSError as error:
-            self._keep(mdp, refused(f"no process can be started: {error}"))
+            self._keep(mdp, refused(f"cannot start a process: {error}"))
 
     def of(self, mdp: TabularMDP | None) -> FlipAnswer:
         """Return what is known about the flip points of `mdp`."""

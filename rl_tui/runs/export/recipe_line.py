@@ -46,7 +46,7 @@ def recipe_line(
     if len(entries) > MOST_CHANGES:
         raise UserError(
             f"{len(entries):,} changes are too many for one line: save the session with m s, then "
-            f"{_REPLAY} does the run again"
+            f"{_REPLAY} repeats the run"
         )
     words = [
         "rl-tui",
@@ -64,8 +64,7 @@ def recipe_line(
     line = shlex.join(words)
     if len(line.encode()) > LONGEST_LINE:
         raise UserError(
-            f"the edits are too long for one line: save the session with m s, then {_REPLAY} does the "
-            f"run again"
+            f"the edits are too long for one line: save the session with m s, then {_REPLAY} repeats the run"
         )
     return line
 
@@ -117,8 +116,8 @@ def scenario_name(scenario: Scenario) -> str:
     if _holds(scenario.source, scenario.text):
         return str(scenario.source)
     raise UserError(
-        f"no file {scenario.source} holds this scenario any more: save the session with m s, then "
-        f"{_REPLAY} does the run again"
+        f"no file {scenario.source} contains this scenario any more: save the session with m s, then "
+        f"{_REPLAY} repeats the run"
     )
 
 

@@ -128,7 +128,7 @@ def path_named(text: str, file: ScenarioFile) -> Path:
     if not is_plain(name) or not os.path.basename(stem).strip("."):
         raise UserError("type a name such as my-maze, or a path such as ./my-maze.toml")
     if not is_path and stem in shipped_names():
-        raise UserError(f"{stem} is a shipped scenario: type another name")
+        raise UserError(f"{stem} is a scenario of rl-tui: type another name")
     path = Path(f"{stem}{SUFFIX}") if is_path else _own_path(stem)
     try:
         path = path.expanduser().absolute()

@@ -168,8 +168,8 @@ def planner_text(params: ParameterText, text: WorldText) -> list[str]:
     """
     if not text.starts:
         raise UserError(
-            "no script: this environment itself shows no transition table to plan with; take an algorithm "
-            "that learns, such as q-learning"
+            "no script: a planner needs a transition table, and this environment has none; choose an "
+            "algorithm that learns, such as q-learning"
         )
     planner, own = _texts_of(params.algorithm, params, params.flags), sections(_TEXTS, params.flags)
     pieces = {

@@ -122,7 +122,7 @@ def _check_size(section: GridSection) -> None:
         rows, columns = len(lines), len(lines[0])
     if rows > MOST_ROWS or columns > MOST_COLUMNS:
         raise UserError(
-            f"this map has {rows:,} × {columns:,} cells, too many for a script that one can read: at most "
+            f"this map has {rows:,} × {columns:,} cells, too many for a readable script: at most "
             f"{MOST_ROWS} × {MOST_COLUMNS}"
         )
 
@@ -192,7 +192,7 @@ def _gymnasium_text(section: GymnasiumSection, world: World) -> WorldText:
     with closing(made(section.id, section.kwargs)) as environment:
         has_table = world.mdp is not None and hasattr(environment.unwrapped, "P")
         if int(environment.action_space.start) != 0:
-            raise UserError(f"no script for {section.id}: its actions do not count from 0")
+            raise UserError(f"no script for {section.id}: its actions are not numbered from 0")
         make = _make(section)
         truncates = time_limit_of(environment) > 0
         if has_table:
@@ -267,7 +267,9 @@ def _observed(
     flat = isinstance(space, spaces.Tuple) and all(isinstance(each, spaces.Discrete) for each in space.spaces)
     if flat or isinstance(space, spaces.Discrete):
         return f"env = {make}", ()
-    raise UserError(f"no script for {section.id}: its observations are {type(space).__name__}, made of parts")
+    raise UserError(
+        f"no script for {section.id}: its observations are {type(space).__name__}, which have several parts"
+    )
 
 
 def _edges(bins: BinsSection, space: Any) -> list[str]:
@@ -317,7 +319,7 @@ def _table_text(mdp: TabularMDP) -> WorldText:
     """Return the text for the table of `mdp`. Raises UserError if it is too long to read."""
     if len(mdp.next_state) > MOST_OUTCOMES:
         raise UserError(
-            f"this world has {len(mdp.next_state):,} outcomes, too many for a script that one can read: at "
+            f"this world has {len(mdp.next_state):,} outcomes, too many for a readable script: at "
             f"most {MOST_OUTCOMES:,}"
         )
     noisy = bool(mdp.reward_std.any())

@@ -203,7 +203,7 @@ class BranchingRun:
             (len(self._branches), most.branches, "branches"),
         ):
             if limit is not None and count >= limit:
-                raise UserError(f"{limit:,} {name} are the most in a kiosk; r r starts again")
+                raise UserError(f"{limit:,} {name} are the limit in a kiosk; r r starts again")
 
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
@@ -222,7 +222,7 @@ class BranchingRun:
         timeline = self.timeline
         number = timeline.branch if branch is None else branch
         if not 0 <= number < len(self._branches):
-            raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(self._branches)}")
+            raise UserError(f"there is no branch {number + 1}: choose 1 to {len(self._branches)}")
         run, kept = self.run, self._branches[number]
         self.kept.branch = replace(self.kept.branch, here=run.step)
         if run.step == self.kept.branch.end:

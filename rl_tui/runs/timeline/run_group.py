@@ -295,7 +295,7 @@ class RunGroup:
         model = self.built_in
         timeline = model.timeline
         if not 0 <= number < len(timeline.branches):
-            raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(timeline.branches)}")
+            raise UserError(f"there is no branch {number + 1}: choose 1 to {len(timeline.branches)}")
         branch = timeline.branches[number]
         if number == timeline.branch:
             raise UserError(f"{branch.name} is the run shown; choose another one to compare with it")

@@ -45,9 +45,7 @@ class PlainLoop:
                 f"{recipe.scenario.id} is not a Gymnasium environment: choose one for the benchmark"
             )
         if recipe.hyperparameters.sample_average:
-            raise UserError(
-                "the plain loop of the benchmark has a constant step size: give a number for alpha"
-            )
+            raise UserError("the benchmark needs a constant step size: give a number for alpha")
         self._name = section.id
         with self._asked():
             self._env: Any = gymnasium.make(section.id, **section.kwargs)
@@ -56,8 +54,8 @@ class PlainLoop:
             for space in (self._env.observation_space, self._env.action_space)
         ):
             raise UserError(
-                f"{recipe.scenario.id} observes more than one number, which the plain loop of the benchmark "
-                f"cannot index its table with: choose a scenario such as frozenlake"
+                f"{recipe.scenario.id} has observations of several numbers, and the benchmark needs one: "
+                f"choose a scenario such as frozenlake"
             )
         self._alpha = float(recipe.hyperparameters.alpha)
         self._gamma = recipe.hyperparameters.gamma

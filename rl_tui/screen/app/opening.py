@@ -265,7 +265,8 @@ class Opener:
             recipe.scenario.section,
             lanes=record is not None and len(record.lanes) > 1,
             is_program=make_playback is not None,
-            has_lesson=lesson is not None,
+            page=None if lesson is None else lesson.lesson.page(lesson.page),
+            is_fresh=record is None or not record.lanes[record.shown].step,
             shown=panels_in_view(lesson, so_far, shows_all=self.legends.shows_all_panels),
         )
         screen = Playground.with_keys_of(self.panels)

@@ -97,7 +97,7 @@ def _press(key: str) -> str | int:
         return _key_name(key)
     steps = key.removeprefix(_WAIT)
     if not (steps.isascii() and steps.isdigit()):
-        raise UserError(f"key {key!r} is not a wait; expected wait:N, N steps of training")
+        raise UserError(f"key {key!r} is unknown; expected wait:N, where N is a number of steps")
     return int(steps)
 
 

@@ -366,7 +366,7 @@ class AtlasDialog(Dialog[Recipe]):
         try:
             process = self._background.begin(self._request, self._scene.atlas)
         except OSError as error:
-            self.app.notify(f"no process can be started: {error.strerror or error}", severity="error")
+            self.app.notify(f"cannot start a process: {error.strerror or error}", severity="error")
             self.dismiss(None)
             return
         if process is not None and self._request.is_awaited:

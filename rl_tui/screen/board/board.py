@@ -219,6 +219,8 @@ class Board(Container):
             lanes=(snapshot.beside is not None or awaits_lanes) and not self.is_one_lane,
             is_program=snapshot.program is not None,
             has_lesson=snapshot.lesson is not None,
+            spotlight=None if snapshot.lesson is None else open_page(snapshot.lesson.record).spotlight,
+            is_fresh=not snapshot.timeline.current.end,
             drawing=snapshot.world.drawing,
             table_rows=self.table.rows_of(snapshot),
             actions=int(np.diff(snapshot.world.space.first_pair).max(initial=1)),

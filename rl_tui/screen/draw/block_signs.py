@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Final, Literal
 
 Direction = tuple[int, int]  # rows down and columns right, −1, 0 or 1 each
 Sign = Direction | str  # an arrow by its direction, or a letter
-SignName = Literal["arrow", "heads", "disc", "ring", "square", "star"]
+SignName = Literal["arrow", "disc", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
 
 QUADRANTS: Final = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # by bits: upper left, upper right, lower left, lower right
@@ -36,13 +36,12 @@ _PIXELS: Final = {  # five rows from above, three pixels each, as octal digits; 
 _POINTS: Final = 4
 _LEAST_SHAFT: Final = 6  # rows; a shorter arrow is all head
 _SHAFT: Final = 0.32
-_LOW: Final = 3  # rows of a sign that needs relatively larger heads
 
 
 @lru_cache(1_024)
-def block_sign(name: SignName, columns: int, rows: int, *directions: Direction) -> tuple[str, ...]:
-    """Return the ``rows`` of a sign. ``directions`` are those of arrows and heads."""
-    inside = _shape(name, directions, rows)
+def block_sign(name: SignName, columns: int, rows: int, direction: Direction = (0, 0)) -> tuple[str, ...]:
+    """Return the ``rows`` of a sign. An arrow has a ``direction``."""
+    inside = _shape(name, direction, rows)
     unit = min(columns / 2, rows)
     points = [(point + 0.5) / (2 * _POINTS) for point in range(2 * _POINTS)]
 
@@ -93,13 +92,10 @@ def sign_size(width: int, height: int) -> tuple[int, int]:
     return 2 * rows, rows
 
 
-def _shape(name: SignName, directions: tuple[Direction, ...], rows: int) -> _Inside:
+def _shape(name: SignName, direction: Direction, rows: int) -> _Inside:
     match name:
         case "arrow":
-            return _arrow(*directions[0], rows)
-        case "heads":
-            heads = [partial(_head, rows=rows, down=down, right=right) for down, right in directions]
-            return lambda x, y: any(head(x, y) for head in heads)
+            return _arrow(*direction, rows)
         case "disc":
             return lambda x, y: x * x + y * y <= 0.92
         case "ring":
@@ -123,13 +119,6 @@ def _arrow(down: int, right: int, rows: int) -> _Inside:
         return along <= 1 and beside <= 0.84 * (1 - along) / 1.1 + 0.03
 
     return inside
-
-
-def _head(x: float, y: float, rows: int, down: int, right: int) -> bool:
-    along, beside = x * right + y * down, abs(x * down) + abs(y * right)
-    if down and right:
-        return 0.3 <= x * right <= 1 and 0.3 <= y * down <= 1 and along >= 1.2
-    return (0.35 if rows <= _LOW else 0.45) <= along <= 1 and beside <= 0.6 * (1 - along) + 0.06
 
 
 def _star(x: float, y: float) -> bool:

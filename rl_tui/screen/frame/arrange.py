@@ -6,6 +6,7 @@ left corner. The first row is the header, the last one has the keys.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from textual.geometry import Region, Size
@@ -42,13 +43,15 @@ from rl_tui.worlds.drawing import Arms, Axes, Body, Graph, Grid
 _LEAST_BELOW: Final = {MEDIUM: 5, ROOMY: 10}  # rows of the lower band
 _LEAST_BELOW_LANES: Final = 8  # rows of the lower band of medium size: with fewer, lines of runs are a braid
 _LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
-_BESIDE_PAGE: Final = 12  # rows of curve and table beside a lesson page at the right
+_BESIDE_PAGE: Final = 12  # rows of curve and table beside a lesson page at the right, or below two worlds
 _AROUND_A_MAP: Final = 15  # rows
 _LEAST_SCROLLING: Final = 4  # least rows of the lower band: a heading and sliders
 _BELOW_A_WORLD: Final = 19  # rows of a panel below the world, beside a page of a lesson
 _BELOW_LANES: Final = 18  # rows below the worlds of two runs that leave space for tables
-_UPPER: Final = 16  # rows of the upper band, so that the table beside a low map gets enough
+_UPPER: Final = {MEDIUM: 13, ROOMY: 16}  # rows of the upper band if the table needs them beside a low map
 _MOST_CURVE: Final = 16
+_CURVE_BESIDE_PANEL: Final = {MEDIUM: 5, ROOMY: 10}  # most rows, not to outgrow the map
+_EMPTY_AT_FIRST: Final = frozenset({TABLE, CURVE, TIMELINE, LAST_STEP})
 _LAST_STEP: Final = 8  # rows of the full text
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
@@ -57,10 +60,12 @@ _LEAST_CURVE: Final = 6  # rows with its timeline; with fewer it changes places 
 _CURVE_AT_RIGHT: Final = 11
 _TABLE_KEPT: Final = 12  # rows that the table keeps when others share its column
 _AROUND_A_TABLE: Final = 8  # rows: heads, legend, layers
+_AROUND_ROWS: Final = 3  # the same at medium sizes
 _SHARE: Final = 0.235  # of the screen; a smaller map takes rows of the lower band
+_LEAST_PANEL: Final = {MEDIUM: 40, ROOMY: 44}  # columns, if the map gets larger cells
 _PANEL_COLUMNS: Final = (44, 60)
+_GLANCE_COLUMNS: Final = (48, 60)  # of a page beside a small map
 _PANEL_SHARE: Final = 0.4
-_PAGE_COLUMNS: Final = 40  # of a lesson page, so that the world keeps enough
 _BESIDE_A_GRAPH: Final = 36  # columns; more would turn the boxes of a graph into a list
 _TALLER: Final = 1.5  # times: a wide map goes above all else if its cells get this much higher
 _LARGER: Final = 1.3  # times: two maps are stacked if their cells get this much larger
@@ -88,9 +93,12 @@ def arrange(
     sheet = ScreenPlan(size, shape)
     if zoomed is not None:
         return sheet.alone(zoomed)
-    if shape.has_lesson and shape.reads and not docks_lesson(size, shape.shown):
-        return sheet.alone(LESSON)
     if shape.has_lesson and not docks_lesson(size, shape.shown):
+        if shape.reads and shape.spotlight == WORLD and sheet.room is MEDIUM:
+            glance = replace(shape, shown=frozenset({WORLD}), lanes=False, is_drawn=False)
+            return _Bands(ScreenPlan(size, glance), None, 0, glances=True).place()
+        if shape.reads:
+            return sheet.alone(LESSON)
         sheet.put(LESSON, Region(0, 1, size.width, 1))
         sheet.top = 2
     if sheet.room is SMALL and opened is not None:
@@ -99,12 +107,19 @@ def arrange(
     if opened is not None and sheet.room is not ROOMY:
         sheet.lanes = False
     is_wide = sheet.room is ROOMY and not (shape.has_lesson or shape.is_drawn or sheet.lanes)
-    return _Bands(sheet, opened, wide_rows if is_wide else 0).place()
+    place = _Bands(sheet, opened, wide_rows if is_wide else 0).place()
+    is_fresh = shape.is_fresh and shape.has_lesson and sheet.room is ROOMY and shape.shown is None
+    for panel in _EMPTY_AT_FIRST - {shape.spotlight} if is_fresh else ():
+        place.regions.pop(panel, None)  # nothing else moves when it comes
+    return place
 
 
 class _Bands:
-    def __init__(self, sheet: ScreenPlan, opened: str | None, wide_rows: int) -> None:
+    def __init__(
+        self, sheet: ScreenPlan, opened: str | None, wide_rows: int, *, glances: bool = False
+    ) -> None:
         self.sheet, self.shape, self.room = sheet, sheet.shape, sheet.room
+        self.glances = glances  # a page points at the small map beside it
         self.wide, self.wide_rows = opened if wide_rows else None, wide_rows
         self.drawing = self.shape.drawing
         docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size, self.shape.shown) else None
@@ -120,25 +135,23 @@ class _Bands:
         )
         if sheet.lanes and self.aside is not None:
             self.below_page, self.aside = (self.below_page, self.aside) if docked else (self.aside, None)
-        named = self.shape.shown
         has_column = self.aside or sheet.shows(TABLE) or sheet.shows(LAST_STEP)
-        self.is_alone = named is not None and not has_column
+        self.is_alone = self.shape.shown is not None and not has_column
         self.has_lower = bool(self.below_page or sheet.shows(CURVE) or sheet.shows(self.shape.settings))
         self.wind = int(isinstance(self.drawing, Grid) and bool(self.drawing.wind))
         self.is_place = isinstance(self.drawing, Grid) and not self.drawing.legend
         self.chain = len(self.drawing.chain) if isinstance(self.drawing, Graph) else 0
         self.least, self.most = self._columns()
+        self._most_curve = _MOST_CURVE if self.aside is None else _CURVE_BESIDE_PANEL[self.room]
 
     def _columns(self) -> tuple[int, int]:
         width = self.sheet.size.width
         if self.aside is not None:
-            least, most = _PANEL_COLUMNS
-            if self.aside == LESSON and self.room is MEDIUM:
-                least = _PAGE_COLUMNS
+            least, most = _GLANCE_COLUMNS if self.glances else _PANEL_COLUMNS
             if isinstance(self.drawing, Graph) and self.room is MEDIUM:
                 least = _BESIDE_A_GRAPH
             columns = max(least, min(most, round(width * _PANEL_SHARE)))
-            return columns, columns
+            return min(_LEAST_PANEL[self.room], columns), columns
         is_arms = isinstance(self.drawing, Arms)
         least = 24 if is_arms else 4 + 6 * min(self.shape.actions, 4)
         most = 40 if is_arms else 6 + 10 * min(self.shape.actions, 4)
@@ -167,8 +180,9 @@ class _Bands:
         columns = self._right_columns(picture.width)
         left = sheet.usable - (columns + sheet.gap if columns else 0)
         upper = (2 if is_over else 1) * (picture.height + extra)
-        if self.room is ROOMY and self.aside is None and not sheet.lanes:
-            upper = max(upper, min(_UPPER, height + extra))
+        if self.room is not SMALL and self.aside is None and not sheet.lanes:
+            beside = min(_UPPER[self.room], self.shape.table_rows + _AROUND_ROWS)
+            upper = max(upper, min(beside, height + extra))
         self._put_world(picture, extra, left, room, is_over=is_over)
         low = sheet.top + upper + (sheet.blank if below else 0)
         if columns and self._has_curve_at_right(low):
@@ -216,6 +230,8 @@ class _Bands:
 
     def _least_below(self) -> int:
         sheet = self.sheet
+        if self.glances:
+            return (sheet.foot - sheet.top) * 2 // 5
         if not self.has_lower:
             return 0
         if self.wide is not None:
@@ -248,8 +264,7 @@ class _Bands:
 
     def _scale_rows(self, below: int) -> int:
         """Return 0 where a scale would cost the third row of each cell, else 1."""
-        sheet, drawing = self.sheet, self.drawing
-        rows = sheet.foot - sheet.top - below
+        drawing, rows = self.drawing, self.sheet.foot - self.sheet.top - below
         is_tight = isinstance(drawing, Grid) and drawing.rows * 3 <= rows < drawing.rows * 3 + 1
         return 0 if self.room is SMALL and is_tight else 1
 
@@ -279,8 +294,8 @@ class _Bands:
         drawing = self.drawing
         if not isinstance(drawing, Grid) or not self.is_place or self.aside or not self.sheet.lanes:
             return None
-        rows = height - 1 - self.wind
-        return cell_size(drawing.rows * 2, drawing.columns, self.sheet.usable - _BESIDE_MAPS, rows)
+        width = self.sheet.usable - _BESIDE_MAPS
+        return cell_size(drawing.rows * 2, drawing.columns, width, height - 1 - self.wind)
 
     def _picture(self, cell: Size, room: int, height: int) -> Size:
         match self.drawing:
@@ -315,7 +330,7 @@ class _Bands:
         sheet = self.sheet
         if self.is_alone or (sheet.lanes and self.aside is None):
             return 0
-        if self.aside is not None:
+        if sheet.lanes:
             return self.least
         return max(self.least, min(self.most, sheet.usable - sheet.gap - picture))
 
@@ -407,14 +422,19 @@ class _Bands:
         return [each for each in panels if each[0] not in taken]
 
     def _put_below_lanes_or_page(self, low: int, left: int) -> None:
-        sheet, foot, x = self.sheet, self.sheet.foot, self.sheet.margin
+        sheet, foot, x, shape = self.sheet, self.sheet.foot, self.sheet.margin, self.shape
         width = left
-        if sheet.shows(self.shape.settings):
+        if sheet.shows(shape.settings):
             foot -= 1
-            sheet.put(self.shape.settings, Region(x, foot, width, 1))
-        if LAST_STEP not in sheet.regions and sheet.shows(LAST_STEP) and foot - low >= _BESIDE_PAGE + 1:
-            foot -= 1
-            sheet.put(LAST_STEP, Region(x, foot, width, 1))
+            sheet.put(shape.settings, Region(x, foot, width, 1))
+        if LAST_STEP not in sheet.regions and sheet.shows(LAST_STEP):
+            is_beside = self.aside is not None and self.below_page is None
+            kept = self._most_curve + 1 + sheet.blank if is_beside else _BESIDE_PAGE
+            sizes = (_LAST_STEP, _SHORT_STEP, 1) if is_beside else (1,)
+            rows = next((each for each in sizes if foot - low - each >= kept), 0)
+            foot -= rows
+            sheet.put(LAST_STEP, Region(x, foot, width, rows))
+            foot -= sheet.blank if rows > 1 else 0
         if self.below_page is not None and self.aside == LESSON:
             if sheet.shows(TIMELINE):
                 foot -= 1
@@ -427,20 +447,17 @@ class _Bands:
         if second is None and sheet.lanes and self.room is ROOMY and isinstance(self.drawing, Arms):
             second = BUDGET
         if second is not None:
-            half = max(min(self._table_columns(), width // 2), (width - sheet.gap) // 2)
+            half = max(min(4 + 6 * min(shape.actions, 4), width // 2), (width - sheet.gap) // 2)
             sheet.put(second, Region(x + width - half, low, half, foot - low))
             width -= half + sheet.gap
         self._put_curve(low, foot, width)
-
-    def _table_columns(self) -> int:
-        return 4 + 6 * min(self.shape.actions, 4)
 
     def _put_curve(self, low: int, foot: int, width: int, x: int | None = None) -> None:
         """Put the curve, and the timeline directly below it with the same columns."""
         sheet, x = self.sheet, self.sheet.margin if x is None else x
         if not sheet.shows(CURVE):
             return
-        rows = min(_MOST_CURVE, foot - 1 - low)
+        rows = min(self._most_curve, foot - 1 - low)
         sheet.put(CURVE, Region(x, low, width, rows))
         sheet.put(TIMELINE, Region(x, low + rows, width, 1))
 

@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 
 from textual.geometry import Region, Size
 
+from rl_tui.lessons.file.schema import Page
 from rl_tui.screen.kit.row import (
     CAPTION,
     CONTROLS,
@@ -40,8 +41,9 @@ class Shape:
     """Everything but the size and the open panel that affects the arrangement.
 
     ``actions`` is the largest number of actions of a state. ``lanes`` asks for two runs side by side.
-    ``reads`` gives the screen to the lesson page if there is no space for both. ``shown`` are the ids of the
-    panels in view, None for all.
+    ``reads`` gives the screen to the lesson page if there is no space for both. ``spotlight`` is the panel
+    that the page points at. ``is_fresh``: no step was taken. ``shown`` are the ids of the panels in view,
+    None for all.
     """
 
     drawing: Drawing | None = None
@@ -51,6 +53,8 @@ class Shape:
     is_program: bool = False
     has_lesson: bool = False
     reads: bool = False
+    spotlight: str | None = None
+    is_fresh: bool = False
     is_drawn: bool = False
     shown: frozenset[str] | None = None
 
@@ -65,7 +69,8 @@ def expected_shape(
     *,
     lanes: bool,
     is_program: bool,
-    has_lesson: bool,
+    page: Page | None,
+    is_fresh: bool,
     shown: frozenset[str] | None,
 ) -> Shape:
     """Return the shape as far as ``section`` gives it, before its world is built."""
@@ -73,8 +78,10 @@ def expected_shape(
         drawing=section.sketch(),
         lanes=lanes,
         is_program=is_program,
-        has_lesson=has_lesson,
-        reads=has_lesson,
+        has_lesson=page is not None,
+        reads=page is not None,
+        spotlight=None if page is None else page.spotlight,
+        is_fresh=is_fresh,
         shown=shown,
     )
 

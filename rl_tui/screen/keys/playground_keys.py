@@ -87,7 +87,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "run.episode",
         "e",
         "episode",
-        "Run to the end of the episode or sweep.",
+        "Run one episode, or one pass of a planner.",
         rank=2,
         takes_steps=True,
     ),
@@ -112,7 +112,7 @@ _RUN: Final[tuple[Action, ...]] = (
     *(
         Action(id_, key, label, help_, command=does, symbol=sign, unfocused=True, takes_steps=key == "right")
         for id_, key, label, help_, does, sign in (
-            ("time.on", "right", "forward", "Take a step, or repeat one of the past.", "run.step", "→"),
+            ("time.on", "right", "forward", "Take a step, or repeat a past step.", "run.step", "→"),
             ("time.back", "left", "step back", "Go back one step.", "time.step_back", "←"),
             ("time.to_start", "home", "start", "Go to step 0.", "", ""),
             ("time.to_end", "end", "end", "Go to the end of the run so far.", "", ""),
@@ -133,7 +133,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "until.choose",
         "u",
         "until…",
-        "Run until a reward, a new policy, a value …",
+        "Choose when to stop: reward, new policy, value …",
         rank=13,
         needs_world=True,
         takes_steps=True,
@@ -192,7 +192,7 @@ _AGENT: Final[tuple[Action, ...]] = (
         "agent.choose_algorithm",
         "a a",
         "algorithm…",
-        "Choose the algorithm, and keep Q and visits.",
+        "Choose another algorithm. Q and visits are kept.",
         aliases=" ".join(BY_ID),
         not_for_program=DECIDES,
     ),
@@ -209,7 +209,7 @@ _AGENT: Final[tuple[Action, ...]] = (
         "agent.next_ties",
         "a t",
         "ties",
-        "Break ties at random, or take the first action.",
+        "Among equal actions, choose one at random, or the first.",
         not_for_program=DECIDES,
     ),
     Action(
@@ -226,7 +226,7 @@ _AGENT: Final[tuple[Action, ...]] = (
             f"run.{does}",
             f"a {does[0]}",
             does,
-            f"Run one sweep of policy {noun}.",
+            f"{does.capitalize()} the policy once, in every state.",
             old=does[0].upper(),
             aliases=f"policy iteration sweep {noun}",
             takes_steps=True,
@@ -283,7 +283,7 @@ _SIGHT: Final[tuple[Action, ...]] = (
         shows=("answer",),
         keeps_page=True,
     ),
-    Action("view.turn_actions", "w a", "Q cells", "Show Q of every action in the cells, or V.", old="V"),
+    Action("view.turn_actions", "w a", "Q cells", "Show all Q in the cells, or only V.", old="V"),
     Action("view.numbers", "w n", "numbers", "Number the states in the cells.", old="number_sign"),
     *(
         Action(
@@ -326,7 +326,7 @@ _TOOLS: Final[tuple[Action, ...]] = (
         shows=("why",),
         keeps_page=True,
     ),
-    Action("until.toggle_breakpoint", "t b", "breakpoint", "Set or clear a breakpoint at the cursor."),
+    Action("until.toggle_breakpoint", "t b", "breakpoint", "Set or clear a stopping point at the cursor."),
     Action(
         "until.clear_breakpoints",
         "t n",
@@ -350,7 +350,7 @@ _COMPARE: Final[tuple[Action, ...]] = (
         "lanes.another_setting",
         "c s",
         "another setting",
-        "Compare with the same run, one setting different.",
+        "Compare with a run that differs in one setting.",
         aliases="lane beside",
         takes_steps=True,
         not_for_program=DECIDES,
@@ -372,7 +372,7 @@ _COMPARE: Final[tuple[Action, ...]] = (
         takes_steps=True,
         not_for_program="your program has one branch. c a: an agent beside it",
     ),
-    Action("lanes.show_runs", "c c", "runs…", "Choose the run to control, and the other one."),
+    Action("lanes.show_runs", "c c", "runs…", "Choose the run to control, and the second one shown."),
     Action(
         "lanes.next_lane",
         "c l",
@@ -399,7 +399,7 @@ _MORE: Final[tuple[Action, ...]] = (
         "run.watch",
         "m w",
         "watch it",
-        "Let the speed follow what is learned.",
+        "Run fast, and slow down when something is learned.",
         old="W",
         old_only_tells=True,
         aliases="learn",

@@ -117,12 +117,12 @@ _MENUS: Final = tuple(
         keeps_page=True,
     )
     for key, label, help_, rank in (
-        ("a", "agent", "Open the agent menu: algorithm, policy, ties, settings.", 5),
-        ("w", "world", "Open the world menu: edit, model, exact values, cells.", 6),
-        ("t", "tools", "Open the tools menu: policies, many seeds, flip points.", 7),
-        ("c", "compare", "Open the compare menu: another algorithm, setting or seed.", 10),
-        ("m", "more", "Open the more menu: moments, branches, save, export.", 11),
-        ("r", "again", "Open the again menu: the same, or another seed.", 12),
+        ("a", "agent", "Open a menu: algorithm, policy, ties, settings.", 5),
+        ("w", "world", "Open a menu: edit the world, model, exact values.", 6),
+        ("t", "tools", "Open a menu: policies, many seeds, flip points.", 7),
+        ("c", "compare", "Open a menu: compare with another algorithm, setting or seed.", 10),
+        ("m", "more", "Open a menu: other moments, branches, save, export.", 11),
+        ("r", "again", "Open a menu: start again, same seed or another.", 12),
     )
 )
 
@@ -178,7 +178,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "suspend",
         "ctrl+z",
         "to shell",
-        "Stop here and go to the shell.",
+        "Pause the program and go to the shell.",
         Group.PROGRAM,
         Place.EVERY,
         command="app.suspend_process",

@@ -12,7 +12,14 @@ from rl_tui.live.snapshot import AgentView, Snapshot
 from rl_tui.runs.bandit import best_arms, true_means
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.kit.counterparts import are_alike
-from rl_tui.screen.kit.numbers_in_common import best_of_states, finite, held_pairs, known_v, lanes_in_view
+from rl_tui.screen.kit.numbers_in_common import (
+    best_of_states,
+    finite,
+    held_pairs,
+    known_v,
+    lanes_in_view,
+    tried_q,
+)
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
@@ -142,11 +149,16 @@ def _compared(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> AgentVie
 # The numbers of scales
 
 
+_FEW: Final = 8  # states: V of fewer may be close together, unlike their Q
+
+
 def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
-    """Return the numbers that the scale of ``layer`` covers in both runs."""
+    """Return the numbers that the scale of ``layer`` covers in both runs: V, of few states also Q."""
     if layer is Layer.ERROR:
         return finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
-    return known_v(as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot)
+    seen = as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot
+    v, states = known_v(seen), np.count_nonzero(np.diff(seen.world.space.first_pair))
+    return v if states >= _FEW or layer is Layer.VISITS else np.concatenate([v, tried_q(seen)])
 
 
 def _errors(lane: Snapshot) -> FloatArray:

@@ -37,9 +37,13 @@ def known_v(snapshot: Snapshot) -> FloatArray:
     Exits of a map are left out, because they show their reward.
     """
     if isinstance(snapshot.world.drawing, Arms):
-        arms = [lane.agent.q[lane.agent.visits > 0] for lane in lanes_in_view(snapshot)]
-        return finite(np.concatenate(arms))
+        return tried_q(snapshot)
     return finite(np.concatenate([v[known] for v, known in map(_v, lanes_in_view(snapshot))]))
+
+
+def tried_q(snapshot: Snapshot) -> FloatArray:
+    """Return the finite Q of tried pairs."""
+    return finite(np.concatenate([lane.agent.q[lane.agent.visits > 0] for lane in lanes_in_view(snapshot)]))
 
 
 def best_of_states(space: FiniteSpace, values: FloatArray) -> FloatArray:

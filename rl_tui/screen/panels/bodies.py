@@ -19,6 +19,8 @@ from rl_tui.screen.panels.margins import LabelledPart, Margins, labelled
 from rl_tui.worlds.drawing import BodyKind, Grid
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.theme.look import Look
 
@@ -38,11 +40,12 @@ _EIGHTHS: Final = "▁▂▃▄▅▆▇█"
 
 
 class Pose(NamedTuple):
-    """The ``numbers`` of a body and the last action."""
+    """The ``numbers`` of a body, the last action, and the positions at the ends of a hill."""
 
     kind: BodyKind
     numbers: tuple[float, ...]
     action: str
+    ends: tuple[float, float] = _HILL
 
 
 @lru_cache(512)
@@ -129,7 +132,7 @@ def _draw_pole(canvas: Canvas, middle: int, rows: int, angle: float, look: Look)
 def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
     glyphs, palette = look.glyphs, look.palette
     position, velocity = pose.numbers
-    low, high = _HILL
+    low, high = pose.ends
     car_rows = 2 if canvas.height >= _HIGH else 1
 
     def level_of(place: float) -> int:
@@ -144,7 +147,7 @@ def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
 
     for x in range(canvas.width):
         _draw_ground(canvas, x, level_of(low + (high - low) * x / (canvas.width - 1)), look)
-    _draw_axis(canvas, look)
+    _draw_axis(canvas, pose.ends, look)
     flag = column_of(_FLAG)
     canvas.put(flag, row_above(_FLAG), glyphs.goal, palette.goal)
     canvas.put(flag - 5, row_above(_FLAG), "goal", palette.dim)
@@ -166,10 +169,10 @@ def _draw_ground(canvas: Canvas, x: int, level: int, look: Look) -> None:
         canvas.put(x, ground - row, _EIGHTHS[min(7, level - 8 * row - 1)], look.palette.rule)
 
 
-def _draw_axis(canvas: Canvas, look: Look) -> None:
+def _draw_axis(canvas: Canvas, ends: tuple[float, float], look: Look) -> None:
     ink, ground = look.palette.dim, look.palette.rule.color
     style = ink + Style(bgcolor=ground) if look.palette.tints and look.glyphs.braille else ink
-    left, right = (f"{end}".replace("-", look.glyphs.minus) for end in _HILL)
+    left, right = (f"{end:.3g}".replace("-", look.glyphs.minus) for end in ends)
     canvas.put(0, canvas.height - 1, f"{left} position", style)
     canvas.put(canvas.width - len(right), canvas.height - 1, right, style)
 
@@ -216,4 +219,15 @@ def surrounded(
     last = snapshot.counters.last_step
     action = "" if last is None or last.planned else space.action_names[int(space.pair_action[last.pair])]
     pose = Pose(grid.body.kind, grid.body.pose(snapshot.counters.state), action)
-    return [*body_strips(pose, width, margins.body, look), *strips]
+    if grid.axes is None or not grid.axes.is_upward or part.columns < grid.columns:
+        return [*body_strips(pose, width, margins.body, look), *strips]
+    pose, before = pose._replace(ends=_ends(grid.body.middles[0])), Canvas(margins.left, 1, look.palette.text)
+    body = body_strips(pose, part.columns * part.cell[0], margins.body, look)
+    rows = (Strip.join([*before.strips(), row]) for row in body)
+    return [*(row.adjust_cell_length(width, look.palette.text) for row in rows), *strips]
+
+
+def _ends(middles: Sequence[float]) -> tuple[float, float]:
+    """Return the ends of equal bins."""
+    half = (middles[-1] - middles[0]) / (len(middles) - 1) / 2.0
+    return _HILL if math.isnan(half) else (middles[0] - half, middles[-1] + half)

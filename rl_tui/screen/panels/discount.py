@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 # The list of flip points
 
 
-_LEAST_DECIMALS: Final = 4
+_LEAST_DECIMALS: Final = 3
 _MOST_DECIMALS: Final = 12
 _LARGE: Final = 1e7  # returns from here on have an exponent
 _MOST_STATES: Final = 12
@@ -58,7 +58,7 @@ class FlipForm(NamedTuple):
 
     gamma_decimals: int
     return_decimals: int
-    verb: str = "earns "
+    verb: str
 
     def gamma(self, flip: Flip, look: Look) -> str:
         """Return γ as text."""
@@ -77,20 +77,13 @@ class FlipForm(NamedTuple):
         return f"{self.verb}{below} below, {above} above"
 
 
-_FORMS: Final = (
-    FlipForm(12, 6),
-    FlipForm(9, 4),
-    FlipForm(6, 3),
-    FlipForm(6, 3, ""),
-    FlipForm(_LEAST_DECIMALS, 3, ""),
-    FlipForm(_LEAST_DECIMALS, 2, ""),
-)
+_FORMS: Final = ((4, "earns "), (3, "earns "), (3, ""), (2, ""))  # decimals of returns, and the verb
 
 
 def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
     """Return the longest form of all ``flips`` that fits ``width`` cells.
 
-    It distinguishes every γ without superfluous decimals.
+    γ has three decimals, or enough to distinguish every flip.
     """
     gammas = [flip.gamma for flip in flips]
     returns = [each for flip in flips for each in flip.expected_return if each is not None]
@@ -99,11 +92,8 @@ def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
         _MOST_DECIMALS,
         lambda decimals: len({round(gamma, decimals) for gamma in gammas}) == len(gammas),
     )
-    for longest in _FORMS:
-        form = longest._replace(
-            gamma_decimals=_decimals_of(gammas, max(least, longest.gamma_decimals)),
-            return_decimals=_decimals_of(returns, longest.return_decimals),
-        )
+    for most, verb in _FORMS:
+        form = FlipForm(_decimals_of(gammas, least), _decimals_of(returns, most), verb)
         texts = (f"{form.gamma(flip, look)}{_GAP}{form.returns(flip, look)}" for flip in flips)
         if all(_SIGNS + cell_len(to_ascii(text, look.glyphs)) <= width for text in texts):
             break

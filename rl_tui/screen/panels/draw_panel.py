@@ -99,6 +99,7 @@ class LinePressed(Touched):
 
 
 _SIGN: Final = 3  # columns
+_HELD: Final = "brush:"
 _MOST_SPARE: Final = 4  # most spare columns between two columns of tools
 _TWO_SLIDERS: Final = 44  # columns for two sliders in a row
 
@@ -148,6 +149,9 @@ class ToolList(Widget):
         first, second = (palette.strong, palette.dim) if held is None else (palette.dim, palette.text)
         style = first if number == 0 else second if number == 1 else palette.dim
         if held is not None and number == 0:
+            if _sign_columns(canvas.width) > 1:
+                canvas.put(x, 0, _HELD, palette.dim)
+                x += len(_HELD) + 1
             x += self._put_sign(canvas, x, held, _SIGN)
             name = _text(held, glyphs)
             canvas.put(x, 0, name, palette.you + Style(bold=True))
@@ -397,10 +401,10 @@ class DrawPanel(Container, BoardPanel):
 
     def _write_border(self) -> None:
         count = len(self._sheet.numbers)
-        titles = (f"Draw · {self.caption}", "Draw")[not self.is_explained :]
+        keys = f" · 1–{count}: sliders" if count > 1 else " · 1: slider" if count else ""
+        titles = (f"Draw · {self.caption}{keys}", f"Draw{keys}", "Draw")[not self.is_explained :]
         fitting = (each for each in titles if cell_len(each) <= self.size.width - BORDER_ENDS)
-        keys = f"1–{count}: sliders" if count > 1 else "1: slider" if count else ""
-        self.write_border(next(fitting, titles[-1]), keys, self.look)
+        self.write_border(next(fitting, titles[-1]), "", self.look)
 
     def _made(self) -> Iterable[Slider]:
         glyphs = self.look.glyphs

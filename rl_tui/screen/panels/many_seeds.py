@@ -338,7 +338,7 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block
         yield Text("" if study.seeds else FIRST_SEEDS, palette.dim)
         yield Text(study.how_long, palette.dim)
     if study.is_outdated:
-        yield Text("outdated, the run has changed: enter counts again", palette.strong)
+        yield Text("outdated, the run has changed: enter repeats the study", palette.strong)
     if study.state is StudyState.OUT_OF_TIME:
         yield Text("stopped: CPU-time limit reached", palette.strong)
     yield Text(study.message, palette.strong if study.state in _SAYS_WHY else palette.text)

@@ -133,9 +133,11 @@ def _titled(strip: Strip, title: Title, part: LabelledPart, is_here: bool, look:
 
 def _placed(title: Title, part: LabelledPart, look: Look) -> tuple[str, int]:
     """Return the text of ``title``, empty if too wide, and its first column."""
-    text, room = to_ascii(title.text, look.glyphs), title.columns * part.cell[0]
+    room = title.columns * part.cell[0]
+    forms = (to_ascii(each, look.glyphs) for each in (title.text, title.brief))
+    text = next((each for each in forms if len(each) <= room), "")
     x = (title.column - part.left) * part.cell[0] + (room - len(text)) // 2
-    return text if len(text) <= room else "", x
+    return text, x
 
 
 @lru_cache(64)
@@ -160,7 +162,7 @@ def _heads(
     if margins.labels > any(texts):
         _put_titles(canvas, axes, part, start, own, look)
         if margins.names_bins and axes.names is not None:
-            _put_heading(canvas, axes.names, look)
+            _put_heading(canvas, axes, look)
     every = 1 + max(map(len, texts), default=0) // wide  # a blank separates neighbours
     place = 0  # within a block
     for column, text in enumerate(texts):
@@ -181,11 +183,12 @@ def _put_titles(
             canvas.put(start + x, 0, text, look.palette.strong if title is own else look.palette.dim)
 
 
-def _put_heading(canvas: Canvas, names: tuple[str, str], look: Look) -> None:
+def _put_heading(canvas: Canvas, axes: Axes, look: Look) -> None:
     palette, glyphs = look.palette, look.glyphs
-    down, across = names
-    both = f"{down} {glyphs.down}  {across} {glyphs.right}"
-    close = f"{down}{glyphs.down} {across}{glyphs.right}"
+    assert axes.names is not None
+    (down, across), arrow = axes.names, glyphs.up if axes.is_upward else glyphs.down
+    both = f"{down} {arrow}  {across} {glyphs.right}"
+    close = f"{down}{arrow} {across}{glyphs.right}"
     forms = (f"{ALL_SEEN}, drawn at the middle · {both}", f"{ALL_SEEN} · {both}", both, close)
     text = next((form for form in forms if len(BINS) + 2 + len(form) <= canvas.width), "")
     canvas.put(0, 0, BINS, palette.strong)

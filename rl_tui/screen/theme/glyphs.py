@@ -40,6 +40,7 @@ class Glyphs:
     trail: str = _in("•", "=")  # on a map: recent and older steps
     trail_old: str = _in("◦", ",")
     seams: str = _in("▕▁", "|_")  # between the cells of a map: at the right, below
+    edges: str = _in("▏▕", "||")  # walls between the cells of a map: at the left, at the right
     frame: str = _in("▌▐▔▁", "[]--")  # around a cell: left, right, above, below
     lit_edge: str = _in("▔", "#")  # of a wall
     unreached: str = _in("░", ":")  # fills an unreachable cell

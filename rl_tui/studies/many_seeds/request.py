@@ -201,7 +201,7 @@ class SeedStudies:
             if isinstance(reason, UserError):
                 self._refused = SeedStudy(StudyState.REFUSED, message=str(reason))
             else:
-                why = f"no process can be started: {reason}"
+                why = f"cannot start a process: {reason}"
                 self._refused = SeedStudy(StudyState.FAILED, message=why)
             return
         if process is not None and not self._automatic:

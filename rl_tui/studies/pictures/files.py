@@ -34,8 +34,8 @@ def check_matplotlib() -> None:
     """Raise UserError if Matplotlib is not installed."""
     if find_spec("matplotlib") is None:
         raise UserError(
-            'a PNG is drawn by Matplotlib, which is not installed: pip install "rl-tui[plot]", '
-            "or take a name that ends in .svg"
+            'a PNG needs Matplotlib, which is not installed: pip install "rl-tui[plot]", '
+            "or choose a name that ends in .svg"
         )
 
 

@@ -51,7 +51,7 @@ def document_of(path: Path, measure: str | None) -> Any:
     with Store.to_read(path) as store:
         plans = store.plans()
         if not plans:
-            raise UserError(f"{path}: no sweep is in this store; fill it by rl-tui sweep --store {path}")
+            raise UserError(f"{path}: this store is empty; fill it with rl-tui sweep --store {path}")
         plan = read_plan(plans[-1])
         standings = standings_of(plan, store, MEASURES.get(measure or ""))
         bests = best_documents(standings, plan, store, again=False)

@@ -266,7 +266,7 @@ def _chart(wanted: _Wanted) -> Picture:
     table, groups = wanted.table, wanted.groups()
     if len(groups) > MOST_LINES:
         others = " or ".join(f"--y {name}" for name in wanted.others)
-        raise UserError(f"{len(groups)} lines are too many for one chart: draw an atlas by {others}")
+        raise UserError(f"{len(groups)} lines are too many for one chart: draw a map with {others}")
     means = wanted.means()
     values = _values(table, wanted.x)
     if _is_numeric(table, wanted.x):
@@ -325,7 +325,7 @@ def _atlases(wanted: _Wanted) -> Picture:
     groups, means = wanted.groups(), wanted.means()
     if len(groups) > MOST_PANELS:
         raise UserError(
-            f"{len(groups)} atlases are too many for one picture: "
+            f"{len(groups)} maps are too many for one picture: "
             f"vary fewer values of {' and '.join(wanted.others)}"
         )
     scale = round_axis("", kept_range(means))

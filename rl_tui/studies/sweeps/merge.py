@@ -42,7 +42,7 @@ def merge(
     """
     for path in stores:
         if path.resolve() == out.resolve():
-            raise UserError(f"{path} is what is merged into: name it once")
+            raise UserError(f"{path} is the merged store: do not name it as a part too")
         with Store.to_read(path):  # before anything is created
             pass
     merged = Merged()
@@ -76,7 +76,7 @@ def _take_in(target: Store, source: Store, cell: StoredCell, merged: Merged) -> 
         else:
             raise UserError(
                 f"{source.name}: cell {cell.key[:12]} ({cell.scenario} {cell.settings}), seed {row.seed}: "
-                f"other figures than in {target.name}, from the same kind of machine; one of the two is wrong"
+                f"other results than in {target.name}, from the same kind of machine; one of the two is wrong"
             )
 
 

@@ -159,7 +159,8 @@ class SweepPlan:
             )
         if self.count > MOST_SWEEP_CELLS:
             raise UserError(
-                f"{self.count:,} cells are more than {MOST_SWEEP_CELLS:,}; vary less, or take --random N"
+                f"{self.count:,} cells, but at most {MOST_SWEEP_CELLS:,} are possible; "
+                "vary less, or use --random N"
             )
         for each in self.variations:
             for value in _telling(each):
@@ -282,8 +283,8 @@ def read_plan(text: str) -> SweepPlan:
         raise UserError(f"not a sweep plan ({one_line(str(fault), _LONGEST_FAULT)})") from fault
     if plan.count * plan.runs > MOST_SWEEP_ROWS:
         raise UserError(
-            f"this plan asks for {plan.count:,} cells of {counted(plan.runs, 'run')}; "
-            f"at most {MOST_SWEEP_ROWS:,} runs can be drawn: plot a sweep of fewer"
+            f"this sweep has {plan.count:,} cells of {counted(plan.runs, 'run')}; "
+            f"at most {MOST_SWEEP_ROWS:,} runs fit into a chart: plot a smaller sweep"
         )
     return plan
 

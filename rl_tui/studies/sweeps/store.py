@@ -47,7 +47,9 @@ class WriterLock:
     def acquire(self) -> None:
         """Acquire the lock. Raises UserError, naming the holder, if another process has it, and OSError."""
         if not self._lock.acquire():
-            raise UserError(f"{self._path} is being written by {_in_words(self._holder())}; one at a time")
+            raise UserError(
+                f"{self._path} is being written by {_in_words(self._holder())}; only one program can write"
+            )
         holder = self._holder()
         if holder and holder.get("host") != socket.gethostname():
             self._lock.release()
@@ -128,7 +130,7 @@ class Store:
         if not path.name:
             raise UserError(f"{path}: not a file name; expected one such as sweep.sqlite")
         if not path.absolute().parent.is_dir():
-            raise UserError(f"{path}: there is no folder {path.parent}; make it first")
+            raise UserError(f"{path}: there is no folder {path.parent}; create it first")
         _check_kind(path)
         lock = WriterLock(path)
         try:
@@ -224,7 +226,7 @@ class Store:
         lost = seeds.intersection(self.missing(key, range(min(seeds), max(seeds) + 1)))
         if lost:
             raise UserError(
-                f"{self.name}: {counted(len(lost), 'run')} did not stay in it; use another --store"
+                f"{self.name}: lost {counted(len(lost), 'run')} after writing; use another --store"
             )
 
     def note_plan(self, plan: str) -> None:
@@ -305,8 +307,7 @@ class Store:
 
     def _damaged(self, found: object, expected: str) -> UserError:
         return UserError(
-            f"{self.name}: is damaged (found {shown(found)}, not {expected}); "
-            "go on from a copy, or in a new file"
+            f"{self.name}: is damaged (found {shown(found)}, not {expected}); use a copy, or a new file"
         )
 
     def _begin(self) -> None:
@@ -347,7 +348,7 @@ def _reason(code: int, said: str) -> str:
         case sqlite3.SQLITE_NOTADB:
             return "not a sweep store; choose another file with --store"
         case sqlite3.SQLITE_CORRUPT:
-            return f"is damaged ({said}); go on from a copy, or in a new file"
+            return f"is damaged ({said}); use a copy, or a new file"
         case sqlite3.SQLITE_FULL:
             return "the disk is full; what was finished before is kept, and the same line goes on from there"
         case sqlite3.SQLITE_READONLY | sqlite3.SQLITE_CANTOPEN | sqlite3.SQLITE_PERM:

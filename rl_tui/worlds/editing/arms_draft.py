@@ -150,7 +150,7 @@ class ArmsDraft(Draft):
         make = _EDITS.get(edit.name)
         if make is None:
             what = f"a bandit has nothing called {shown(edit.name)}{near(edit.name, _EDITS)}"
-            raise UserError(f"{what}; it has {', '.join(_EDITS)}")
+            raise UserError(f"{what}; possible are {', '.join(_EDITS)}")
         return make(self, edit)
 
     def state_keys(self, world: World) -> tuple[str, ...]:

@@ -86,7 +86,7 @@ def _same_map(name: str, drawing: Grid, mdp: TabularMDP, world: World) -> GridDr
 
 
 def _refused(name: str, why: str) -> UserError:
-    return UserError(f"{name} {why}, so it cannot be drawn; you can draw {_MAPS}")
+    return UserError(f"{name} {why}, so it cannot be edited; you can edit {_MAPS}")
 
 
 def _rules(mdp: TabularMDP) -> list[dict[str, Any]]:

@@ -237,7 +237,7 @@ def _range(edit: Edit, text: str, what: str, count: int) -> range:
     first = int(match[1])
     last = first + 1 if match[2] is None else int(match[2])
     if not 0 <= first < last <= count:
-        raise UserError(f"{named(edit)}: there are {what}s 0 to {count - 1}")
+        raise UserError(f"{named(edit)}: the {what}s are numbered from 0 to {count - 1}")
     return range(first, last)
 
 
@@ -257,9 +257,9 @@ def lines_added(edit: Edit, count: int) -> tuple[int, int]:
     match = _LINES.fullmatch(edit.value)
     if match is None or edit.at or int(match[1]) == 0:
         raise UserError(
-            f"{edit.name} is {shown(edit.value)}; expected a form such as +1@3, one more before 3"
+            f"{edit.name} is {shown(edit.value)}; expected for example +1@3: one more, before number 3"
         )
     added, at = int(match[1]), int(match[2])
     if at > count or at - min(added, 0) > count:
-        raise UserError(f"{edit.name}={edit.value}: there are {edit.name} 0 to {count - 1}")
+        raise UserError(f"{edit.name}={edit.value}: the {edit.name} are numbered from 0 to {count - 1}")
     return added, at

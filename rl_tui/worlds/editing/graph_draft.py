@@ -58,7 +58,7 @@ class GraphDraft(Draft):
         if make is None:
             known = (*_EDITS, *RULES)
             what = f"a graph has nothing called {shown(edit.name)}{near(edit.name, known)}"
-            raise UserError(f"{what}; it has {', '.join(known)}")
+            raise UserError(f"{what}; possible are {', '.join(known)}")
         return make(self, edit)
 
     def state_keys(self, world: World) -> Sequence[str]:
@@ -84,7 +84,7 @@ def graph_draft(scenario: Scenario, seed: int) -> GraphDraft:
     """
     rules = dict(tables_in(scenario.text)["mdp"])
     if rules.get("seen_as"):
-        raise UserError("some states have equal observations (seen_as), so this world cannot be drawn")
+        raise UserError("some states have equal observations (seen_as), so this world cannot be edited")
     return GraphDraft(tuple(rules.pop("transition")), rules)
 
 

@@ -99,7 +99,7 @@ class GridDraft(Draft):
         if make is None:
             known = (*_EDITS, *RULES)
             what = f"a map has nothing called {shown(edit.name)}{near(edit.name, known)}"
-            raise UserError(f"{what}; it has {', '.join(known)}")
+            raise UserError(f"{what}; possible are {', '.join(known)}")
         return make(self, edit)
 
     def state_keys(self, world: World) -> IntArray:
@@ -201,7 +201,7 @@ def _character_paying(
     digit = str(int(reward)) if reward in range(1, 10) else ""
     free = next((each for each in (digit, *_MINTED) if each and each not in taken), None)
     if free is None or len(draft.legend) >= MOST_CHARACTERS:
-        raise UserError("no character is left for a cell with another reward; use an existing one")
+        raise UserError("no character is left for a cell with a new reward; use a reward that the map has")
     raw = wanted.model_dump(mode="json", exclude_defaults=True)
     legend = {**draft._raw_legend, free: raw}
     return replace(draft, rules={**draft.rules, "legend": legend}, minted=draft.minted | {free}), free

@@ -42,7 +42,7 @@ def template_text(template: str, seed: int = 0, rows: int | None = None, columns
         return _random_text(template, seed, rows or size[0], columns or size[1])
     if rows is not None or columns is not None:
         raise UserError(
-            f"{shown(template)} has a size of its own: --rows and --columns are for {LAKE} and {MAZE}"
+            f"{shown(template)} has a fixed size: --rows and --columns work only with {LAKE} and {MAZE}"
         )
     if template in BLANK:
         return _read(os.path.join(_FOLDER, f"{template}{SUFFIX}"))
@@ -51,7 +51,7 @@ def template_text(template: str, seed: int = 0, rows: int | None = None, columns
     names = (*BLANK, *SIZES, *shipped_names())
     raise UserError(
         f"there is no template {shown(template)}{near(template, names)}; take {', '.join((*BLANK, *SIZES))} "
-        "or the id of a scenario, as rl-tui list has them"
+        "or the id of a scenario (rl-tui list)"
     )
 
 
@@ -89,7 +89,7 @@ def maze(rows: int, columns: int, seed: int) -> list[str]:
     for name, size in (("rows", rows), ("columns", columns)):
         if size % 2 == 0:
             larger = f" or {size + 1}" if size < LARGEST_SIDE else ""
-            raise UserError(f"a maze has walls in every second line: --{name} {size - 1}{larger}, not {size}")
+            raise UserError(f"a maze needs an odd number: --{name} {size - 1}{larger}, not {size}")
     generator = streams(seed).world
     cells = [["#"] * columns for _ in range(rows)]
     cells[0][0] = "."
@@ -120,7 +120,7 @@ def _random_text(template: str, seed: int, rows: int, columns: int) -> str:
 
     if rows * columns < 2 or max(rows, columns) > LARGEST_SIDE:
         raise UserError(
-            f"{rows} × {columns} cells: expected 2 cells or more, in at most {LARGEST_SIDE} rows and columns"
+            f"{rows} × {columns} cells: expected 2 cells or more, and at most {LARGEST_SIDE} rows and columns"
         )
     document = tomlkit.parse(_read(os.path.join(_FOLDER, f"grid{SUFFIX}")))
     document["summary"] = f"A {template} of {rows}×{columns} cells, drawn with seed {seed}."

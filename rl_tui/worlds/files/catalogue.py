@@ -59,7 +59,9 @@ def read_catalogue() -> Catalogue:
                 catalogue.broken.append(error)
                 continue
             if scenario.id in taken:
-                fault = Fault(str(path), "", f"the name of the shipped {scenario.id}", "another file name")
+                fault = Fault(
+                    str(path), "", f"the name of a scenario of rl-tui, {scenario.id}", "another file name"
+                )
                 catalogue.broken.append(ScenarioError([fault]))
             else:
                 found.append(scenario)
@@ -94,8 +96,7 @@ def find(name_or_path: str) -> Scenario:
     is_path = name_or_path.endswith(SUFFIX) or "/" in name_or_path or "\\" in name_or_path
     if in_kiosk() and (is_path or name_or_path.startswith(PREFIX)):
         raise UserError(
-            f"kiosk mode does not open {shown(name_or_path)}: only the shipped scenarios, as rl-tui list "
-            f"shows them"
+            f"kiosk mode does not open {shown(name_or_path)}: it has only the scenarios of rl-tui list"
         )
     if name_or_path.startswith(PREFIX):
         return environment_scenario(name_or_path)
@@ -108,7 +109,7 @@ def find(name_or_path: str) -> Scenario:
     names = [scenario.id for scenario in scenarios()]
     near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
     hint = f"did you mean {', '.join(near)}?" if near else f"choose from {', '.join(names)}"
-    raise UserError(f"no scenario is called {shown(name_or_path)}: {hint}")
+    raise UserError(f"there is no scenario {shown(name_or_path)}: {hint}")
 
 
 def _folders() -> tuple[Path, ...]:

@@ -135,7 +135,9 @@ def read_scenario(path: str | Path, *, ask_environment: bool = True) -> Scenario
     """
     path = Path(path)
     if not is_plain(str(path)):
-        raise ScenarioError([Fault(shown(str(path)), "", "control characters", "a plain path")])
+        raise ScenarioError(
+            [Fault(shown(str(path)), "", "control characters", "a path without control characters")]
+        )
     try:
         text = read_text(path)
     except UnreadableError as reason:

@@ -107,10 +107,10 @@ def entry_findings(
     if entry.is_wall:
         for key in raw:
             if key != "kind":
-                yield Finding((key,), f"{key} in a wall", "only the kind: a wall cannot be entered")
+                yield Finding((key,), f"{key} in a wall", f"no {key}: a wall cannot be entered")
         return
     if entry.kind is CellKind.START and entry.ends:
-        yield Finding(("terminal",), "a start that is terminal", "a start in which something can be done")
+        yield Finding(("terminal",), "a start that is terminal", "a start that is not terminal")
     elif entry.ends:
         for key in ("exit", "jump", "only", "back"):
             if raw.get(key):
@@ -120,12 +120,12 @@ def entry_findings(
     else:
         given = [key for key in ("exit", "jump", "only", "back") if raw.get(key)]
         if len(given) > 1:
-            yield Finding((given[1],), f"{given[1]} beside {given[0]}", "one of the two")
+            yield Finding((given[1],), f"both {given[0]} and {given[1]}", "only one of them")
     if entry.back and entry.kind is CellKind.START:
-        yield Finding(("back",), "back in a start", "back in another cell")
+        yield Finding(("back",), "back in a start cell", "no back: it leads to the start")
     for name in entry.only or ():
         if moves is not None and name not in moves:
-            yield Finding(("only",), shown(name), f"moves that the grid has: {', '.join(moves)}")
+            yield Finding(("only",), shown(name), f"moves of this grid: {', '.join(moves)}")
 
 
 # The map

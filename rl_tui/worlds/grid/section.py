@@ -83,7 +83,7 @@ def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
     yield from _slip_findings(raw, known_moves)
     yield from _legend_findings(raw.get("legend"), legend, known_moves)
     if "map" in raw and "random" in raw:
-        yield Finding(("random",), "random beside map", "either a map or one to be drawn")
+        yield Finding(("random",), "both map and random", "only one of them")
         return
     if "map" not in raw and "random" not in raw:
         yield Finding(("map",), "nothing", "a map of characters, or random")
@@ -116,12 +116,12 @@ def _slip_findings(raw: Mapping[str, Any], moves: Sequence[str] | None) -> Itera
     """Yield contradictions about slips; `moves` is None if the moves are invalid."""
     noisy, slippery = raw.get("noise") not in (None, 0), raw.get("slippery") is True
     if noisy and slippery:
-        yield Finding(("slippery",), "slippery beside noise", "one of the two")
+        yield Finding(("slippery",), "both noise and slippery", "only one of them")
     for key, given in (("noise", noisy), ("slippery", slippery)):
         if given and moves not in (None, *COMPASS):
             yield Finding((key,), f"{key} with moves = {shown(raw['moves'])}", 'moves = "four", or no slips')
     if raw.get("gusts") is True and not _winds(raw):
-        yield Finding(("gusts",), "gusts without wind", "wind or wind_rows")
+        yield Finding(("gusts",), "gusts without wind", "gusts with wind or wind_rows")
 
 
 def _winds(raw: Mapping[str, Any]) -> int:
@@ -197,7 +197,7 @@ def _meeting_findings(
     lines = lines_of(raw["map"]) if unknown else []
     for character in unknown[:_MOST_TOLD]:
         found = f"{shown(character)} in {first_place(lines, character)}"
-        yield Finding((key,), found, "a character that the legend knows")
+        yield Finding((key,), found, "a character of the legend")
     if len(shape.counts) > MOST_CHARACTERS:
         yield Finding((key,), f"{len(shape.counts)} different characters", f"at most {MOST_CHARACTERS}")
     on_map = {each: entry for each in shape.counts if (entry := legend.get(each)) is not None}
@@ -208,12 +208,14 @@ def _meeting_findings(
     for character, entry in sorted(on_map.items()):
         where = ("legend", character)
         if key == "random" and entry.is_wall and character in WAY_CHARACTERS:
-            expected = "a cell to walk on: a map that is drawn has a way to its goal"
+            expected = "a cell that can be entered: a random map needs a path to its goal"
             yield Finding((*where, "kind"), "wall", expected)
         if entry.jump is not None:
             yield from _jump_findings((*where, "jump"), entry.jump, shape, legend)
         if entry.back and starts > 1:
-            yield Finding((*where, "back"), f"back with {starts} starts", "one start to go back to")
+            yield Finding(
+                (*where, "back"), f"back with {starts} starts", "one start: back = true leads there"
+            )
         if leaving and (entry.ends or entry.back) and entry.pays and not entry.is_wall:
             own = raw.get("legend")
             place = where if isinstance(own, dict) and character in own else (key,)
@@ -229,7 +231,7 @@ def _jump_findings(
         found = f"{shown(target)}, which is on the map {count:,} times" if count else shown(target)
         yield Finding(where, found, "a character that is on the map once")
     elif entry is not None and entry.is_wall:
-        yield Finding(where, f"{shown(target)}, a wall", "a cell that one can be in")
+        yield Finding(where, f"{shown(target)}, a wall", "a cell that can be entered")
 
 
 # The table

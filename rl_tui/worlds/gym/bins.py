@@ -74,7 +74,7 @@ def check_sizes(name: str, states: int, actions: int, key: str) -> None:
 
 _MOST_TOLD: Final = 100
 _MOST_DECIMALS: Final = 12
-_USUAL_NAME: Final = " " * len("-0.17")
+_USUAL_NAME: Final = " " * len("-0.055")
 _FINEST: Final = 1e-14  # relative to the bounds; a double has 16 digits
 
 
@@ -109,7 +109,7 @@ class BinsSection(FileSection):
         if "edges" in raw:
             for key in ("low", "high", "count"):
                 if key in raw:
-                    yield Finding((key,), f"{key} beside edges", "either edges, or low, high and count")
+                    yield Finding((key,), f"both {key} and edges", "either edges, or low, high and count")
             yield from _edge_findings(raw["edges"])
             return
         if "count" not in raw:
@@ -181,7 +181,7 @@ def _edge_findings(edges: object) -> Iterator[Finding]:
     for dimension, here in enumerate(edges if isinstance(edges, list) else []):
         numbers = here if isinstance(here, list) and all(is_number(each) for each in here) else []
         if any(not left < right for left, right in pairwise(numbers)):
-            yield Finding(("edges", dimension), shown(here), "edges that grow from each to the next")
+            yield Finding(("edges", dimension), shown(here), "edges in increasing order")
 
 
 def _length_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:

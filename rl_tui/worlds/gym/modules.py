@@ -44,7 +44,7 @@ def refusal_of(id_: str) -> Finding | None:
     Refused are our own scenarios, and ids that need a module which was not allowed.
     """
     if id_.rpartition(":")[2].startswith(OWN_IDS):
-        return Finding(("id",), shown(id_), "an environment from elsewhere: this is a scenario of rl-tui's")
+        return Finding(("id",), shown(id_), "another environment: this is a scenario of rl-tui")
     if ":" not in id_ or (module_of(id_) in ALLOWED and not in_kiosk()):
         return None
     expected = "the id of a registered environment, without a module to import"

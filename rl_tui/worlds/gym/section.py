@@ -62,7 +62,7 @@ class GymnasiumSection(WorldSection):
             yield from _kwargs_findings(kwargs)
         if isinstance(bins, dict):
             if raw.get("table") is True:
-                yield Finding(("table",), "true beside bins", "false: what is cut into bins has no table")
+                yield Finding(("table",), "both table and bins", "no table: a world with bins has none")
             for finding in BinsSection.connection_findings(bins):
                 yield finding.inside("bins")
 
@@ -78,7 +78,9 @@ class GymnasiumSection(WorldSection):
         except WorldRefusedError as refusal:
             yield refusal.finding
         except EnvironmentFailedError as failure:
-            yield Finding(("kwargs" if self.kwargs else "id",), str(failure), "an environment that starts")
+            yield Finding(
+                ("kwargs" if self.kwargs else "id",), str(failure), "an environment that can be created"
+            )
 
     def sketch(self) -> Grid | None:
         """Return the known part of the grid without importing Gymnasium, or None."""
@@ -123,7 +125,9 @@ def _unprintable(kwargs: Mapping[str, Any]) -> Iterator[Finding]:
         if isinstance(value, Mapping):
             for key, each in value.items():
                 if not is_plain(key):
-                    yield Finding((*location, key), with_control_character(key), "a key that can be printed")
+                    yield Finding(
+                        (*location, key), with_control_character(key), "a key without control characters"
+                    )
                 left.append((each, (*location, key)))
         elif isinstance(value, list):
             left += [(each, (*location, index)) for index, each in enumerate(value)]

@@ -51,6 +51,8 @@ _BODIES: Final[Mapping[str, BodyKind]] = {
     "CartPoleEnv": BodyKind.CART_POLE,
     "MountainCarEnv": BodyKind.MOUNTAIN_CAR,
 }
+_ACROSS: Final = (BodyKind.MOUNTAIN_CAR,)
+"""Bodies that move along their first part."""
 
 
 def action_names(environment: Any, first: int, actions: int) -> tuple[str, ...]:
@@ -127,6 +129,8 @@ def product_grid(
     further parts is a block of its own, separated by walls. Parts with one value are ignored. Actions are not
     directions.
 
+    A body that moves along the first of two parts has it across, and the second upwards.
+
     Args:
         sizes: Number of values of each part.
         actions: Number of actions.
@@ -134,9 +138,14 @@ def product_grid(
         names: Names of the values of each part, as labels.
         body: Body that the parts describe.
     """
+    is_upward = _is_upward(sizes, body)
+    if is_upward:
+        sizes, terms, names = sizes[::-1], terms[::-1], names[::-1]
     there = _that_count(sizes)
     shape = product_shape(sizes)
     cell = np.arange(there[0]) if len(there) == 1 else _cells(there, shape[1])
+    if is_upward:
+        cell = cell.reshape(shape)[::-1].T.ravel()
     kinds = np.full(shape[0] * shape[1], CellKind.WALL, dtype=object)
     kinds[cell] = CellKind.FLOOR
     return Grid(
@@ -145,10 +154,14 @@ def product_grid(
         kinds=tuple(map(CellKind, kinds.tolist())),
         cell_of_state=tuple(cell.tolist()),
         directions=(None,) * actions,
-        legend=_legend(sizes, terms),
-        axes=_axes(sizes, terms, names),
+        legend=_legend(sizes, terms, is_upward=is_upward),
+        axes=_axes(sizes, terms, names, is_upward=is_upward),
         body=body,
     )
+
+
+def _is_upward(sizes: Sequence[int], body: Body | None) -> bool:
+    return body is not None and body.kind in _ACROSS and len(sizes) == len(_that_count(sizes)) == 2
 
 
 def product_shape(sizes: Sequence[int]) -> tuple[int, int]:
@@ -166,7 +179,7 @@ def _that_count(sizes: Sequence[int]) -> list[int]:
     return [size for size in sizes if size > 1] or [1]
 
 
-def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
+def _legend(sizes: Sequence[int], terms: Sequence[str], *, is_upward: bool) -> str:
     """Return text such as ``angle down, angular velocity across``. Empty for one part."""
     count = sum(size > 1 for size in sizes)
     known = [term for term, size in zip(terms, sizes, strict=False) if size > 1]
@@ -174,10 +187,12 @@ def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
     if count < 2:
         return ""
     blocks = f", blocks: {' and '.join(names[2:])}" if count > 2 else ""
-    return f"{names[0]} down, {names[1]} across{blocks}"
+    return f"{names[0]} {'up' if is_upward else 'down'}, {names[1]} across{blocks}"
 
 
-def _axes(sizes: Sequence[int], terms: Sequence[str], names: Sequence[Sequence[str]]) -> Axes | None:
+def _axes(
+    sizes: Sequence[int], terms: Sequence[str], names: Sequence[Sequence[str]], *, is_upward: bool
+) -> Axes | None:
     """Return the labels of a grid with real rows and columns, or None if there are too many."""
     there = [place for place, size in enumerate(sizes) if size > 1]
     rows, columns = product_shape(sizes)
@@ -194,7 +209,9 @@ def _axes(sizes: Sequence[int], terms: Sequence[str], names: Sequence[Sequence[s
             Title(-1, block * len(beside), len(across), f"{known[there[2]]}: {name}")
             for block, name in enumerate(names[there[2]])
         )
-    return Axes(row_labels, column_labels, titles, (known[there[0]], known[there[1]]))
+    if is_upward:
+        row_labels = row_labels[::-1]
+    return Axes(row_labels, column_labels, titles, (known[there[0]], known[there[1]]), is_upward)
 
 
 def _cells(sizes: Sequence[int], width: int) -> np.ndarray:
@@ -241,17 +258,13 @@ def known_grid(section: GymnasiumSection) -> Grid | None:
 def _known_product(name: str, sizes: Sequence[int], names: Sequence[Sequence[str]]) -> Grid:
     """Return the grid of a known environment, found by its class name."""
     terms, kind = _TERMS.get(f"{name}Env", ()), _BODIES.get(f"{name}Env")
-    rows, columns = product_shape(sizes)
-    return Grid(
-        rows,
-        columns,
-        (),
-        (),
-        (),
-        _legend(sizes, terms),
-        axes=_axes(sizes, terms, names),
-        body=None if kind is None or len(sizes) != len(terms) else Body(kind, ()),
-    )
+    body = None if kind is None or len(sizes) != len(terms) else Body(kind, ())
+    is_upward = _is_upward(sizes, body)
+    if is_upward:
+        sizes, terms, names = sizes[::-1], terms[::-1], names[::-1]
+    legend = _legend(sizes, terms, is_upward=is_upward)
+    axes = _axes(sizes, terms, names, is_upward=is_upward)
+    return Grid(*product_shape(sizes), (), (), (), legend, axes=axes, body=body)
 
 
 def _map_shape(kwargs: Mapping[str, Any]) -> tuple[int, int] | None:

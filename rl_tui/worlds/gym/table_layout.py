@@ -28,13 +28,14 @@ _ACTION_NAMES: Final = {
 # Taxi: a state is the place of the taxi (5×5), of the passenger (four stops or the taxi) and of the
 # destination (four stops). Its number is ((row · 5 + column) · 5 + passenger) · 4 + destination. The map
 # shows the town twenty times: one row per place of the passenger, one column per destination
-_TAXI_ACTIONS: Final = ("south", "north", "east", "west", "pickup", "dropoff")
+_TAXI_ACTIONS: Final = ("south", "north", "east", "west", "pick up", "drop off")
 _TAXI_STATES: Final = 500
 _TAXI_DIRECTIONS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), None, None)
 _TOWN: Final = 5  # rows and columns
 _PITCH: Final = _TOWN + 1  # a wall separates the towns
 _DESTINATIONS: Final = ("R", "G", "Y", "B")
-_PASSENGER: Final = (*_DESTINATIONS, "in")
+_RIDES: Final = "in"
+_PASSENGER: Final = (*_DESTINATIONS, _RIDES)
 _STOPS: Final = ((0, 0), (0, 4), (4, 0), (4, 3))
 TAXI_SHAPE: Final = (len(_PASSENGER) * _PITCH - 1, len(_DESTINATIONS) * _PITCH - 1)
 _TAXI_ROWS, _TAXI_COLUMNS = TAXI_SHAPE
@@ -43,7 +44,13 @@ TAXI_AXES: Final = Axes(
     ("",) * _TAXI_ROWS,
     ("",) * _TAXI_COLUMNS,
     tuple(
-        Title(down * _PITCH - 1, across * _PITCH, _TOWN, f"{passenger}→{destination}")
+        Title(
+            down * _PITCH - 1,
+            across * _PITCH,
+            _TOWN,
+            f"{'in taxi' if passenger == _RIDES else f'at {passenger}'}, to {destination}",
+            f"{passenger}→{destination}",
+        )
         for down, passenger in enumerate(_PASSENGER)
         for across, destination in enumerate(_DESTINATIONS)
     ),
@@ -108,7 +115,7 @@ def layout_of(environment: Any, states: int, actions: int, start: Mapping[int, f
     """
     classes = [each.__name__ for each in type(environment).__mro__]
     if _TAXI in classes and (states, actions) == (_TAXI_STATES, len(_TAXI_ACTIONS)):
-        return Layout(_taxi_grid(), _taxi_state_names(), _TAXI_ACTIONS, compass=False)
+        return Layout(_taxi_grid(environment.desc), _taxi_state_names(), _TAXI_ACTIONS, compass=False)
     numbers = tuple(str(state) for state in range(states))
     letters = getattr(environment, "desc", None)
     shape = getattr(letters if letters is not None else environment, "shape", None)
@@ -147,20 +154,24 @@ def _taxi_state_names() -> tuple[str, ...]:
     return tuple(names)
 
 
-def _taxi_grid() -> Grid:
+def _taxi_grid(town: np.ndarray) -> Grid:
     """Return the map of the twenty towns.
 
-    A goal is a finished ride: taxi and passenger are at the destination. Walls inside the town are between
-    cells and not drawn.
+    A goal is a finished ride: taxi and passenger are at the destination.
+
+    Args:
+        town: Characters of the town with its frame. A bar between two places is a wall.
     """
     kinds = [CellKind.WALL] * (_TAXI_ROWS * _TAXI_COLUMNS)
-    cells = []
+    cells, walls = [], []
     for state in range(_TAXI_STATES):
         row, column, passenger, destination = _taxi_decoded(state)
         cell = (passenger * _PITCH + row) * _TAXI_COLUMNS + destination * _PITCH + column
         arrived = passenger == destination and (row, column) == _STOPS[destination]
         kinds[cell] = CellKind.GOAL if arrived else CellKind.FLOOR
         cells.append(cell)
+        if column + 1 < _TOWN and town[1 + row, 2 + 2 * column] == b"|":
+            walls.append(cell)
     return Grid(
         rows=_TAXI_ROWS,
         columns=_TAXI_COLUMNS,
@@ -169,6 +180,7 @@ def _taxi_grid() -> Grid:
         directions=_TAXI_DIRECTIONS,
         legend=TAXI_LEGEND,
         axes=TAXI_AXES,
+        walls=tuple(walls),
     )
 
 

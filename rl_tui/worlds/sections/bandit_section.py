@@ -97,9 +97,9 @@ class BanditSection(WorldSection):
             expected = f"as many as there are arms ({shown(arms)})"
             yield Finding(("means",), counted(len(means), "mean"), expected)
         if "means" in raw and "mean" in raw:
-            yield Finding(("mean",), "mean beside means", "either the distribution or the means themselves")
+            yield Finding(("mean",), "both mean and means", "only one of them")
         if isinstance(mean, dict) and "normal" in mean and "uniform" in mean:
-            yield Finding(("mean",), "normal beside uniform", "one of the two")
+            yield Finding(("mean",), "both normal and uniform", "only one of them")
         if raw.get("rewards") == BERNOULLI:
             yield from _bernoulli_findings(raw)
 
@@ -159,4 +159,4 @@ def _bernoulli_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
             yield Finding(("mean", "uniform"), shown(interval), f"[low, high]: {_PROBABILITY}")
     for key in ("std", "drift"):
         if key in raw:
-            yield Finding((key,), f"{key} beside bernoulli rewards", "gaussian rewards where it is given")
+            yield Finding((key,), f"{key} with bernoulli rewards", f"gaussian rewards, or no {key}")

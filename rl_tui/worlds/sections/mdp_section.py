@@ -147,7 +147,7 @@ def _given_twice(arrows: Sequence[Arrows]) -> Iterator[Finding]:
                 yield Finding(
                     ("transition", each.index),
                     f"state {shown(each.state)} with action {shown(each.action)} a second time",
-                    f"each state and action once (it is already mdp.transition[{before}])",
+                    f"each state and action once (first in mdp.transition[{before}])",
                 )
 
 
@@ -157,7 +157,9 @@ def _shared_places(places: Mapping[str, Any]) -> Iterator[Finding]:
         if isinstance(at, list) and all(isinstance(each, int) for each in at):
             holder = taken.setdefault(tuple(at), name)
             if holder != name:
-                yield Finding(("place", name), f"{shown(at)}, the place of {shown(holder)}", "a free place")
+                yield Finding(
+                    ("place", name), f"{shown(at)}, where {shown(holder)} is already", "a free place"
+                )
 
 
 def _unknown_destinations(arrows: Sequence[Arrows], places: Mapping[str, Any]) -> Iterator[Finding]:
@@ -225,7 +227,7 @@ def _seen_findings(arrows: Sequence[Arrows], looks: Mapping[str, Any]) -> Iterat
             here, there = (", ".join(sorted(legal[state])) or "none" for state in (name, other))
             yield Finding(
                 ("seen_as", name if name in looks else other),
-                f"{shown(look)} with the actions {here}, but {there} where it is {shown(other)}",
+                f"{shown(look)} with the actions {here}, but {there} in state {shown(other)}",
                 "the same actions in all states with equal observations",
             )
     for name in looks:

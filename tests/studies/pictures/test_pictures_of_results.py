@@ -184,7 +184,7 @@ def test_too_much_for_one_picture() -> None:
     with pytest.raises(UserError, match=r"15 lines are too many .* --y n"):
         drawn(sweep(*many), x="alpha")
     more = [{**cell, "epsilon": epsilon} for cell in many for epsilon in EPSILONS]
-    with pytest.raises(UserError, match="15 atlases are too many"):
+    with pytest.raises(UserError, match="15 maps are too many"):
         drawn(sweep(*more), x="alpha", y="epsilon")
 
 

@@ -40,5 +40,5 @@ def test_a_store_holds_what_its_document_says(tmp_path: Path) -> None:
 def test_a_store_without_a_sweep_says_what_to_do(tmp_path: Path) -> None:
     with Store.to_write(tmp_path / "a.sqlite"):
         pass
-    with pytest.raises(UserError, match=r"no sweep .* rl-tui sweep --store"):
+    with pytest.raises(UserError, match=r"store is empty; .* rl-tui sweep --store"):
         read_results(tmp_path / "a.sqlite")

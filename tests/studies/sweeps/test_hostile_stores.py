@@ -129,7 +129,7 @@ def test_a_stored_plan_is_bounded(name: str, value: object, said: str) -> None:
 def test_what_was_written_is_looked_for(path: Path) -> None:
     with Store.to_write(path) as store:
         run_sql(path, "CREATE TRIGGER t AFTER INSERT ON rows BEGIN DELETE FROM rows; END")
-        with pytest.raises(UserError, match="1 run did not stay"):
+        with pytest.raises(UserError, match="lost 1 run after writing"):
             store.add(stored(cell()), [RunRow(7, ROWS[0].figures)])
 
 

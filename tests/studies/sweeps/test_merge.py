@@ -84,7 +84,7 @@ def test_times_are_no_results(tmp_path: Path, row: RunRow) -> None:
 
 def test_into_itself(tmp_path: Path, row: RunRow) -> None:
     one = write(tmp_path / "one.sqlite", row)
-    with pytest.raises(UserError, match="what is merged into"):
+    with pytest.raises(UserError, match="is the merged store"):
         merge(one, [one])
 
 

@@ -82,7 +82,7 @@ def command(
         _grade_sessions(Path(target), lesson, runs_programs=programs, as_json=as_json)
         return
     if programs:
-        raise click.UsageError("--programs is for sessions of a lesson", click.get_current_context())
+        raise click.UsageError("--programs works only with a lesson", click.get_current_context())
     if scenario is None:
         raise click.UsageError(_what_is_missing(target), click.get_current_context())
     complain(WARNING.format(what="a submission"))
@@ -100,8 +100,8 @@ def command(
     if share_of_optimal is not None and share_of_optimal < threshold:
         complain(
             f"the optimal policy for γ = {recipe.hyperparameters.gamma:g} has only "
-            f"{share_of_optimal:.4f} of the best return in {recipe.scenario.id}: a --threshold above that is "
-            "too much to ask"
+            f"{share_of_optimal:.4f} of the best return in {recipe.scenario.id}: choose a --threshold "
+            "of at most that"
         )
     with progress(f"{target} in {recipe.scenario.id}") as bar:
 
@@ -147,9 +147,9 @@ def _check_lesson_usage(target: str) -> None:
         if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
     ]
     if given:
-        raise click.UsageError(f"{given[0]} is for submissions: leave it out with a lesson", context)
+        raise click.UsageError(f"{given[0]} works only for submissions: leave it out with a lesson", context)
     if target.endswith(".py"):
-        raise click.UsageError(f"{target} is a submission: give --scenario in place of the lesson", context)
+        raise click.UsageError(f"{target} is a submission: give --scenario instead of a lesson", context)
 
 
 def _grade_sessions(target: Path, name: str, *, runs_programs: bool, as_json: bool) -> None:

@@ -45,11 +45,11 @@ def command(
     context = click.get_current_context()
     if is_list:
         if lesson is not None or again or variant is not None:
-            raise click.UsageError("--list is of all lessons: leave the rest out", context)
+            raise click.UsageError("--list shows all lessons: leave out everything else", context)
         _print_list(as_json)
         return
     if as_json:
-        raise click.UsageError("--json is for --list", context)
+        raise click.UsageError("--json needs --list", context)
     if lesson is None and (again or variant is not None):
         option = "--again" if again else "--variant"
         raise click.UsageError(f"{option} needs a lesson", context)

@@ -34,7 +34,7 @@ def command(scenario: str | None, overrides: dict[str, object], seed: int, **dis
 
     require_terminal()
     if scenario is not None and scenario.endswith(SUFFIX) and not Path(scenario).exists():
-        raise UserError(f"{shown(scenario)}: there is no such file; rl-tui new begins one")
+        raise UserError(f"{shown(scenario)}: no such file; rl-tui new creates one")
     found = new_world(BLANK[0]) if scenario is None else find(scenario)
     if reason := refusal(found, seed):
         raise UserError(f"{found.id}: {reason}")

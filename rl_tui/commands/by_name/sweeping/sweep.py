@@ -223,13 +223,13 @@ def command(
     for each in variations:
         if each.name in overrides:
             raise click.UsageError(
-                f"--vary {each.name} and --{each.name.replace('_', '-')} exclude each other",
+                f"give --vary {each.name} or --{each.name.replace('_', '-')}, not both",
                 click.get_current_context(),
             )
     _check_shard(shard, store, has_output=as_json or csv is not None)
     if dask is not None and jobs is not None:
         raise click.UsageError(
-            "--jobs is for this machine: with --dask each worker trains as many as it has threads",
+            "leave out --jobs: with --dask, each worker uses all of its threads",
             click.get_current_context(),
         )
     from rl_tui.runs.library import find
@@ -239,7 +239,7 @@ def command(
     plan = SweepPlan(find(scenario), variations, overrides, episodes, runs, seed, random, seed)
     plan.check()
     for name in plan.without_effect():
-        complain(f"{name} has no effect: nothing that is trained here uses it")
+        complain(f"{name} has no effect: no agent of this sweep uses it")
     with Store.without_file() if store is None else Store.to_write(store) as kept:
         workers = partial(_workers, jobs, dask)
         done = _train(plan, kept, shard or WHOLE, workers, is_kept=store is not None)
@@ -268,12 +268,12 @@ def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -
         return
     if store is None:
         raise click.UsageError(
-            "--shard without --store would lose what it trains; give each part a store of its own",
+            "--shard without --store would lose its results; give each part its own --store",
             click.get_current_context(),
         )
     if has_output:
         raise click.UsageError(
-            "--shard trains one part and prints no results: merge all parts first, then leave it out",
+            "--shard prints no results: merge all parts, then repeat the command without --shard",
             click.get_current_context(),
         )
 

@@ -175,7 +175,7 @@ def _inner(case: Case) -> BoolArray:
 
 
 def _ended(case: Case) -> BoolArray:
-    return case.evidence.terminated & case.evidence.learns
+    return case.evidence.surely_ended & case.evidence.learns
 
 
 def _cut_off(case: Case) -> BoolArray:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from rl_tui.programs.own_agents.agent_loop import learn, make_scenario
-from rl_tui.programs.own_agents.binding import SHAPE_OF
 from rl_tui.programs.own_agents.loading import load_module, the_agent
 from rl_tui.programs.own_agents.players import GivenSettings
 from rl_tui.programs.own_agents.stand_ins import offer_stand_ins
@@ -30,7 +29,7 @@ def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
     offer_stand_ins(place.style, path.stem)
     sys.argv = [said["path"], *said["arguments"]]
     built = getattr(load_module(script.code, path), place.name)
-    shape = SHAPE_OF[place.style]
+    shape = place.shape
     method = getattr(built, shape.update) if shape.update else built
     tell(
         MessageKind.AGENT,

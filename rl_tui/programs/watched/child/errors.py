@@ -13,6 +13,7 @@ from types import FrameType, TracebackType
 from typing import Any, Final
 
 from rl_tui.common.errors import UserError
+from rl_tui.programs.watched.notebook import cell_of
 
 # Errors and their lines
 
@@ -98,9 +99,18 @@ def _formatted(error: BaseException) -> str:
     while chain is not None:
         kept = [each for each in chain.stack if not each.filename.startswith(_OURS)]
         dropped = kept[_MOST_FRAMES // 2 : -_MOST_FRAMES // 2] if len(kept) > _MOST_FRAMES else []
-        chain.stack = traceback.StackSummary.from_list([each for each in kept if each not in dropped])
+        chain.stack = traceback.StackSummary.from_list([_shown(each) for each in kept if each not in dropped])
         chain = chain.__cause__ or chain.__context__
     return "".join(report.format())
+
+
+def _shown(frame: traceback.FrameSummary) -> traceback.FrameSummary:
+    """Return `frame` with its cell, if it is in a notebook."""
+    cell = None if frame.lineno is None else cell_of(frame.filename, frame.lineno)
+    if cell is None:
+        return frame
+    place = f"{frame.filename}, cell {cell[0]}"
+    return traceback.FrameSummary(place, cell[1], frame.name, lookup_line=False, line=frame.line)
 
 
 def _bounded(text: str, longest: int) -> str:
@@ -137,17 +147,12 @@ _PACKAGES: Final = {
 """Well-known modules with the package to install. Other names may be misspelt or the user's own, and a
 package of that name may be anything.
 """
-_GYM: Final = (
-    "Gym is Gymnasium now: write `import gymnasium as gym`, which is installed; "
-    "reset then returns (observation, info), and step (observation, reward, terminated, truncated, info)"
-)
 _STEP: Final = (
     "step returns five values since Gym 0.26: write `next_state, reward, terminated, truncated, info = "
     "env.step(action)`, and `done = terminated or truncated`"
 )
 _RESET: Final = "reset returns (observation, info) since Gym 0.26: write `state, info = env.reset()`"
 _UNKNOWN: Final = "if it is a file of yours, put it beside the script"
-_NOTEBOOK: Final = "only a notebook has it: delete the line, which was exported from one"
 _ATTRIBUTES: Final = {
     "seed": "environments are seeded by reset since Gym 0.26: write `env.reset(seed=0)`",
     **dict.fromkeys(
@@ -171,8 +176,6 @@ def _advice_on(error: BaseException, text: str, frames: Sequence[FrameType], lin
         return _on_missing(error.name or "")
     if isinstance(error, ValueError) and _TOO_MANY.search(text):
         return _STEP if _calls_step(frames, line) else ""
-    if isinstance(error, NameError) and error.name in ("get_ipython", "display"):
-        return _NOTEBOOK
     if isinstance(error, AttributeError):
         is_environment = _is_environment(error.obj)
         return _ATTRIBUTES.get(error.name or "", "").format(name=error.name) if is_environment else ""
@@ -185,8 +188,6 @@ def _advice_on(error: BaseException, text: str, frames: Sequence[FrameType], lin
 
 def _on_missing(name: str) -> str:
     top = name.partition(".")[0]
-    if top == "gym":
-        return _GYM
     if top in _PACKAGES:
         return f"install it with `pip install {_PACKAGES[top]}`"
     return _UNKNOWN if top else ""

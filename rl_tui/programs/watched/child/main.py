@@ -26,10 +26,15 @@ import numpy as np
 
 from rl_tui.common.after_import import after_import
 from rl_tui.programs.watched.child.channel import Channel, Gate
+from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.errors import described, users_place
-from rl_tui.programs.watched.child.making import Making
+from rl_tui.programs.watched.child.old_gym.modules import offer_old_gym
 from rl_tui.programs.watched.child.recorder import Recorder
+from rl_tui.programs.watched.child.removed_names import give_back_removed_names
 from rl_tui.programs.watched.child.script import read_script, run_script
+from rl_tui.programs.watched.child.stand_ins import stand_in
+from rl_tui.programs.watched.child.worlds.functions import with_watched_functions
+from rl_tui.programs.watched.child.worlds.own_worlds import OwnWorlds
 from rl_tui.programs.watched.messages import MessageKind
 
 # Seeds of all random generators
@@ -57,10 +62,6 @@ _INPUT: Final = (
     "script's name"
 )
 _NOT_REPEATABLE: Final = "the script starts {}: the same seed need not give the same run"
-_OLD_GYM: Final = (
-    "the script imports gym, of which rl-tui sees nothing: it watches environments of its successor; "
-    "write `import gymnasium as gym`"
-)
 
 
 def end_with(life: int) -> None:
@@ -93,14 +94,14 @@ def surround(note: Callable[[str], None]) -> None:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="backslashreplace", line_buffering=True)
     builtins.input = _refuse_input
-    sys.modules.setdefault("pickle5", pickle)  # the pickle of Python 3.8 for older versions
+    for name in ("pickle5", "cPickle"):  # of older versions
+        sys.modules.setdefault(name, pickle)
     warnings.filterwarnings("ignore", message=_NO_WINDOW)
     _tell_of_workers(note)
     for name, change in {
         "matplotlib": _draw_into_memory,
         "matplotlib.pyplot": _show_nothing,
         "tqdm.notebook": _draw_bars_as_text,
-        "gym": lambda _: note(_OLD_GYM),
     }.items():
         after_import(name, change)
 
@@ -215,15 +216,24 @@ def main(said: dict[str, Any]) -> None:
     gate = Gate(channel, said["asked"], said["shared"])
     recorder = Recorder(channel, gate, most=said["steps"], wanted=said["table"])
 
+    said_before: set[str] = set()
+
     def note(text: str) -> None:
-        channel.message(MessageKind.NOTE, text=text)
+        if text not in said_before:
+            said_before.add(text)
+            channel.message(MessageKind.NOTE, text=text)
 
     end_with(said["life"])
     if said["memory"] is not None:
         bound_memory(said["memory"])
     surround(note)
+    give_back_removed_names(note)
+    stand_in(note)
     making = Making(recorder, said["seed"])
     making.install()
+    offer_old_gym(making, note)
+    own_worlds = OwnWorlds(recorder, making, note)
+    own_worlds.install()
     seed_all(said["seed"])
     flush_at_exit(recorder)
     Watchman(channel, gate, recorder).begin()
@@ -231,11 +241,13 @@ def main(said: dict[str, Any]) -> None:
     try:
         if said["agent"] is None:
             path = Path(said["path"])
-            run_script(read_script(path), path, said["arguments"], note)
+            script = with_watched_functions(read_script(path), path, own_worlds)
+            run_script(script, path, said["arguments"], note)
         else:
             from rl_tui.programs.watched.child.agent import run_agent
 
             run_agent(said, channel.message)
+        own_worlds.finish()
         making.tell_what_was_missed()
     except BaseException as error:
         channel.message(MessageKind.ERROR, **described(error))

@@ -13,11 +13,11 @@ from typing import Any, Final, NamedTuple, NoReturn
 import numpy as np
 
 from rl_tui.programs.watched.child.channel import Channel, Gate
+from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import is_users_file, users_place
 from rl_tui.programs.watched.child.line_trace import TRACED_AT_FIRST, LineTrace, Place
-from rl_tui.programs.watched.child.numbering import Numbering
-from rl_tui.programs.watched.child.search import TableCandidate, attributes, candidates, turned_table
-from rl_tui.programs.watched.child.tracker import TableTracker
+from rl_tui.programs.watched.child.tables.search import TableCandidate, attributes, candidates, turned_table
+from rl_tui.programs.watched.child.tables.tracker import TableTracker
 from rl_tui.programs.watched.messages import MessageKind
 
 # Numbers in the code
@@ -202,6 +202,8 @@ class Recorder:
         self.channel, self.gate = channel, gate
         self.count = 0
         """Number of steps."""
+        self.resets = 0
+        """Number of episodes begun, also those without a step."""
         self._most, self._wanted = most, wanted
         self._tracker: TableTracker | None = None
         self._next_look = self._next_numbers = 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import builtins
 import io
+import linecache
 import sys
 import threading
 import tokenize
@@ -19,6 +20,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line, printable, shown
 from rl_tui.common.text_file import UnreadableError, read_bytes
 from rl_tui.common.words import counted
+from rl_tui.programs.watched.notebook import is_notebook, place_in_words, read_notebook
 
 # Reading the source
 
@@ -40,18 +42,28 @@ class Script(NamedTuple):
 
 
 def read_script(path: Path) -> Script:
-    """Read the script in the file `path`. Notebook lines, which begin with `!` or `%`, are replaced by
-    `pass`.
+    """Read the script or notebook in the file `path`. Notebook lines, which begin with `!` or `%`, are
+    replaced by `pass`.
 
     Raises:
         UserError: The file does not exist, or is not Python. The message has one line.
     """
-    text = _text(path)
+    notebook = read_notebook(path) if is_notebook(path) else None
+    text = _text(path) if notebook is None else notebook.text
     try:
         tree, text, count = parsed(text, str(path.absolute()))
+        if notebook is not None:
+            count += notebook.skipped
+            _show_in_tracebacks(path, text)
         return Script(compile(tree, str(path.absolute()), "exec", dont_inherit=True), text, tree, count)
     except _NOT_PYTHON as error:
         raise UserError(_fault(path, error)) from error
+
+
+def _show_in_tracebacks(path: Path, text: str) -> None:
+    """Let tracebacks quote the code of a notebook instead of its file."""
+    name = str(path.absolute())
+    linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
 
 
 def check_script(path: Path) -> None:
@@ -63,10 +75,6 @@ def check_script(path: Path) -> None:
 
 def _text(path: Path) -> str:
     name = printable(str(path))
-    if path.suffix == ".ipynb":
-        raise UserError(
-            f"{name}: is a notebook; expected a Python file: jupyter nbconvert --to script writes one"
-        )
     try:
         content, _ = read_bytes(path, "a Python file")
     except UnreadableError as reason:
@@ -131,7 +139,7 @@ def _fault(path: Path, error: Exception) -> str:
     if isinstance(error, SyntaxError) and error.lineno:
         what = one_line(error.msg or "invalid syntax", _LONGEST_REASON)
         line = f": {shown(error.text.strip())}" if error.text else ""
-        return f"{name}, line {error.lineno}: {what}{line}"
+        return f"{name}, {place_in_words(str(path), error.lineno)}: {what}{line}"
     if isinstance(error, RecursionError | MemoryError):
         return f"{name}: is nested too deeply for Python"
     return f"{name}: {one_line(str(error), _LONGEST_REASON)}"

@@ -63,7 +63,7 @@ from rl_tui.screen.panels.curve.text import (
     remark,
     steps_note,
 )
-from rl_tui.screen.panels.policies.studied import studied_answer
+from rl_tui.screen.panels.policies.studied import policy_ink, studied_answer
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
@@ -183,12 +183,13 @@ def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_b
     _put_outliers(codes, kind, plot, data.greedy, _GREEDY, look)
     if has_band:
         ground = pixels % 4
-        styles = [*_styles(palette, pixel_styles(palette)), *([each] * 4 for each in band_styles(palette))]
+        bands = ([each] * 4 for each in band_styles(palette))
+        styles = [*_styles(data, palette, pixel_styles(palette)), *bands]
     else:
         shades = area_styles(palette, plot.rows)
         is_covered = (kind == _CELLS) | ((area.eighths == FULL) & look.glyphs.braille)
         ground = is_covered * np.arange(1, plot.rows + 1)[:, None]
-        styles = [*_styles(palette, shades), [palette.episodes, *shades]]
+        styles = [*_styles(data, palette, shades), [palette.episodes, *shades]]
     _put_cells(canvas, plot, codes, kind, ground, styles)
 
 
@@ -207,7 +208,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
         _put_outliers(codes, kind, plot, line, first + number if number else _GREEDY, look)
     inks = palette.lanes[:runs] if data.lanes else (palette.episodes,)
     dimmed = [style + Style(dim=True) for style in inks] if data.lanes else [palette.dim]
-    styles = [*_styles(palette, ()), *([each] for each in (*inks, *dimmed))]
+    styles = [*_styles(data, palette, ()), *([each] for each in (*inks, *dimmed))]
     _put_cells(canvas, plot, codes, kind, np.zeros_like(kind), styles)
 
 
@@ -243,11 +244,16 @@ def _put_outliers(codes: IntArray, kind: IntArray, plot: Plot, line: Steps, own:
     codes[-1, there], kind[-1, there] = ord(look.glyphs.off_axis[0]), own
 
 
+def _styles(data: CurveData, palette: Palette, grounds: tuple[Style, ...]) -> list[list[Style]]:
+    studied = palette.text if data.studied is None else policy_ink(data.studied.kind, palette)
+    return _styles_on(palette, studied, grounds)
+
+
 @lru_cache(64)
-def _styles(palette: Palette, grounds: tuple[Style, ...]) -> list[list[Style]]:
+def _styles_on(palette: Palette, studied: Style, grounds: tuple[Style, ...]) -> list[list[Style]]:
     """Return the styles of each kind, on the page and on each of ``grounds``."""
     over = [Style(bgcolor=ground.color) for ground in grounds]
-    inks = (palette.text, palette.dim, palette.dim, palette.good, palette.dim, palette.greedy_line)
+    inks = (palette.text, palette.dim, palette.dim, studied, palette.dim, palette.greedy_line)
     return [[ink, *(ink + ground for ground in over)] for ink in inks]
 
 

@@ -107,8 +107,9 @@ _STUDIED: Final = {PolicyKind.UNIFORM: "random", PolicyKind.BEHAVIOUR: "acting",
 
 
 class StudiedLevel(NamedTuple):
-    """The exact return ``value`` of a studied policy, with its name."""
+    """The exact return ``value`` of the policy ``kind``, with its name."""
 
+    kind: PolicyKind
     name: str
     value: float
 
@@ -326,7 +327,7 @@ def _studied(snapshot: Snapshot) -> StudiedLevel | None:
     answer = studied_answer(snapshot)
     if kind not in _STUDIED or answer is None or answer.expected_return is None:
         return None
-    return StudiedLevel(_STUDIED[kind], answer.expected_return)
+    return StudiedLevel(kind, _STUDIED[kind], answer.expected_return)
 
 
 def _lane(number: int, lane: LaneView, shown: bool, *, hidden: bool, of_steps: bool) -> LaneLine:

@@ -24,6 +24,7 @@ from rl_tui.screen.kit.panel import MAY_NEVER_END
 from rl_tui.screen.kit.snapshot_facts import recent_name
 from rl_tui.screen.panels.curve.data import CurveData, LaneLine
 from rl_tui.screen.panels.curve.seed_band import seed_remark
+from rl_tui.screen.panels.policies.studied import policy_ink
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
@@ -138,7 +139,8 @@ def labels(
         (BEST_ARM[columns < _ROOM_FOR_GAP] if data.is_bandit else OPTIMAL, data.optimum, palette.dim),
     ]
     if data.studied is not None:
-        named.insert(2, (data.studied.name, data.studied.value, palette.good))
+        ink = policy_ink(data.studied.kind, palette)
+        named.insert(2, (data.studied.name, data.studied.value, ink))
     if mean:
         named += [(f"{each.seeds} seeds", each.value, palette.dim) for each in data.seeds]
     found = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
@@ -34,7 +34,7 @@ from rl_tui.screen.panels.graph.shape import (
     on_grid,
 )
 from rl_tui.screen.panels.world.edit_marks import marks_of
-from rl_tui.screen.panels.world.shown_policy import TITLE, StateValues, state_values
+from rl_tui.screen.panels.world.shown_policy import TITLE, state_values
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
@@ -183,12 +183,13 @@ class GraphView(WorldView):
         signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)
         scene, canvas = GraphScene(values, form, signs), Canvas(width, height, self.look.palette.text)
         exact = exact_v(self.world.space, snapshot)
-        self._layout, self.footing = layout or graph_layout(self._shape, width, height), ""
+        bundled = self._shape.bundled()
+        self._layout, self.footing = layout or graph_layout(bundled, width, height), ""
         if layout is not None:
             last = followed_step(snapshot)
             ChainPicture(canvas, self._shape, layout.boxes, scene, self.look, self._ends, exact, last).draw()
         elif self._layout is not None:
-            draw_graph(canvas, self._shape, self._layout, scene, exact, self.look)
+            draw_graph(canvas, bundled, self._layout, scene, exact, self.look)
         else:
             rows = len(self._shape.actions)
             self._height, self._top = height, max(0, min(self._top, rows - height))
@@ -291,15 +292,16 @@ def draw_graph(
         text = texts[state] or END
         value = (*numbers.get(text, (text,)), *filter(None, [below]))
         _draw_box(canvas, box, node, value, state, scene, look)
-    _draw_lines(canvas, layout, values, signs.agent, look)
+    greedy, stops = shape.marked(values.greedy), shape.marked(signs.breakpoints.pairs)
+    _draw_lines(canvas, layout, greedy, signs.agent, look)
     for fork in layout.forks:
-        canvas.put(fork.x, fork.y, glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
+        canvas.put(fork.x, fork.y, glyphs.estimate, _edge_style(fork.pair in greedy, look))
     heads = (glyphs.head_up, glyphs.head_right, glyphs.head_down, glyphs.head_left)
     for head in layout.heads:
-        canvas.put(head.x, head.y, heads[head.direction], _edge_style(head.pair in values.greedy, look))
+        canvas.put(head.x, head.y, heads[head.direction], _edge_style(head.pair in greedy, look))
     for label in layout.labels:
-        style = palette.best if label.pair in values.greedy else palette.text
-        if label.pair in signs.breakpoints.pairs:
+        style = palette.best if label.pair in greedy else palette.text
+        if label.pair in stops:
             style = palette.breakpoint
         canvas.put(label.x, label.y, label.text, style)
     for state, box in enumerate(layout.boxes):
@@ -360,14 +362,14 @@ def _edge_style(greedy: bool, look: Look) -> Style:
     return look.palette.best if greedy else look.palette.dim
 
 
-def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent: int, look: Look) -> None:
+def _draw_lines(canvas: Canvas, layout: GraphLayout, greedy: Set[int], agent: int, look: Look) -> None:
     arms: dict[tuple[int, int], StrokeArms] = {}
     styles: dict[tuple[int, int], Style] = {}
-    for stroke in sorted(layout.strokes, key=lambda each: each.pair in values.greedy):
-        cell, greedy = (stroke.x, stroke.y), stroke.pair in values.greedy
-        mine = StrokeArms(*((BOLD if greedy else THIN) * (side in stroke.arms) for side in range(4)))
+    for stroke in sorted(layout.strokes, key=lambda each: each.pair in greedy):
+        cell, is_bold = (stroke.x, stroke.y), stroke.pair in greedy
+        mine = StrokeArms(*((BOLD if is_bold else THIN) * (side in stroke.arms) for side in range(4)))
         arms[cell] = arms.get(cell, StrokeArms()).joined(mine)
-        styles[cell] = _edge_style(greedy, look)
+        styles[cell] = _edge_style(is_bold, look)
     for state, box in enumerate(layout.boxes):
         for cell in arms.keys() & set(box.cells()):
             # a line starts in a border, which continues in its own style

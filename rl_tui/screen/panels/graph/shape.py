@@ -5,8 +5,8 @@ Rewards on edges are r(s, a, s′) (Sutton & Barto, 2nd ed., equation 3.6).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence, Set
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 from rich.style import Style
@@ -29,6 +29,7 @@ from rl_tui.worlds.world import Prospect, World
 
 
 _LIKELY: Final = 0.5
+_LEAST_BUNDLE: Final = 3  # edges
 
 
 class Node(NamedTuple):
@@ -49,13 +50,14 @@ class GraphBranch(NamedTuple):
 
 
 class GraphAction(NamedTuple):
-    """One pair, with a branch per next state, likeliest first."""
+    """One pair, with a branch per next state, likeliest first. A bundle has more ``pairs``."""
 
     pair: int
     source: int
     name: str
     label: str
     branches: tuple[GraphBranch, ...]
+    pairs: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +70,25 @@ class GraphShape:
     def pairs_of(self, state: int) -> set[int]:
         """Return the pairs of ``state``."""
         return {action.pair for action in self.actions if action.source == state}
+
+    def bundled(self) -> GraphShape:
+        """Return the shape with one action for all of a state that differ only by name."""
+        bundles: dict[tuple[int, tuple[GraphBranch, ...], str], list[GraphAction]] = {}
+        for action in self.actions:
+            rewards = action.label.removeprefix(action.name)
+            bundles.setdefault((action.source, action.branches, rewards), []).append(action)
+        actions = []
+        for (*_, rewards), each in bundles.items():
+            if len(each) < _LEAST_BUNDLE:
+                actions += each
+            else:
+                label, pairs = f"{len(each)} actions{rewards}", tuple(action.pair for action in each)
+                actions.append(each[0]._replace(label=label, pairs=pairs))
+        return replace(self, actions=tuple(actions))
+
+    def marked(self, pairs: Set[int]) -> frozenset[int]:
+        """Return the actions, by their first pair, that are or contain one of ``pairs``."""
+        return frozenset(each.pair for each in self.actions if not pairs.isdisjoint((each.pair, *each.pairs)))
 
 
 class Signs(NamedTuple):

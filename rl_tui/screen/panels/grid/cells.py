@@ -31,7 +31,7 @@ from rl_tui.screen.panels.grid.marks import (
     sign_text,
     value_text,
 )
-from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_way
+from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_update, put_way
 from rl_tui.screen.panels.world.edit_marks import put_marks
 from rl_tui.screen.panels.world.shown_policy import off_way_style
 from rl_tui.screen.theme.look import Look
@@ -43,6 +43,7 @@ _LEADS: Final = 4
 _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
 _MOST_KEPT: Final = 20_000
 _LEAST_STAR: Final = 4  # rows of a cell
+_LEAST_ARROW: Final = 4  # columns of a block arrow
 _BOLD: Final = Style(bold=True)
 MOST_ROWS: Final = 512
 
@@ -159,11 +160,12 @@ class _Cell:
         if self.face.kind is not CellKind.WALL:
             self._draw_content()
             self._put_marks()
+            self._put_edges()
             self._put_seams()
         if self.extra.trace.error is not None:
-            self._put_frame(self.extra.trace.error, self.extra.trace.share)
+            self._put_update(self.extra.trace.error, self.extra.trace.share)
         if self.face.cursor and self.form.height > 1:
-            self.canvas.restyle(0, self.form.value_row, self.form.inner, self.look.palette.focus)
+            self._put_cursor()
         if self.face.agent:
             self._put_agent()
         if self.extra.trace.way is not None and self.form.has_blocks:
@@ -212,6 +214,15 @@ class _Cell:
             sign = self.glyphs.lit_edge
         self.canvas.put(0, row, sign * self.form.width, self.ink)
 
+    def _put_edges(self) -> None:
+        """Put a wall into the last column of the cell before it, else into the first one after it."""
+        form, is_low = self.form, self.form.height == 1
+        after = is_low and (form.width <= LEAST_ARROWS or (form.has_values and not form.has_seam))
+        if form.width >= LEAST_ARROWS and self.extra.edges[not after]:
+            for row in range(form.height):
+                edge = self.glyphs.edges[not after]
+                self.canvas.put_where_blank(0 if after else form.width - 1, row, edge, self.ink + _BOLD)
+
     def _put_seams(self) -> None:
         if not self.form.has_seam or not self.extra.is_reached:
             return
@@ -222,9 +233,14 @@ class _Cell:
         if last >= 2:
             self.canvas.put_where_blank(0, last, below * width, blank)
 
-    def _put_frame(self, error: int, share: float) -> None:
+    def _put_cursor(self) -> None:
+        self.canvas.restyle(0, self.form.value_row, self.form.inner, self.look.palette.focus)
         if self.glyphs.braille and self.form.width >= 5:
-            put_frame(self.canvas, error, share, self.ink, self.look)
+            put_frame(self.canvas, self.look.palette.you, self.look)
+
+    def _put_update(self, error: int, share: float) -> None:
+        if self.glyphs.braille and self.form.width >= 5:
+            put_update(self.canvas, error, share, self.ink, self.look)
         elif self.form.has_values:
             self.canvas.restyle(0, self.form.value_row, self.form.inner, Style(reverse=True))
 
@@ -270,30 +286,35 @@ class _Cell:
 
     def _draw_sign(self) -> None:
         form, face, canvas = self.form, self.face, self.canvas
-        directions = tuple(each for each in face.greedy if isinstance(each, tuple))
-        are_blocks = self.has_blocks and len(directions) == len(face.greedy)
         if not face.greedy:
             middle = (form.inner - 1) // 2, (form.height - 1) // 2
             canvas.put(*middle, self.glyphs.untried, paled(self.ink, 0.3))
             return
-        columns, rows = sign_size(form.width, form.height) if self.has_blocks else (0, 0)
-        free = self._plate_end + (self._plate_end > 0 and form.has_plate)  # a gap, because both may be black
-        if form.inner - free < columns:  # one size smaller beside the agent
-            columns, rows = columns - 2, rows - 1
-        are_blocks = are_blocks and rows >= 2 and (len(directions) == 1 or rows >= 3)
-        top = 0 if form.height <= 4 else 1
-        if are_blocks and free + columns <= form.inner:
-            left = free + (form.inner - free - columns) // 2
-            self._put_rows(left, top, self._sign_rows(directions, columns, rows), self._sign_ink)
-        elif self.has_blocks:
-            self._draw_letters(top + 1)
-        else:
+        if not self.has_blocks:
             self._draw_letters(form.value_row - 1)
+            return
+        free = self._plate_end + (self._plate_end > 0 and form.has_plate)  # a gap, because both may be black
+        top = 0 if form.height <= 4 else 1
+        if not self._put_blocks(free, top):
+            self._draw_letters(top + 1)
 
-    def _sign_rows(self, directions: tuple[Direction, ...], columns: int, rows: int) -> tuple[str, ...]:
-        if len(directions) > 1:
-            return block_sign("heads", columns, rows, *directions)
-        return block_sign("arrow" if any(directions[0]) else "square", columns, rows, *directions)
+    def _put_blocks(self, free: int, top: int) -> bool:
+        """Put greedy directions side by side from column ``free`` on. Return whether they fit.
+
+        Tips point to neighbours: flat sides would merge.
+        """
+        form, signs = self.form, self.face.greedy
+        directions = sorted((each for each in signs if isinstance(each, tuple)), key=lambda each: -each[1])
+        room, most = form.inner - free, sign_size(form.width, form.height)[0]
+        if len(directions) < len(signs) or room < _LEAST_ARROW * len(signs):
+            return False
+        columns = min(most, max(_LEAST_ARROW, (room + 1) // len(signs) - 1)) & ~1
+        step = columns + min(2, room // len(signs) - columns)
+        left = free + (room - step * (len(signs) - 1) - columns) // 2
+        for place, direction in enumerate(directions):
+            sign = block_sign("arrow" if any(direction) else "square", columns, columns // 2, direction)
+            self._put_rows(left + place * step, top + (most - columns + 2) // 4, sign, self._sign_ink)
+        return True
 
     @property
     def _plate_end(self) -> int:

@@ -195,6 +195,11 @@ class GridView(WorldView):
         super().show(snapshot)
 
     @property
+    def _is_drawn(self) -> bool:
+        """Whether the reader draws on the map: frames of steps would look like the cursor."""
+        return self.is_drawn_on or self.shows_drawing
+
+    @property
     def _moves(self) -> bool:
         """Whether a step may animate the map."""
         shows_v = self.studied is None and self.drawn_layer is Layer.Q
@@ -251,6 +256,7 @@ class GridView(WorldView):
             with_actions=actions is not None,
             named=self.is_numbered or (actions is None and form.has_number and not grid.legend),
             picked=self.picked,
+            traced=not self._is_drawn,
         )
         self._longest_name = max((len(each.extra.name) for each in cells if each.extra), default=0)
         if self._longest_name > self._room_for_names(form):  # names replace numbers in all cells or in none
@@ -380,7 +386,8 @@ class GridView(WorldView):
             yield LegendSign(SEVERAL, "tie", palette.strong)
         if actions is None and has_arrows:
             yield from letter_signs(self._map, self.look)
-        yield from ground_signs(self._map, self.look)
+        has_edges = actions is None and form is not None and form.width >= LEAST_ARROWS
+        yield from ground_signs(self._map, self.look, has_edges=has_edges)
         if self._map.unreached:
             yield LegendSign(glyphs.unreached, "unreached", palette.dim)
         if form is not None and self._longest_name > self._room_for_names(form):
@@ -388,7 +395,7 @@ class GridView(WorldView):
         if actions is None:
             yield from self.missing_table_signs()
         yield self.agent_sign()
-        if self.snapshot is not None and form is not None:
+        if self.snapshot is not None and form is not None and not self._is_drawn:
             left = traces(self.snapshot, self._map.grid)
             yield from trace_signs(left, self.look, has_ways=form.has_blocks and actions is None)
         if actions is None and has_arrows and not self.lacks_table:
@@ -441,7 +448,8 @@ class GridView(WorldView):
 
     def _where(self, width: int) -> str:
         """Return the visible part, or the meaning of rows and columns."""
-        legend = self._map.grid.legend
+        legend, axes = self._map.grid.legend, self._map.grid.axes
         if self._is_whole or self._part is None:
-            return "" if self._names_bins else self.fitting(shorter(legend), width)
+            says_all = axes is not None and axes.names is None and axes.titles
+            return "" if self._names_bins or says_all else self.fitting(shorter(legend), width)
         return self.fitting(where(self._map.grid, self._part, follows=self._following), width)

@@ -12,6 +12,7 @@ from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from rich.color import Color, ColorSystem, ColorType, blend_rgb
 from rich.color_triplet import ColorTriplet
 from rich.segment import Segment
@@ -33,16 +34,15 @@ _LEAST_CELL: Final = Size(5, 2)
 _LEAST_RELIEF: Final = 0.05  # share of the scale: smaller differences of V are not visible
 _HALF: Final = "▀"
 _LIGHTS: Final = 6  # steps of light, and equally many of shade
-_MOST_LIGHT: Final = 0.38
-_STEEPNESS: Final = 1.1  # share of the scale per cell: a fully lit slope, or half of it
+_MOST_LIGHT: Final = 0.3  # share by which the brightest slope is brighter than a plain
+_STEEPNESS: Final = 1.0  # of light per rise of the scale from cell to cell
 _RANKS: Final = 0.5  # share of the rank in a height, beside V
 _ALIKE: Final = 500  # parts of the scale: values within one have the same rank
 _LEAST_LINES: Final = 8  # approximate steps of the scale
 _MOST_LINES: Final = 80
 _CELLS_A_LINE: Final = 1.5  # for the typical difference between cells
 _CLOSEST: Final = 2.5  # pixels between lines: steeper slopes have none
-_INKS: Final = (0.0, 0.13, 0.6)  # share of black in a pixel: none, seam, line
-_SEAM, _LINE = 1, 2
+_INKS: Final = (0.0, 0.4)  # share of black in a pixel: none, line
 _TINTS: Final = 32
 _MOST_KEPT: Final = 4_096
 _BLACK, _WHITE = ColorTriplet(0, 0, 0), ColorTriplet(255, 255, 255)
@@ -113,24 +113,36 @@ def heights(values: FloatArray, cell: Size) -> FloatArray:
     return found
 
 
+def _around(values: FloatArray) -> FloatArray:
+    """Return each cell of ``values`` with its neighbours, [rows, columns, 3, 3], NaN beyond an edge."""
+    return sliding_window_view(np.pad(values, 1, constant_values=math.nan), (3, 3))
+
+
+def _slopes(values: FloatArray) -> FloatArray:
+    """Return how far cells rise to the lower right. Walls and edges are level."""
+    near = _around(values)[..., (1, 2, 1, 0), (2, 1, 0, 1)] - values[..., None]
+    return np.asarray(np.nan_to_num(near) @ (0.5, 0.5, -0.5, -0.5))
+
+
 def pixels(values: FloatArray, cell: Size, scale: ValueScale, every: float) -> IntArray:
     """Return the colour of each pixel as an index into :func:`_colours`, −1 in walls.
 
-    Lines mark multiples of ``every``, unless they would touch.
+    Lines are ``every`` apart, unless they would touch. None is at 0, where plains often are.
     """
-    z, height = heights(values, cell), heights(relief(values, scale), cell)
-    tint = np.rint(np.nan_to_num(height) * (_TINTS - 1)).astype(np.int64)
-    down, across = np.gradient(height)
-    slope = _STEEPNESS * (across * cell.width + down * 2 * cell.height)
-    light = np.rint(np.nan_to_num(slope).clip(-1.0, 1.0) * _LIGHTS).astype(np.int64) + _LIGHTS
-    step = np.floor(z / every + 1e-9)
-    mark = np.zeros(z.shape, dtype=np.int64)
-    mark[2 * cell.height :: 2 * cell.height] = mark[:, cell.width :: cell.width] = _SEAM
+    down, across = 2 * cell.height, cell.width
+    z, shown = heights(values, cell), relief(values, scale)
+    tint = np.rint(np.nan_to_num(heights(shown, cell)) * (_TINTS - 1)).astype(np.int64)
+    slope = _STEEPNESS * heights(_slopes(shown), cell)
+    light = np.rint(slope.clip(-1.0, 1.0) * _LIGHTS).astype(np.int64) + _LIGHTS
+    step = np.floor(z / every + 0.5 + 1e-9)
     is_line = np.zeros(z.shape, dtype=np.bool_)
     is_line[:, 1:] = np.abs(np.diff(step, axis=1)) > 0.0
     is_line[1:] |= np.abs(np.diff(step, axis=0)) > 0.0
-    mark[is_line & (np.hypot(*np.gradient(z)) * _CLOSEST <= every)] = _LINE
-    return np.where(np.isnan(z), -1, (tint * (2 * _LIGHTS + 1) + light) * len(_INKS) + mark)
+    near = _around(values)
+    spread = np.fmax.reduce(near, axis=(2, 3)) - np.fmin.reduce(near, axis=(2, 3))
+    is_steep = spread * _CLOSEST > 2.0 * every * min(down, across)
+    is_line &= ~np.kron(is_steep, np.ones((down, across), dtype=np.bool_))
+    return np.where(np.isnan(z), -1, (tint * (2 * _LIGHTS + 1) + light) * len(_INKS) + is_line)
 
 
 def _values(cells: Sequence[CellContent], part: MapPart, scale: ValueScale) -> FloatArray:
@@ -248,7 +260,9 @@ def _colours(palette: Palette, is_signed: bool) -> tuple[Color, ...]:
         part, at = math.modf(tint * (len(steps) - 1) / (_TINTS - 1))
         base = blend_rgb(steps[int(at)], steps[min(int(at) + 1, len(steps) - 1)], part)
         for light in range(-_LIGHTS, _LIGHTS + 1):
-            lit = blend_rgb(base, _WHITE if light > 0 else _BLACK, _MOST_LIGHT * abs(light) / _LIGHTS)
+            # brighter in its own hue: white would be a haze over dark valleys
+            more = 1.0 + _MOST_LIGHT * light / _LIGHTS
+            lit = ColorTriplet(*(min(255, round(part * more)) for part in base))
             found += [blend_rgb(lit, _BLACK, ink) for ink in _INKS]
     colours = [Color.from_triplet(each) for each in found]
     if ramp[0] is not None and ramp[0].type is ColorType.EIGHT_BIT:

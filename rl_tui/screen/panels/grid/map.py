@@ -112,6 +112,7 @@ class CellExtra(NamedTuple):
 
     ``name``: if wanted, padded to the longest. ``is_off_way``: without a drawn action, and never reached.
     ``draft``: not active. ``way``: the only exit. ``has_turned``: the last step changed its arrows.
+    ``edges``: whether it has a wall at the left, and at the right.
     """
 
     trace: Trace = Trace()
@@ -123,6 +124,7 @@ class CellExtra(NamedTuple):
     way: Direction | None = None
     wall: Wall = Wall.SLAB
     has_turned: bool = False
+    edges: tuple[bool, bool] = (False, False)
 
 
 PLAIN: Final = CellExtra()
@@ -194,6 +196,11 @@ class GridMap:
         idle = np.flatnonzero(~acting[self._states.ravel()])
         self.unreached = unreached_cells(space, grid)
         self.ways = dict(grid.one_way)
+        self._edges = {
+            cell: (cell - 1 in grid.walls, cell in grid.walls)
+            for wall in grid.walls
+            for cell in (wall, wall + 1)
+        }
         self._walls = _walls(grid)
         self._exits = self._exit_kinds()
         self.ends = dict.fromkeys(self._exits.values(), "exit")
@@ -253,10 +260,12 @@ class GridMap:
         with_actions: bool = False,
         named: bool = False,
         picked: frozenset[int] = frozenset(),
+        traced: bool = True,
     ) -> list[CellContent]:
         """Return the contents of ``part``, row by row.
 
-        ``named`` adds state names. A cell of several states shows the agent's, else the first.
+        ``named`` adds state names, ``traced`` the last steps. A cell of several states shows the agent's,
+        else the first.
         """
         kinds, columns = self.grid.kinds, self.grid.columns
         states = self._states_in(part, snapshot)
@@ -298,6 +307,8 @@ class GridMap:
                         content = with_extra(content, is_off_way=True)
                 if cell in self.ways:
                     content = with_extra(content, way=self.ways[cell])
+                if cell in self._edges:
+                    content = with_extra(content, edges=self._edges[cell])
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
@@ -309,6 +320,10 @@ class GridMap:
         for place, state in enumerate(states.tolist() if differing else ()):
             if state in differing:
                 contents[place] = contents[place]._replace(differs=True)
+        for cell, trace in traces(snapshot, self.grid).items() if traced else ():
+            marked = self._place(part, cell)
+            if marked is not None:
+                contents[marked] = with_extra(contents[marked], trace=trace)
         editor = snapshot.editor
         for place, state in enumerate(states.tolist() if editor.turned or editor.endless else ()):
             if (marks := marks_of(editor, state)) != UNMARKED:
@@ -324,10 +339,6 @@ class GridMap:
     def _mark(
         self, contents: list[CellContent], part: MapPart, snapshot: Snapshot, cursors: frozenset[int]
     ) -> None:
-        for cell, trace in traces(snapshot, self.grid).items():
-            marked = self._place(part, cell)
-            if marked is not None:
-                contents[marked] = with_extra(contents[marked], trace=trace)
         for state in snapshot.playback.breakpoints.states:
             marked = self._place(part, int(self.grid.cell_of_state[state]))
             if marked is not None:

@@ -100,10 +100,12 @@ def letter_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
             yield LegendSign(sign, name, look.palette.strong)
 
 
-def ground_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
-    """Yield the signs of wind and one-way cells."""
+def ground_signs(of: GridMap, look: Look, *, has_edges: bool) -> Iterator[LegendSign]:
+    """Yield the signs of wind, walls between cells and one-way cells."""
     if of.grid.wind:
         yield wind_sign(of.grid, look)
+    if of.grid.walls and has_edges:
+        yield LegendSign(look.glyphs.edges[1], "wall", look.palette.strong)
     if of.ways:
         sign = "".join(one_way_sign(way, look) for way in sorted(set(of.ways.values())))
         yield LegendSign(sign, "one-way", look.palette.strong)

@@ -82,20 +82,25 @@ def put_trail(canvas: Canvas, trace: Trace, look: Look, *, inner: int, ink: Styl
         canvas.put_over(*place, look.glyphs.trail if trace.is_recent else look.glyphs.trail_old, ink)
 
 
-def put_frame(canvas: Canvas, error: int, share: float, ground: Style, look: Look) -> None:
+def put_update(canvas: Canvas, error: int, share: float, ground: Style, look: Look) -> None:
     """Frame the updated cell in the colour of the error's sign.
 
     The colour has the weight ``share``, the ``ground`` the rest.
     """
-    glyphs, palette = look.glyphs, look.palette
-    colour = palette.error(error)
+    colour = look.palette.error(error)
     if share < 1.0:
         colour += Style(color=faded(ground + colour, share).color)
+    put_frame(canvas, colour, look)
+
+
+def put_frame(canvas: Canvas, colour: Style, look: Look) -> None:
+    """Put a frame on seams and blanks."""
+    glyphs = look.glyphs
     for row in range(canvas.height):
         for column, sign in ((0, glyphs.frame[0]), (canvas.width - 1, glyphs.frame[1])):
             if canvas.at(column, row) in f" {glyphs.seams}":
                 canvas.put_over(column, row, sign, colour)
-    if canvas.height >= 3 and palette.has_shades:
+    if canvas.height >= 3 and look.palette.has_shades:
         for column in range(1, canvas.width - 1):
             for row, sign in ((0, glyphs.frame[2]), (canvas.height - 1, glyphs.frame[3])):
                 if canvas.at(column, row) in f" {glyphs.seams}":

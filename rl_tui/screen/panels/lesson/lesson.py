@@ -289,6 +289,8 @@ class LessonPanel(ScrolledPanel, WaitingRow):
     spotlight: Spotlight | None = None
     is_manual = False
     takes_turns = replaces_header = False
+    is_pinned = False
+    """True if the task is in view whatever part of the text is."""
     following = ""
     offers: tuple[Offer, ...] = ()
     _shown: _Shown = ("", None, 0, ())
@@ -313,11 +315,15 @@ class LessonPanel(ScrolledPanel, WaitingRow):
     def _page(self, view: LessonView, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         text, now, self._news = page_lines(view, snapshot, self.look, width - 1, self.spotlight)
         gap: list[Line] = [[]] if text else []
-        if len(text) + len(now) + 4 <= height:
-            text, now = [[], *text], [*now, [self._margin(view, snapshot)]] if now else []
-        is_pinned = height - len(now) - 2 >= min(_LEAST_TEXT, len(text))
-        self._lines = text if is_pinned else [*text, *gap, *now]
-        foot = [*gap, *(now if is_pinned else ())]
+        is_spaced = len(text) + len(now) + 4 <= height
+        ask = open_page(view.record).asked
+        is_typed = self.takes_turns and ask is not None and not ask.choices  # its box covers the last rows
+        if now and (is_spaced or is_typed):
+            now = [*now, [self._margin(view, snapshot)]]
+        text = [[], *text] if is_spaced else text
+        self.is_pinned = height - len(now) - 2 >= min(_LEAST_TEXT, len(text))
+        self._lines = text if self.is_pinned else [*text, *gap, *now]
+        foot = [*gap, *(now if self.is_pinned else ())]
         area = max(0, min(len(self._lines), height - len(foot) - 1))
         strips = super().picture(snapshot, width, area)
         below = len(self._lines) - self._first - area
@@ -332,7 +338,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
             )
         )
         self._label(view.record, below, width)
-        keys = self._key_row(view, snapshot, width, is_alone=not is_pinned and below > 0)
+        keys = self._key_row(view, snapshot, width, is_alone=not self.is_pinned and below > 0)
         foot = [*foot, keys][-height:]
         return [*strips, *strips_of(foot, width, height - len(strips), self.look)]
 

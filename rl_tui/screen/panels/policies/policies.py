@@ -26,7 +26,7 @@ from rl_tui.screen.kit.charts import Bar, axis_of
 from rl_tui.screen.kit.panel import Panel, key_hints
 from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.last_step.update_text import setting
-from rl_tui.screen.panels.policies.studied import POLICY_NAMES, is_kept_back
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES, is_kept_back, policy_ink
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -58,7 +58,7 @@ def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
     names = [
         Piece(f"{look.glyphs.cursor}{name}", look.palette.focus)
         if kind is snapshot.answers.studied
-        else f" {name}"
+        else Piece(f" {name}", policy_ink(kind, look.palette))
         for kind, name in POLICY_NAMES.items()
     ]
     named = Column("", names, look.palette.text, right=False, gap=0)
@@ -77,16 +77,14 @@ def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
 
 
 def _bars(snapshot: Snapshot, look: Look, rows: int) -> dict[int, Bar]:
-    palette = look.palette
-    inks = palette.dim, palette.greedy_line, palette.episodes, palette.optimum, palette.you
-    returns = [
-        None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
+    returns = {
+        kind: None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
         for kind in POLICY_NAMES
-    ]
-    axis = axis_of(each for each in returns if each is not None)
+    }
+    axis = axis_of(each for each in returns.values() if each is not None)
     return {
-        place: Bar(each, axis, ink, rows)
-        for place, (each, ink) in enumerate(zip(returns, inks, strict=True))
+        place: Bar(each, axis, policy_ink(kind, look.palette), rows)
+        for place, (kind, each) in enumerate(returns.items())
         if each is not None
     }
 
@@ -229,9 +227,9 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[str]:
         yield f"a pull: its mean reward{drifted}; optimal: the best arm"
         return
     limit, gamma = snapshot.world.space.time_limit, snapshot.agent.hyperparameters.gamma
-    within, as_if = (f" within {limit:,} steps", f", {WITHOUT_LIMIT}") if limit else ("", "")
-    yield f"return: mean of an episode{within}"
-    yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}{as_if}"
+    within, as_if = (f"within {limit:,} steps", f", {WITHOUT_LIMIT}") if limit else ("of an episode", "")
+    yield f"return: mean {within}"
+    yield f"at start: V, γ {numbers.brief(gamma, look.glyphs)}{as_if}"
     if may_not_end(known_answers(snapshot)):
         yield "ending: how likely an episode ends"
 

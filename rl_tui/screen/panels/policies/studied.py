@@ -6,12 +6,14 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from rich.style import Style
 
 from rl_tui.agents.exact.policy_figures import best_pairs
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.answers.policy_values import WHILE_RUNNING, PolicyAnswer
 from rl_tui.screen.kit.snapshot_facts import hides_greedy, hides_means, is_secret
+from rl_tui.screen.theme.roles import Palette
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
@@ -28,6 +30,12 @@ POLICY_NAMES: Final = {
 def policy_name(kind: PolicyKind) -> str:
     """Return the name of a policy after ``V of``."""
     return "the agent" if kind is PolicyKind.BEHAVIOUR else f"the {POLICY_NAMES[kind]} policy"
+
+
+def policy_ink(kind: PolicyKind, palette: Palette) -> Style:
+    """Return the colour of a policy in every panel."""
+    inks = palette.text, palette.greedy_line, palette.episodes, palette.dim, palette.you
+    return dict(zip(POLICY_NAMES, inks, strict=True))[kind]
 
 
 def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:

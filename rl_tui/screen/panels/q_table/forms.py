@@ -53,11 +53,17 @@ class MatrixForm:
         """The number of entries, one per live state."""
         return len(self.scene.world.live)
 
-    def heads(self) -> Pieces:
-        """Return the action names above their columns."""
+    def heads(self) -> list[Pieces]:
+        """Return the action names above their columns, in two rows if names of two words need them."""
+        names = [self.scene.world.action_names[action] for action in self.scene.world.shown_actions]
+        if not any(" " in name and cell_len(name) > self.field + _MARKS for name in names):
+            return [self._heads(names)]
+        parts = [name.rpartition(" ") for name in names]
+        return [self._heads([first for first, _, _ in parts]), self._heads([last for _, _, last in parts])]
+
+    def _heads(self, names: Sequence[str]) -> Pieces:
         width, ellipsis = self.field + _MARKS, self.scene.look.glyphs.ellipsis
         text = " " * (self.label + _AROUND_LABEL)
-        names = [self.scene.world.action_names[action] for action in self.scene.world.shown_actions]
         for name, following in zip(names, (*names[1:], ""), strict=True):
             # a head may extend into the gap if no other name starts right after it
             reach = self._column if cell_len(following) < width - 1 else width
@@ -204,11 +210,11 @@ class ListForm:
         """The number of entries, one per pair."""
         return self.scene.world.space.pairs
 
-    def heads(self) -> Pieces:
+    def heads(self) -> list[Pieces]:
         """Return the heads, aligned with their columns."""
         glyphs = self.scene.look.glyphs
         texts = [column.align(to_ascii(column.head, glyphs), column.width) for column in self.columns]
-        return [Segment("".join(texts), self.scene.look.palette.dim)]
+        return [[Segment("".join(texts), self.scene.look.palette.dim)]]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
         """Return the row of a pair, with its state in the first row."""

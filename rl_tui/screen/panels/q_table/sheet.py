@@ -39,9 +39,9 @@ class Sheet:
         self._scene = scene
         self._width = width
         self._height = height
-        self._head_rows = 1 if height > 1 else 0
+        self._heads = form.heads()[: max(0, height - 1)]
         self._entries, self._block_width = form.entries, form.block_width
-        self._lines = min(height - self._head_rows, -(-self._entries // form.blocks))
+        self._lines = min(height - len(self._heads), -(-self._entries // form.blocks))
         self.shown = min(self._entries, self._lines * form.blocks)
         self.is_scrolled = self.shown < self._entries  # not all entries are visible
         self.part = f"{self.shown} of {self._entries:,}"  # number of visible entries out of all
@@ -50,7 +50,7 @@ class Sheet:
     @property
     def free_rows(self) -> int:
         """The number of empty rows at the bottom."""
-        below = self._height - self._head_rows - self._lines
+        below = self._height - len(self._heads) - self._lines
         return 0 if self.is_scrolled else below - len(self._notes(below))
 
     @property
@@ -80,7 +80,7 @@ class Sheet:
     def pair_at(self, x: int, y: int) -> int | None:
         """Return the pair at column ``x`` of row ``y``, or None."""
         block, x = divmod(x, max(1, self._block_width))
-        line = y - self._head_rows
+        line = y - len(self._heads)
         entry = self.first + block * self._lines + line
         if not 0 <= line < self._lines or block >= self.form.blocks or entry >= self._entries:
             return None
@@ -88,7 +88,7 @@ class Sheet:
 
     def strips(self, cache: LRUCache[tuple[Segment, ...], Strip]) -> list[Strip]:
         """Return the rows, from ``cache`` if unchanged."""
-        rows = [self.form.heads() * self.form.blocks] * self._head_rows
+        rows = [head * self.form.blocks for head in self._heads]
         bar = []
         if self.is_scrolled and self._lines:
             bar = scroll_bar(self.first, self.shown, self._entries, self._lines, self._scene.look)

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar, Final
 
 from rich.cells import cell_len
+from rich.style import Style
 from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
@@ -24,6 +25,7 @@ from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
 from rl_tui.screen.kit.value_scale import Ramp, SteadyScale, ValueScale
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
+from rl_tui.screen.panels.policies.studied import policy_ink
 from rl_tui.screen.panels.status_line import how_far
 from rl_tui.screen.panels.world.drawn_picture import DrawnPicture
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
@@ -326,7 +328,8 @@ class WorldView(DrawnPicture, can_focus=True):
         if self.title:
             said += [Piece(f" {heading} ", palette.focus)]
         elif says_lane or self.studied is not None or self.is_numbered or self.shows_actions:
-            said += [Piece(heading, palette.strong)]
+            ink = policy_ink(self.studied, palette) if self.studied is not None and not says_lane else Style()
+            said += [Piece(heading, palette.strong + ink)]
         if footing:
             said += [Piece("  " if said else "", palette.text), Piece(footing, palette.dim)]
         # of two runs, one shows scale and legend: below both maps, else the one with fewer words

@@ -311,19 +311,23 @@ class LessonActions(Subject):
             self._own_program.answer(page, page.task.program, lambda: self._claim(page))
             return
         do = Candidate("do", "Do it", ("Do it in the world.",))
-        choice = Choice("Your task", (do, CANNOT_BE_DONE), "", self.glyphs, plain(page.task.do))
+        choice = Choice("Your task", (do, CANNOT_BE_DONE), "", self.glyphs, self._off_page(page.task.do))
         self.ask(choice, lambda chosen: self._claim(page) if chosen == _CLAIM else self._show_world())
 
     def _ask_number(self, ask: Ask, *, is_prediction: bool) -> None:
         title = "Your prediction" if is_prediction else "Your answer"
         verb = "lock" if is_prediction else "answer"
-        hint = to_ascii(f"{plain(ask.ask)}\nA number, as 0.5, −2 or 1/3.", self.glyphs)
+        hint = to_ascii(f"{self._off_page(ask.ask)}\nA number, as 0.5, −2 or 1/3.".strip(), self.glyphs)
         self.ask(Prompt(title, hint, "", read_answer, verb), lambda value: self._give(float(value)))
 
     def _ask_choice(self, ask: Ask) -> None:
         candidates = [Candidate(str(place), plain(choice.text)) for place, choice in enumerate(ask.choices)]
-        choice = Choice("Your answer", candidates, "", self.glyphs, plain(ask.ask))
+        choice = Choice("Your answer", candidates, "", self.glyphs, self._off_page(ask.ask))
         self.ask(choice, lambda place: self._give(float(place)))
+
+    def _off_page(self, text: str) -> str:
+        """Return ``text`` to repeat it, unless the page keeps it in view."""
+        return "" if self.board.lesson.panel.is_pinned else plain(text)
 
     def _give(self, answer: float) -> None:
         record, snapshot = self.record, self.snapshot

@@ -91,7 +91,7 @@ class PolicyActions(Subject):
     """The choice of the policy on display."""
 
     _is_open = _is_kept = False
-    _chosen = PolicyKind.UNIFORM
+    _chosen = PolicyKind.GREEDY
 
     def follow_panel(self) -> None:
         """Show a policy when the panel opens, and none after it closes, unless kept."""

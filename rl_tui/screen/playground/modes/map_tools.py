@@ -95,14 +95,14 @@ MAP_TOOLS: Final = (
     Tool(
         _PICK,
         "pick up",
-        "Take what is under the cursor for the brush.",
+        "Take the brush from under the cursor.",
         lambda box, desk: box.pick_up(desk),
         ",",
     ),
     Tool(
         _ARROW_KEY,
         "arrow",
-        "Paint nothing: a click moves the cursor, a drag marks.",
+        "Paint nothing: click moves, drag marks.",
         lambda box, desk: box.point(desk),
     ),
     Tool(

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.programs.watched.child.numbering import Numbering
+from rl_tui.programs.watched.child.environments.numbering import Numbering
 
 Doubles = npt.NDArray[np.float64]
 _FEW: Final = 64  # cells of a small table

@@ -14,13 +14,14 @@ from typing import Any, Final
 import numpy as np
 from numpy import ndarray
 
-from rl_tui.programs.watched.child.held_table import Doubles, HeldTable
-from rl_tui.programs.watched.child.numbering import Numbering
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
 
 # Rows, keys and numbers
 
 
 NAN: Final = float("nan")
+MOST_CELLS: Final = 1_000_000
 
 
 def number_of(value: object) -> float:
@@ -393,36 +394,3 @@ class RowTable(HeldTable):
             if before != after:
                 add_difference(cell, before, after, found)
                 numbers[cell] = after
-
-
-# Recognising a form
-
-
-MOST_CELLS: Final = 1_000_000
-
-
-def form_of(value: Any, numbering: Numbering) -> HeldTable | None:
-    """Return the form of `value` as a table for `numbering`, or None."""
-    if not 0 < numbering.states * numbering.actions <= MOST_CELLS:
-        return None
-    if type(value) is np.ndarray:
-        shapes = {(*numbering.parts, numbering.actions), (numbering.states, numbering.actions)}
-        if value.shape not in shapes or value.dtype.kind not in "fiuO":
-            return None
-        if value.dtype.kind == "O":
-            return RowTable(numbering, "array") if is_row(plain_rows(value)[0], numbering.actions) else None
-        return ArrayTable(numbering) if value.shape == (*numbering.parts, numbering.actions) else None
-    if issubclass(type(value), dict):
-        return _form_of_dict(value, numbering)
-    is_list = type(value) is list and len(value) == numbering.states
-    if is_list and all(is_row(row, numbering.actions) for row in value):
-        return RowTable(numbering, "lists")
-    return None
-
-
-def _form_of_dict(value: dict[Any, Any], numbering: Numbering) -> HeldTable | None:
-    key, entry = next(iter(dict.items(value)), (None, None))
-    if state_of(numbering, key) is not None and is_row(entry, numbering.actions):
-        return RowTable(numbering, "dict-of-arrays")
-    is_pair = type(key) is tuple and cell_of(numbering, key) >= 0
-    return PairTable(numbering) if is_pair and is_number(entry) else None

@@ -13,7 +13,7 @@ import gymnasium
 Key = int | tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True)
 class Numbering:
     """Numbers of observations whose parts have the sizes `parts` from `first` on (one part for a plain
     number), and of `actions` actions from `first_action` on.

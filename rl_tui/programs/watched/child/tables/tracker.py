@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from types import FrameType
 from typing import Any, Final
 
-from rl_tui.programs.watched.child.forms import form_of
-from rl_tui.programs.watched.child.numbering import Numbering
-from rl_tui.programs.watched.child.search import MISSING, TableCandidate, Way, candidates
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.tables.recognition import form_of
+from rl_tui.programs.watched.child.tables.search import MISSING, TableCandidate, Way, candidates
 
 _CLOSELY: Final = 500  # first comparisons, each of the whole table
 _PATIENCE: Final = 20  # comparisons without a result, of the whole table and at ends of episodes

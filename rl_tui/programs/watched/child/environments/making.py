@@ -2,103 +2,24 @@
 
 from __future__ import annotations
 
-import copy
 import math
-import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 import gymnasium
 from gymnasium.envs import registration
 
-from rl_tui.programs.watched.child.numbering import Numbering, numbering_of
+from rl_tui.programs.watched.child.environments.direct_envs import DirectEnvs
+from rl_tui.programs.watched.child.environments.numbering import Numbering, numbering_of
+from rl_tui.programs.watched.child.environments.watched_env import (
+    Elsewhere,
+    StepReports,
+    WatchedEnv,
+    made_elsewhere,
+)
 from rl_tui.programs.watched.child.recorder import Recorder
-from rl_tui.programs.watched.child.search import attributes
-from rl_tui.programs.watched.messages import MessageKind, StepFlag
-
-# A watched environment
-
-
-_TERMINATED, _TRUNCATED = int(StepFlag.TERMINATED), int(StepFlag.TRUNCATED)
-_STRANGE = "a step was left out: an observation or action outside of its space, or no five results"
-
-
-class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
-    """Environment `number` of the program. The first reset without a seed uses `seed`."""
-
-    def __init__(
-        self, env: gymnasium.Env[Any, Any], number: int, numbering: Numbering, recorder: Recorder, seed: int
-    ) -> None:
-        super().__init__(env)
-        self._number, self._numbering, self._recorder = number, numbering, recorder
-        self._seed: int | None = seed
-        self._state = 0
-        self._episode = self._place = 0
-        self._is_strange = False
-
-    def step(self, action: Any) -> Any:
-        """Take a step, once permitted, and report it."""
-        self._recorder.before(sys._getframe(1), self._numbering, "step")
-        result = self.env.step(action)
-        try:
-            observation, reward, terminated, truncated, _ = result
-            next_state, number = self._numbering.state(observation), self._numbering.action(action)
-            flags = (_TERMINATED if terminated else 0) | (_TRUNCATED if truncated else 0)
-            gained = float(reward)
-        except (TypeError, ValueError):
-            self._leave_out()
-            return result
-        if self._place == 0:
-            self._episode = self._recorder.begin_episode()
-        step = (self._number, self._state, number, gained, next_state, flags, self._episode, self._place)
-        self._recorder.after(step, self._numbering)
-        self._place += 1
-        self._state = next_state
-        return result
-
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
-        """Begin an episode, once permitted."""
-        self._recorder.before(sys._getframe(1), self._numbering, "reset")
-        if seed is None:
-            seed = self._seed
-        self._seed = None
-        result = self.env.reset(seed=seed, options=options)
-        self._place = 0
-        try:
-            self._state = self._numbering.state(result[0])
-        except (TypeError, ValueError):
-            self._leave_out()
-        return result
-
-    def _leave_out(self) -> None:
-        if not self._is_strange:
-            self._is_strange = True
-            self._recorder.channel.message(MessageKind.NOTE, text=_STRANGE)
-
-    @property
-    def spec(self) -> Any:
-        """Specification of the environment without this wrapper, so that others can make it."""
-        return self.env.spec
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__") or name == "env":
-            raise AttributeError(name)
-        return getattr(self.env, name)
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> gymnasium.Env[Any, Any]:
-        """Return an unwatched copy, because trying it out is not a step of the program."""
-        return copy.deepcopy(self.env, memo)
-
-    def __reduce__(self) -> Any:
-        return _itself, (self.env,)
-
-
-def _itself(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:
-    return env
-
-
-# Making environments
-
+from rl_tui.programs.watched.child.tables.search import attributes
+from rl_tui.programs.watched.messages import MessageKind
 
 Make = Callable[..., Any]
 MOST_STATES: Final = 20_000
@@ -109,11 +30,11 @@ _VECTORS: Final = (
     "a vector environment takes several steps at once; rl-tui watches environments made by gymnasium.make, "
     "a step at a time"
 )
-_NO_ENVIRONMENT: Final = "nothing to watch: the script made no environment with gymnasium.make"
-_NO_STEP: Final = (
-    "no step was seen: those of env.unwrapped, of copies of an environment and of other processes are "
-    "not watched"
+_NO_ENVIRONMENT: Final = (
+    "nothing to watch: the script takes no step in an environment of Gymnasium, a class with reset() and "
+    "step(action), or a function step(state, action)"
 )
+_NO_STEP: Final = "no step was seen: those of copies of an environment and of other processes are not watched"
 
 
 class Making:
@@ -124,7 +45,9 @@ class Making:
         self._made = 0
         self._was_asked = False
         self._original: Make = registration.make
-        self._is_inside = False
+        self._all: list[StepReports] = []
+        self._numbers: dict[tuple[type, Numbering], int] = {}
+        self.direct = DirectEnvs(self._announce, self._without_limit)
 
     def install(self) -> None:
         """Replace Gymnasium's `make` by `make`."""
@@ -134,11 +57,24 @@ class Making:
                     setattr(module, name, other)
         for vector in (gymnasium.vector.SyncVectorEnv, gymnasium.vector.AsyncVectorEnv):
             vector.__init__ = self._refuse_vectors
+        self.direct.install(self._seed)
 
     def tell_what_was_missed(self) -> None:
         """Report why nothing was seen of a finished program, if so."""
         if self._recorder.count == 0 and not (self._was_asked and self._made == 0):
             self._note(_NO_STEP if self._made else _NO_ENVIRONMENT)
+
+    @property
+    def is_inside(self) -> bool:
+        """True while an environment runs that reports its own steps."""
+        return any(each.is_inside for each in self._all)
+
+    def announce_own(self, name: str, numbering: Numbering) -> int:
+        """Report a world of the program's own class `name`, and return its number."""
+        number = self._made
+        self._made += 1
+        self._tell_sizes(number, name, numbering)
+        return number
 
     def make(self, *arguments: Any, **more: Any) -> Any:
         """Make an environment as Gymnasium does, and a withdrawn one in its newest version."""
@@ -146,13 +82,10 @@ class Making:
         if more.get("render_mode") == "human":
             more["render_mode"] = None
             self._note('render_mode="human" is ignored: rl-tui shows the world')
-        if self._is_inside:  # an environment that makes another one
+        if Elsewhere.is_now:  # an environment that makes another one
             return self._original(*arguments, **more)
-        self._is_inside = True
-        try:
+        with made_elsewhere():
             env = self._made_by_gymnasium(arguments, more)
-        finally:
-            self._is_inside = False
         if not isinstance(env, gymnasium.Env):
             return env
         numbering = numbering_of(env)
@@ -177,35 +110,77 @@ class Making:
             return self._original(made, *arguments[1:], **asked)
 
     def _watched(self, env: gymnasium.Env[Any, Any], numbering: Numbering) -> WatchedEnv:
-        number = self._made
+        reports = StepReports(self._made, numbering, self._recorder)
+        self._all.append(reports)
         self._made += 1
-        env.action_space.seed(self._seed + number)
-        self._tell(env, number, numbering)
-        return WatchedEnv(env, number, numbering, self._recorder, self._seed + number)
+        seed = self._seed + reports.number
+        env.action_space.seed(seed)
+        self._tell(env, reports)
+        return WatchedEnv(env, reports, seed, self.direct.hand_out)
 
-    def _tell(self, env: gymnasium.Env[Any, Any], number: int, numbering: Numbering) -> None:
-        spec = env.spec
+    def _announce(self, env: gymnasium.Env[Any, Any]) -> StepReports | None:
+        """Report an environment that was made from its class. Those of a class have one number."""
+        numbering = numbering_of(env)
+        if numbering is None:
+            return None
+        key = (type(env), numbering)
+        reports = StepReports(self._numbers.setdefault(key, self._made), numbering, self._recorder)
+        if reports.number == self._made:
+            self._all.append(reports)
+            self._made += 1
+            self._tell(env, reports)
+        return reports
+
+    def _without_limit(self, env: gymnasium.Env[Any, Any], reports: StepReports) -> None:
+        """Report again an environment that the program took out of its wrappers."""
+        self._tell(env, reports, time_limit=0)
+
+    def _tell(
+        self, env: gymnasium.Env[Any, Any], reports: StepReports, time_limit: int | None = None
+    ) -> None:
+        spec, numbering = env.spec, reports.numbering
         kwargs = {} if spec is None else {key: each for key, each in spec.kwargs.items() if each is not None}
+        if time_limit is None:
+            time_limit = (0 if spec is None else spec.max_episode_steps) or 0
+        self._tell_sizes(
+            reports.number,
+            _id_of(env),
+            numbering,
+            kwargs=kwargs if spec is not None and _is_data(kwargs) else None,
+            time_limit=time_limit,
+            wrappers=_wrappers(env),
+        )
+        if spec is None or not (isinstance(spec.entry_point, str) and spec.entry_point.startswith(_KNOWN)):
+            inside = attributes_of_env(env.unwrapped)
+            table = transitions_of(inside.get("P"), numbering)
+            if table is not None:
+                start = _start_of(inside.get("initial_state_distrib", inside.get("isd")), numbering)
+                self._recorder.channel.message(
+                    MessageKind.TRANSITIONS, number=reports.number, P=table, start=start
+                )
+
+    def _tell_sizes(
+        self,
+        number: int,
+        name: str,
+        numbering: Numbering,
+        *,
+        kwargs: Mapping[str, Any] | None = None,
+        time_limit: int = 0,
+        wrappers: Sequence[str] = (),
+    ) -> None:
         self._recorder.channel.message(
             MessageKind.ENVIRONMENT,
             number=number,
-            id=_id_of(env),
-            kwargs=kwargs if _is_data(kwargs) else None,
+            id=name,
+            kwargs=kwargs,
             states=numbering.parts,
             first_state=numbering.first,
             actions=numbering.actions,
             first_action=numbering.first_action,
-            time_limit=(0 if spec is None else spec.max_episode_steps) or 0,
-            wrappers=_wrappers(env),
+            time_limit=time_limit,
+            wrappers=wrappers,
         )
-        if spec is not None and not (
-            isinstance(spec.entry_point, str) and spec.entry_point.startswith(_KNOWN)
-        ):
-            inside = attributes_of_env(env.unwrapped)
-            table = transitions_of(inside.get("P"), numbering)
-            if table is not None:
-                start = _start_of(inside.get("initial_state_distrib"), numbering)
-                self._recorder.channel.message(MessageKind.TRANSITIONS, number=number, P=table, start=start)
 
     def _refuse_vectors(self, *_: Any, **__: Any) -> Any:
         self._recorder.refuse(_VECTORS)

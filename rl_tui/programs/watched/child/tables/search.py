@@ -12,12 +12,12 @@ from typing import Any, Final
 import gymnasium
 import numpy as np
 
-from rl_tui.programs.watched.child.forms import form_of
-from rl_tui.programs.watched.child.held_table import HeldTable
-from rl_tui.programs.watched.child.numbering import Numbering
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.tables.held_table import HeldTable
+from rl_tui.programs.watched.child.tables.recognition import form_of
 
 MISSING: Final = object()
-_NO_TABLE: Final = re.compile(
+NO_TABLE: Final = re.compile(
     r"^(n|e|p|pi|r|t|probs?|model|rewards?|returns?|transitions?|advantages?)$"
     r"|count|visit|trace|eligib|policy|polic|model|return|probab|freq|weights_sum|reward",
     re.IGNORECASE,
@@ -25,8 +25,8 @@ _NO_TABLE: Final = re.compile(
 _SECOND_CHOICE: Final = re.compile(
     r"old|prev|last|best|copy|target|init|hist|snapshot|saved|opt|star|true|_2$|2$", re.I
 )
-_LIKE_Q: Final = re.compile(r"^q", re.IGNORECASE)
-_GOOD: Final = re.compile(r"q|value|table", re.IGNORECASE)
+LIKE_Q: Final = re.compile(r"^q", re.IGNORECASE)
+GOOD: Final = re.compile(r"q|value|table", re.IGNORECASE)
 _NO_HOLDERS: Final = (
     types.ModuleType,
     type,
@@ -109,29 +109,30 @@ def candidates(
     """
     found: list[TableCandidate] = []
     known: set[int] = set()
-    for way, value in _ways(frame):
+    for way, value in ways(frame):
         if wanted is not None and wanted not in (way.name(), way.names[-1]):
             continue
-        if id(value) in known or (wanted is None and _NO_TABLE.search(way.names[-1])):
+        if id(value) in known or (wanted is None and NO_TABLE.search(way.names[-1])):
             continue
         form = form_of(value, numbering)
         if form is not None and (wanted is not None or not _is_policy(value, way.names[-1])):
             known.add(id(value))
             found.append(TableCandidate(way, value, form))
-    return sorted(found, key=lambda each: _rank(each.way.names[-1], each.value))
+    return sorted(found, key=lambda each: rank(each.way.names[-1], each.value))
 
 
 def turned_table(frame: types.FrameType | None, numbering: Numbering) -> tuple[str, tuple[int, ...]] | None:
     """Return name and shape of an array of actions × states, which is not a table, or None."""
     turned = (numbering.actions, numbering.states)
-    for way, value in _ways(frame):
+    for way, value in ways(frame):
         is_turned = type(value) is np.ndarray and value.shape == turned and turned[0] != turned[1]
-        if is_turned and not _NO_TABLE.search(way.names[-1]):
+        if is_turned and not NO_TABLE.search(way.names[-1]):
             return way.name(), turned
     return None
 
 
-def _ways(frame: types.FrameType | None) -> Iterator[tuple[Way, Any]]:
+def ways(frame: types.FrameType | None) -> Iterator[tuple[Way, Any]]:
+    """Yield the variables of the functions that led to `frame`, the nearest first, and their attributes."""
     seen: set[int] = set()
     while frame is not None:
         if not frame.f_globals.get("__name__", "").startswith(_OURS):
@@ -161,14 +162,15 @@ def _in_scope(
         level = deeper
 
 
-def _rank(name: str, value: object) -> tuple[bool, int, bool]:
-    liking = 0 if _LIKE_Q.search(name) else 1 if _GOOD.search(name) else 2
+def rank(name: str, value: object) -> tuple[bool, int, bool]:
+    """Return a sort key of candidates, smaller for a more likely table."""
+    liking = 0 if LIKE_Q.search(name) else 1 if GOOD.search(name) else 2
     is_whole = type(value) is np.ndarray and value.dtype.kind in "iu"
     return (bool(_SECOND_CHOICE.search(name)), liking, is_whole)
 
 
 def _is_policy(value: object, name: str) -> bool:
     """Return True if each row has probabilities, and the name does not indicate values."""
-    if type(value) is not np.ndarray or value.dtype.kind != "f" or _LIKE_Q.search(name):
+    if type(value) is not np.ndarray or value.dtype.kind != "f" or LIKE_Q.search(name):
         return False
     return bool((value >= 0).all() and np.allclose(value.sum(axis=-1), 1.0))

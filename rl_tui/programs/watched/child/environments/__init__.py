@@ -1,0 +1,1 @@
+"""Environments of a watched program, which report their steps."""

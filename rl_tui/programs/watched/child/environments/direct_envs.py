@@ -1,0 +1,164 @@
+"""Environments that a program makes from their class, or takes out of their wrappers."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any, Final, Protocol
+
+import gymnasium
+from gymnasium.utils import seeding
+
+from rl_tui.programs.watched.child.environments.watched_env import Elsewhere, StepReports, made_elsewhere
+
+Announce = Callable[[gymnasium.Env[Any, Any]], StepReports | None]
+_KEY: Final = "_rl_tui_reports"
+_IS_INNER: Final = "_rl_tui_is_inner"
+_KEYS: Final = (_KEY, _IS_INNER)
+Given = tuple[tuple[Any, ...], dict[str, Any]]
+"""Arguments of a call, without and with names."""
+Answer = Callable[[Any, str, Any], Any]
+"""Returns the result of a method for the frame that called it."""
+
+
+class Worlds(Protocol):
+    """Watches worlds without spaces."""
+
+    def step(self, it: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
+        """Take a step of `it` for the program at `frame`."""
+        ...
+
+    def reset(self, it: Any, frame: Any, begin: Callable[..., Any], given: Given) -> Any:
+        """Begin an episode of `it` for the program at `frame`."""
+        ...
+
+
+def _as_it_is(frame: Any, method: str, result: Any) -> Any:
+    del frame, method
+    return result
+
+
+class DirectEnvs:
+    """Lets environments report their own steps, by another class with the same name.
+
+    Args:
+        announce: Reports a new environment, and returns None if it cannot be watched.
+        announce_again: Reports that an environment is used without its wrappers.
+    """
+
+    def __init__(
+        self,
+        announce: Announce,
+        announce_again: Callable[[gymnasium.Env[Any, Any], StepReports], None],
+    ) -> None:
+        self._announce, self._announce_again = announce, announce_again
+        self.answer: Answer = _as_it_is
+        self.without_spaces: Worlds | None = None
+        """Watches environments without finite spaces."""
+        self.more_methods: Mapping[str, Any] = {}
+        """Further methods of Gymnasium's own classes."""
+        self._classes: dict[type, type] = {}
+
+    def install(self, seed: int) -> None:
+        """Watch each environment that the program makes. Their generators start from `seed`."""
+        made, count = gymnasium.Env.__new__, 0
+        original = seeding.np_random
+
+        def new(cls: type, *_: Any, **__: Any) -> Any:
+            is_ours = Elsewhere.is_now or issubclass(cls, gymnasium.Wrapper) or _KEY in cls.__dict__
+            return made(cls if is_ours else self._class_of(cls))
+
+        def np_random(given: int | None = None) -> Any:
+            nonlocal count
+            count += given is None
+            return original(seed + count if given is None else given)
+
+        gymnasium.Env.__new__ = new
+        seeding.np_random = np_random
+
+    def hand_out(self, env: gymnasium.Env[Any, Any], reports: StepReports | None) -> None:
+        """Let `env` report its steps through `reports`, if any, unless a wrapper does."""
+        if _KEY not in env.__dict__:
+            env.__class__ = self._class_of(type(env))
+            env.__dict__[_KEY] = reports
+            if reports is not None:
+                reports.bare = env
+                env.__dict__[_IS_INNER] = True
+
+    def step(self, env: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
+        """Take a step of `env` for the program at `frame`."""
+        arguments, more = given
+        reports = self._reports_of(env)
+        if reports is None and self.without_spaces is not None and _KEY in env.__dict__:
+            return self.without_spaces.step(env, frame, take, given)
+        if reports is None or reports.is_inside or reports.is_silent or len(arguments) + len(more) != 1:
+            return take(env, *arguments, **more)
+        (action,) = (*arguments, *more.values())
+        return reports.step(frame, lambda _: take(env, *arguments, **more), action)
+
+    def reset(self, env: Any, frame: Any, begin: Callable[..., Any], given: Given) -> Any:
+        """Begin an episode of `env` for the program at `frame`."""
+        arguments, more = given
+        reports = self._reports_of(env)
+        if reports is None and self.without_spaces is not None and _KEY in env.__dict__:
+            return self.without_spaces.reset(env, frame, begin, given)
+        if reports is None or reports.is_inside or reports.is_silent:
+            return begin(env, *arguments, **more)
+        return reports.reset(frame, lambda: begin(env, *arguments, **more))
+
+    def _reports_of(self, env: Any) -> StepReports | None:
+        inside = env.__dict__
+        if _KEY not in inside:
+            try:
+                reports = self._announce(env)
+            except AttributeError:  # its spaces are not known before the end of its __init__
+                return None
+            if reports is not None:
+                reports.bare = env
+            inside[_KEY] = reports
+        elif _IS_INNER in inside and not inside[_KEY].is_inside:
+            del inside[_IS_INNER]
+            if not inside[_KEY].is_used:
+                self._announce_again(env, inside[_KEY])
+        found: StepReports | None = inside[_KEY]
+        return found
+
+    def _class_of(self, cls: Any) -> type:
+        """Return a subclass of `cls` with its name, whose methods report."""
+        if cls not in self._classes:
+            self._classes[cls] = self._watched_class(cls)
+        return self._classes[cls]
+
+    def _watched_class(self, cls: Any) -> type:
+        envs = self
+
+        def step(env: Any, *arguments: Any, **more: Any) -> Any:
+            frame = sys._getframe(1)
+            return envs.answer(frame, "step", envs.step(env, frame, cls.step, (arguments, more)))
+
+        def reset(env: Any, *arguments: Any, **more: Any) -> Any:
+            frame = sys._getframe(1)
+            return envs.answer(frame, "reset", envs.reset(env, frame, cls.reset, (arguments, more)))
+
+        def reduce(env: Any, protocol: Any) -> Any:
+            watched, env.__class__ = env.__class__, cls
+            try:
+                made, arguments, *rest = env.__reduce_ex__(protocol)
+            finally:
+                env.__class__ = watched
+            if rest and isinstance(rest[0], dict):
+                rest[0] = {name: each for name, each in rest[0].items() if name not in _KEYS}
+            return _copied, (made, *arguments), *rest
+
+        methods = {"step": step, "reset": reset, "__reduce_ex__": reduce, _KEY: True}
+        if cls.__module__.startswith("gymnasium."):
+            methods |= self.more_methods
+        names = {name: getattr(cls, name) for name in ("__module__", "__qualname__", "__doc__")}
+        made: type = type(cls)(cls.__name__, (cls,), {**names, **methods})
+        return made
+
+
+def _copied(made: Callable[..., Any], *arguments: Any) -> Any:
+    """Return an unwatched copy, because trying it out is not a step of the program."""
+    with made_elsewhere():
+        return made(*arguments)

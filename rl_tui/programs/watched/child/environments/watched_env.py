@@ -1,0 +1,213 @@
+"""An environment whose steps are reported, whether the program calls it or what is inside it."""
+
+from __future__ import annotations
+
+import copy
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, Final
+
+import gymnasium
+
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.errors import is_users_file
+from rl_tui.programs.watched.child.recorder import Recorder
+from rl_tui.programs.watched.messages import MessageKind, StepFlag
+
+_TERMINATED, _TRUNCATED = int(StepFlag.TERMINATED), int(StepFlag.TRUNCATED)
+_STRANGE: Final = "a step was left out: an observation or action outside of its space, or no five results"
+
+
+class StepReports:
+    """Reports the steps of environment `number`. While `is_inside`, the environment itself runs."""
+
+    def __init__(self, number: int, numbering: Numbering, recorder: Recorder) -> None:
+        self.number, self.numbering, self._recorder = number, numbering, recorder
+        self.bare: gymnasium.Env[Any, Any] | None = None
+        """The environment without wrappers, if the program has it and may set its state."""
+        self.is_inside = False
+        self.is_used = False
+        """True after the first call of `reset` or `step`."""
+        self.is_silent = False
+        """True if another environment inside of this one reports its own steps."""
+        self.state = 0
+        self._episode = self._place = 0
+        self._is_strange = False
+
+    def step(self, frame: Any, take: Callable[[Any], Any], action: Any) -> Any:
+        """Call `take` with `action`, once permitted, and report the step. `frame` is the caller's."""
+        self._recorder.before(frame, self.numbering, "step")
+        if self.bare is not None:
+            state = self.bare.__dict__.get("s")
+            if type(state) is int and self.numbering.counts_from_0:
+                self.state = state
+        count = self._recorder.count
+        self.is_inside = self.is_used = True
+        try:
+            result = take(action)
+        finally:
+            self.is_inside = False
+        if self._recorder.count != count:
+            self.is_silent = True
+            return result
+        try:
+            observation, reward, terminated, truncated, _ = (
+                result if len(result) == 5 else in_new_form(result)
+            )
+            next_state, number = self.numbering.state(observation), self.numbering.action(action)
+            flags = (_TERMINATED if terminated else 0) | (_TRUNCATED if truncated else 0)
+            gained = float(reward)
+        except (TypeError, ValueError):
+            self._leave_out()
+            return result
+        if self._place == 0:
+            self._episode = self._recorder.begin_episode()
+        step = (self.number, self.state, number, gained, next_state, flags, self._episode, self._place)
+        self._recorder.after(step, self.numbering)
+        self._place += 1
+        self.state = next_state
+        return result
+
+    def reset(self, frame: Any, begin: Callable[[], Any]) -> Any:
+        """Call `begin`, once permitted, and note the state in which the episode begins."""
+        self._recorder.before(frame, self.numbering, "reset")
+        self.is_inside = self.is_used = True
+        try:
+            result = begin()
+        finally:
+            self.is_inside = False
+        self._recorder.resets += 1
+        self._place = 0
+        try:
+            self.state = self.numbering.state(observation_of(result))
+        except (TypeError, ValueError, LookupError):
+            self._leave_out()
+        return result
+
+    def _leave_out(self) -> None:
+        if not self._is_strange:
+            self._is_strange = True
+            self._recorder.channel.message(MessageKind.NOTE, text=_STRANGE)
+
+
+def in_new_form(result: Any) -> tuple[Any, ...]:
+    """Return the four values of the old Gym's `step` as five. Raises TypeError or ValueError for others."""
+    observation, reward, done, info = result
+    is_truncated = isinstance(info, dict) and bool(info.get("TimeLimit.truncated"))
+    return observation, reward, bool(done) and not is_truncated, is_truncated, info
+
+
+def observation_of(result: Any) -> Any:
+    """Return the observation that `reset` returned, with or without information."""
+    is_new = type(result) is tuple and len(result) == 2 and isinstance(result[1], dict)
+    return result[0] if is_new else result
+
+
+class Elsewhere:
+    """`is_now` is True while `make` or a copy makes environments, which do not report themselves."""
+
+    is_now = False
+
+
+@contextmanager
+def made_elsewhere() -> Iterator[None]:
+    """Let environments made in this context not report themselves."""
+    before, Elsewhere.is_now = Elsewhere.is_now, True
+    try:
+        yield
+    finally:
+        Elsewhere.is_now = before
+
+
+class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
+    """An environment made by `gymnasium.make`. The first reset without a seed uses `seed`. If the
+    program asks for the environment inside, `hand_out` lets that report its steps too.
+    """
+
+    def __init__(
+        self,
+        env: gymnasium.Env[Any, Any],
+        reports: StepReports,
+        seed: int,
+        hand_out: Callable[[gymnasium.Env[Any, Any], StepReports], None],
+    ) -> None:
+        self._inside = env
+        super().__init__(env)
+        self.reports, self._seed = reports, seed
+        self._unused_seed: int | None = seed
+        self._hand_out = hand_out
+        self._take = env.step
+
+    def step(self, action: Any) -> Any:
+        """Take a step, once permitted, and report it."""
+        return self.reports.step(sys._getframe(1), self._take, action)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
+        """Begin an episode, once permitted."""
+        if seed is None:
+            seed = self._unused_seed
+        self._unused_seed = None
+        return self.reports.reset(sys._getframe(1), lambda: self._inside.reset(seed=seed, options=options))
+
+    @property
+    def env(self) -> Any:
+        """The environment inside. The program gets the next inner one, as without this wrapper."""
+        inside = self._inside
+        if is_users_file(sys._getframe(1).f_code.co_filename):
+            self._hand_out(inside.unwrapped, self.reports)
+            return inside.env if isinstance(inside, gymnasium.Wrapper) else inside
+        return inside
+
+    @env.setter
+    def env(self, inside: Any) -> None:
+        self._inside = inside
+        self._take = inside.step
+
+    @property
+    def unwrapped(self) -> Any:
+        """The environment without any wrapper."""
+        bare = self._inside.unwrapped
+        if is_users_file(sys._getframe(1).f_code.co_filename):
+            self._hand_out(bare, self.reports)
+        return bare
+
+    @property
+    def action_space(self) -> Any:
+        """The actions."""
+        return self._inside.action_space
+
+    @action_space.setter
+    def action_space(self, space: Any) -> None:
+        self._inside.action_space = space
+
+    @property
+    def observation_space(self) -> Any:
+        """The observations."""
+        return self._inside.observation_space
+
+    @observation_space.setter
+    def observation_space(self, space: Any) -> None:
+        self._inside.observation_space = space
+
+    @property
+    def spec(self) -> Any:
+        """Specification of the environment without this wrapper, so that others can make it."""
+        return self._inside.spec
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__") or name == "_inside":
+            raise AttributeError(name)
+        return getattr(self._inside, name)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> gymnasium.Env[Any, Any]:
+        """Return an unwatched copy, because trying it out is not a step of the program."""
+        with made_elsewhere():
+            return copy.deepcopy(self._inside, memo)
+
+    def __reduce__(self) -> Any:
+        return _itself, (self._inside,)
+
+
+def _itself(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:
+    return env

@@ -1,0 +1,97 @@
+"""Names that NumPy, pandas and Python have removed, for scripts written before. Each use is noted."""
+
+from __future__ import annotations
+
+import builtins
+import collections
+import collections.abc
+import math
+import sys
+import time
+from collections.abc import Callable, Mapping
+from types import ModuleType
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.common.after_import import after_import
+from rl_tui.programs.watched.child.errors import is_users_file
+
+Note = Callable[[str], None]
+_NUMPY: Final[Mapping[str, tuple[Any, str]]] = {
+    "int": (int, "int"),
+    "float": (float, "float"),
+    "bool": (bool, "bool"),
+    "object": (object, "object"),
+    "str": (str, "str"),
+    "complex": (complex, "complex"),
+    "float_": (np.float64, "numpy.float64"),
+    "bool8": (np.bool_, "numpy.bool_"),
+    "int0": (np.intp, "numpy.intp"),
+    "unicode_": (np.str_, "numpy.str_"),
+    **dict.fromkeys(("Inf", "Infinity", "PINF", "infty"), (np.inf, "numpy.inf")),
+    "NINF": (-np.inf, "-numpy.inf"),
+    "NaN": (np.nan, "numpy.nan"),
+    "alltrue": (np.all, "numpy.all"),
+    "sometrue": (np.any, "numpy.any"),
+    "product": (np.prod, "numpy.prod"),
+    "cumproduct": (np.cumprod, "numpy.cumprod"),
+}
+_COLLECTIONS: Final = {
+    name: (getattr(collections.abc, name), f"collections.abc.{name}") for name in collections.abc.__all__
+}
+_GCD: Final = {"gcd": (math.gcd, "math.gcd")}
+_FRAME: Final = "pandas.DataFrame"
+
+
+def give_back_removed_names(note: Note) -> None:
+    """Let removed names work as before. `note` receives a message at the first use of each."""
+    _give_back(np, _NUMPY, "NumPy", note)
+    _give_back(collections, _COLLECTIONS, "Python", note)
+    _give_back(time, {"clock": (time.perf_counter, "time.perf_counter")}, "Python", note)
+    after_import("fractions", lambda module: _give_back(module, _GCD, "Python", note))
+    after_import("pandas", lambda pandas: _give_back_to_frames(pandas, note))
+
+    def xrange(*numbers: int) -> range:
+        note(_said("xrange", "range", "Python"))
+        return range(*numbers)
+
+    builtins.xrange = xrange  # type: ignore[attr-defined]
+
+
+def _give_back(module: ModuleType, names: Mapping[str, tuple[Any, str]], owner: str, note: Note) -> None:
+    """Answer requests for the missing `names` of `module`, each with its value and its current name."""
+    before = vars(module).get("__getattr__")
+
+    def found(name: str) -> Any:
+        if name in names and is_users_file(sys._getframe(1).f_code.co_filename):  # libraries look for names
+            value, now = names[name]
+            note(_said(f"{module.__name__}.{name}", now, owner))
+            return value
+        if before is not None:
+            return before(name)
+        raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
+
+    module.__getattr__ = found  # type: ignore[method-assign]
+
+
+def _said(name: str, now: str, owner: str) -> str:
+    return f"{name} is not in this {owner}: {now} was used instead"
+
+
+def _give_back_to_frames(pandas: Any, note: Note) -> None:
+    def append(frame: Any, other: Any, ignore_index: bool = False, **_: Any) -> Any:
+        note(_said(f"{_FRAME}.append", "pandas.concat", "pandas"))
+        if isinstance(other, dict):
+            other = pandas.Series(other)
+        if isinstance(other, pandas.Series):
+            other = other.to_frame().T
+        return pandas.concat([frame, other], ignore_index=ignore_index)
+
+    def ix(frame: Any) -> Any:
+        note(_said(f"{_FRAME}.ix", "loc", "pandas"))
+        return frame.loc
+
+    for name, value in (("append", append), ("ix", property(ix))):
+        if not hasattr(pandas.DataFrame, name):
+            setattr(pandas.DataFrame, name, value)

@@ -1,0 +1,119 @@
+"""Replacements for what only shows or logs: functions of notebooks, and modules that are not installed."""
+
+from __future__ import annotations
+
+import builtins
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any, Final, Self
+
+from rl_tui.programs.watched.child.errors import is_users_file
+
+Note = Callable[[str], None]
+_LOGGING: Final = frozenset({"IPython", "wandb", "tensorboardX"})
+_TKINTER: Final = ("tkinter", "Tkinter")
+_NO_WINDOWS: Final = "tkinter opens no window: rl-tui shows the world"
+_SHELL: Final = "get_ipython() belongs to notebooks: its commands are skipped"
+
+
+class Nothing:
+    """Accepts every call and every attribute, and does nothing."""
+
+    def __init__(self, *_: Any, **__: Any) -> None:
+        pass
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return Nothing()
+
+    def __call__(self, *_: Any, **__: Any) -> Nothing:
+        """Do nothing."""
+        return Nothing()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(())
+
+    def __getitem__(self, _: Any) -> Nothing:
+        return Nothing()
+
+    def __setitem__(self, *_: Any) -> None:
+        pass
+
+
+def stand_in(note: Note) -> None:
+    """Offer the functions of notebooks, and modules for logs. `note` receives a message at the first use."""
+
+    def get_ipython() -> Nothing:
+        if not is_users_file(sys._getframe(1).f_code.co_filename):  # a library looks for a notebook
+            raise NameError("name 'get_ipython' is not defined")
+        note(_SHELL)
+        return Nothing()
+
+    builtins.get_ipython = get_ipython  # type: ignore[attr-defined]
+    builtins.display = print  # type: ignore[attr-defined]
+    sys.meta_path.append(_LastFinder(note))
+    sys.meta_path.insert(0, _Windows(note))
+
+
+class _LastFinder:
+    """Finds the modules of `_LOGGING`, after all other finders have failed."""
+
+    def __init__(self, note: Note) -> None:
+        self._note = note
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return a spec for a module that only shows or logs."""
+        top, _, inner = fullname.partition(".")
+        if top not in _LOGGING or (
+            inner and not isinstance(getattr(sys.modules[top], "__loader__", None), _LastFinder)
+        ):
+            return None
+        return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        """Return an empty module."""
+        return ModuleType(spec.name)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Let `module` have every attribute."""
+        top = module.__name__.partition(".")[0]
+        self._note(f"{top} is not installed: its functions do nothing")
+        shows_nothing = {"display": print} if top == "IPython" else {}
+        module.__dict__.update(shows_nothing, __path__=[], __getattr__=Nothing().__getattr__)
+
+
+class _Windows:
+    """Finds tkinter, whose windows a watched program may not open."""
+
+    def __init__(self, note: Note) -> None:
+        self._note = note
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return a spec for tkinter and its modules."""
+        if fullname.partition(".")[0] not in _TKINTER:
+            return None
+        return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        """Return an empty module."""
+        return ModuleType(spec.name)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Fill `module` with widgets that do nothing."""
+        from rl_tui.programs.watched.child.worlds.windows import content
+
+        self._note(_NO_WINDOWS)
+        module.__dict__.update(content(), __path__=[])

@@ -1,0 +1,1 @@
+"""The table of a watched program: its forms, the search for it, and its changes."""
