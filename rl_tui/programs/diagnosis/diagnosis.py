@@ -98,8 +98,8 @@ def _notes(
         yield "γ is not known yet: the values of the next states were 0, or always the same."
     elif update.target is UpdateTarget.DRAWN:
         yield (
-            "The target holds Q(s′, b), where b is neither the best action nor always the one taken next, as "
-            "when the next action is drawn a second time. SARSA takes the action of its target."
+            "The target holds Q(s′, b). Action b is not always the best one or the next one, as if it is "
+            "drawn a second time. SARSA takes the action of its target."
         )
     elif update.target in _UNUSUAL:
         yield f"The target takes {update.target} for the value of the next state."
