@@ -57,7 +57,7 @@ def test_the_document(tmp_path: Path) -> None:
     assert list(found) == [
         *("script", "environment", "table", "steps", "episodes"),
         *("expected_return", "best_expected_return", "value_at_start"),
-        *("update", "findings", "notes", "error"),
+        *("update", "exploration", "findings", "notes", "error"),
     ]
     assert found["script"] == path
     assert found["environment"] == {"id": "FrozenLake-v1", "states": 16, "actions": 4}

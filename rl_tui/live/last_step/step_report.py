@@ -46,6 +46,8 @@ _OTHERWISE: Final = {
     UpdateTarget.SAME_ACTION: "Q({next},a)",
     UpdateTarget.OWN_STATE: "max Q(s,·)",
     UpdateTarget.INDEX: "argmax Q({next},·)",
+    UpdateTarget.ALLOWED: "max Q({next}, allowed)",
+    UpdateTarget.DRAWN: "Q({next},b)",
 }
 
 

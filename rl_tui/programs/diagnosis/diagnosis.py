@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.common.findings import one_line
+from rl_tui.programs.diagnosis.exploration import exploration_of
 from rl_tui.programs.diagnosis.faults.cells import (
     FEWEST_STEPS,
     CodePlace,
@@ -16,20 +17,15 @@ from rl_tui.programs.diagnosis.faults.cells import (
     proof_of_sharing,
     step_text,
 )
-from rl_tui.programs.diagnosis.faults.choices import risk_of_choices
-from rl_tui.programs.diagnosis.faults.constants import proof_of_gamma_twice, proof_of_step_size
-from rl_tui.programs.diagnosis.faults.ends import proofs_at_ends
+from rl_tui.programs.diagnosis.faults.choices import proof_of_risk, proof_of_steps_after_end, risk_of_choices
+from rl_tui.programs.diagnosis.faults.formula import proof_of_formula
+from rl_tui.programs.diagnosis.faults.hypotheses import Case, proofs_of
 from rl_tui.programs.diagnosis.faults.lost_updates import (
     proof_of_missing_update,
     proof_of_no_update,
     proof_of_rounding,
 )
-from rl_tui.programs.diagnosis.faults.predictions import (
-    Predictions,
-    by_the_environment,
-    proof_of_axis,
-    reward_used,
-)
+from rl_tui.programs.diagnosis.faults.predictions import Predictions, by_the_environment
 from rl_tui.programs.diagnosis.update_rule import update_of
 from rl_tui.programs.evidence.code_names import CodeNames, declared_discount, names_of
 from rl_tui.programs.evidence.code_places import ProgramCode, program_code
@@ -40,6 +36,7 @@ from rl_tui.programs.evidence.verdict import (
     MovedCell,
     ProgramVerdict,
     Rule,
+    SuspectedRisk,
     UpdateFound,
     UpdateTarget,
 )
@@ -99,6 +96,11 @@ def _notes(
         return
     if update.gamma is None:
         yield "γ is not known yet: the values of the next states were 0, or always the same."
+    elif update.target is UpdateTarget.DRAWN:
+        yield (
+            "The target holds Q(s′, b). Action b is not always the best one or the next one, as if it is "
+            "drawn a second time. SARSA takes the action of its target."
+        )
     elif update.target in _UNUSUAL:
         yield f"The target takes {update.target} for the value of the next state."
     if update.reward == "own":
@@ -180,7 +182,7 @@ def _found(
     names = names_of(code, table, update, log.numbers)
     predictions = by_the_environment(evidence, update, table.dtype)
     proofs = [
-        *_without_a_rule(evidence, log, table, code, names),
+        *_without_a_rule(evidence, update, log, table, code, names),
         *_by_the_rule(predictions, update, log, code, names, done_is_either=done_is_either),
     ]
     enough = [proof for proof in proofs if proof is not None and proof.is_enough]
@@ -199,14 +201,21 @@ def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
 
 
 def _without_a_rule(
-    evidence: Evidence, log: ProgramLog, table: FoundTable, code: ProgramCode, names: CodeNames
+    evidence: Evidence,
+    update: UpdateFound,
+    log: ProgramLog,
+    table: FoundTable,
+    code: ProgramCode,
+    names: CodeNames,
 ) -> Iterator[Proof | None]:
     writes = code.always_writes
     yield proof_of_sharing(evidence, log.shared_at, names)
     yield proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=writes)
     yield proof_of_no_update(evidence, names, code, is_over=log.ended)
-    yield proof_of_cell(evidence, names)
-    yield risk_of_choices(evidence, log, names)
+    yield proof_of_cell(evidence, names, plans=code.reads_transitions)
+    yield proof_of_formula(evidence, update, log, names)
+    yield proof_of_steps_after_end(evidence, log, names)
+    yield proof_of_risk(evidence, log, names)
 
 
 def _by_the_rule(
@@ -220,18 +229,17 @@ def _by_the_rule(
 ) -> Iterator[Proof | None]:
     if not predictions.is_known:
         return
-    reward, shifted = reward_used(predictions, names)
-    yield shifted
-    yield proof_of_axis(predictions, reward, names)
-    yield from proofs_at_ends(
-        predictions,
-        reward,
-        names,
-        done_is_either=done_is_either,
-        may_be_own=code.sets_a_constant or (predictions.update != update and code.gives_other(names.reward)),
+    yield from proofs_of(
+        Case(
+            predictions,
+            predictions.evidence.reward,
+            names,
+            log.numbers,
+            done_is_either=done_is_either,
+            may_be_own=code.sets_a_constant
+            or (predictions.update != update and code.gives_other(names.reward)),
+        )
     )
-    yield proof_of_gamma_twice(predictions, reward, log.numbers, names)
-    yield proof_of_step_size(predictions, reward, names)
 
 
 def _finding(proof: Proof, code: ProgramCode) -> CodeFinding:
@@ -269,4 +277,14 @@ def verdict_of(log: ProgramLog) -> ProgramVerdict:
         evidence = Evidence(log.recording)
         update = update_of(evidence, log.numbers, log.table.dtype)
         findings, notes = findings_of(evidence, update, log, done_is_either=is_either)
-    return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)))
+        suspected = _suspected(evidence, update, log, log.table)
+        exploration = exploration_of(evidence, update, log.numbers)
+    return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)), suspected, exploration)
+
+
+def _suspected(
+    evidence: Evidence, update: UpdateFound, log: ProgramLog, table: FoundTable
+) -> SuspectedRisk | None:
+    code = program_code(log)
+    risk = risk_of_choices(evidence, log, names_of(code, table, update, log.numbers))
+    return None if risk is None else SuspectedRisk(_finding(risk.proof, code), risk.luck)

@@ -190,6 +190,8 @@ def _values(update: UpdateFound, moment: _Moment) -> list[float]:
             if moment.next_action == NOTHING:
                 return [float(each) for each in row]
             return [float(row[moment.next_action])]
+        case UpdateTarget.ALLOWED | UpdateTarget.DRAWN:
+            return [float(each) for each in row]
         case UpdateTarget.EXPECTED if update.epsilon is not None:
             return [best + update.epsilon * (float(row.mean()) - best)]
         case UpdateTarget.EXPECTED:

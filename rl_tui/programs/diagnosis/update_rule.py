@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.common.words import counted
+from rl_tui.programs.diagnosis.one_entry import one_entry_trial
 from rl_tui.programs.diagnosis.sample import EXACT, Sample, place_of, sample_of
 from rl_tui.programs.diagnosis.trial import (
     FEWEST,
@@ -275,6 +276,8 @@ RULE_OF: Final = {
     UpdateTarget.BEST: Rule.Q_LEARNING,
     UpdateTarget.NEXT_ACTION: Rule.SARSA,
     UpdateTarget.EXPECTED: Rule.EXPECTED_SARSA,
+    UpdateTarget.ALLOWED: Rule.Q_LEARNING,
+    UpdateTarget.DRAWN: Rule.SARSA,
     UpdateTarget.COLUMN: Rule.Q_LEARNING,
     UpdateTarget.SAME_ACTION: Rule.SARSA,
     UpdateTarget.OWN_STATE: Rule.Q_LEARNING,
@@ -339,7 +342,7 @@ def _place(evidence: Evidence) -> MovedCell | None:
 def _best(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
     """Return the trial that explains `sample` best, if one explains enough."""
     held: list[Trial] = []
-    for stage in (_constant, _faulty, _varying):
+    for stage in (_constant, _faulty, _varying, _one_entry):
         held += [trial for trial in stage(sample, numbers) if trial.holds]
         if held:
             fewest = min(map(_failures, held))
@@ -393,6 +396,13 @@ def _varying(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
         trial = by_visits(sample, target, numbers) or by_episode(sample, target, numbers)
         if trial:
             yield trial
+
+
+def _one_entry(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
+    """Yield the target of one estimate, of an action that only the program knows."""
+    trial = one_entry_trial(sample, numbers) if sample.place is MovedCell.TAKEN else None
+    if trial:
+        yield trial
 
 
 def _found(trial: Trial) -> UpdateFound:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -36,6 +37,17 @@ _USUAL: Final = {
 """Common names in an update, the most frequent first."""
 _DISCOUNTS: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
 """Common names of γ, the most frequent first."""
+DISCOUNT: Final = re.compile(r"gamma|discount|γ|^(g|df)$", re.IGNORECASE)
+"""Any name of γ."""
+_EPSILONS: Final = ("epsilon", "eps", "ε", "exploration_rate", "explore_rate", "exploration_prob")
+"""Common names of ε, the most frequent first."""
+_SHOULD_READ: Final = {
+    UpdateTarget.NEXT_ACTION: UpdateTarget.NEXT_ACTION,
+    UpdateTarget.DRAWN: UpdateTarget.NEXT_ACTION,
+    UpdateTarget.EXPECTED: UpdateTarget.EXPECTED,
+    UpdateTarget.ALLOWED: UpdateTarget.ALLOWED,
+}
+"""The value of the next state that a correction names, if it is not the best."""
 _RETURNED: Final = ("next_state", "reward", "terminated")
 _AGENT: Final = "agent"
 """Name of an agent without its own loop in our loop."""
@@ -95,8 +107,10 @@ class CodeNames:
     def target(self) -> str:
         """Return the correct line of the target."""
         value = self.best()
-        if self.value is UpdateTarget.NEXT_ACTION:
-            between = "][" if self.form in _NESTED else ", "
+        between = "][" if self.form in _NESTED else ", "
+        if self.value is UpdateTarget.ALLOWED:
+            value = f"max({self.table}[{self.next_state}{between}b] for b in allowed)"
+        elif self.value is UpdateTarget.NEXT_ACTION:
             value = f"{self.table}[{self.next_state}{between}next_action]"
         elif self.value is UpdateTarget.EXPECTED:
             value = f"((1 - epsilon) * {value} + epsilon * mean({self.table}[{self.next_state}]))"
@@ -108,11 +122,7 @@ def names_of(
     code: ProgramCode, table: FoundTable, update: UpdateFound, numbers: Mapping[str, float]
 ) -> CodeNames:
     """Return the names used at the update, with the book's for unknown ones."""
-    value = (
-        update.target
-        if update.target in (UpdateTarget.NEXT_ACTION, UpdateTarget.EXPECTED)
-        else UpdateTarget.BEST
-    )
+    value = _SHOULD_READ.get(update.target, UpdateTarget.BEST)
     used, by_role = _written_in(code)
     found = dict(by_role)
     for role, number in (("alpha", update.alpha), ("gamma", update.gamma)):
@@ -137,8 +147,17 @@ def _written_in(code: ProgramCode) -> tuple[frozenset[str], Mapping[str, str]]:
 
 def declared_discount(numbers: Mapping[str, float]) -> tuple[str, float] | None:
     """Return the name and value of γ in the `numbers` of a program's code, or None."""
+    return _declared(numbers, _DISCOUNTS)
+
+
+def declared_epsilon(numbers: Mapping[str, float]) -> tuple[str, float] | None:
+    """Return the name and value of ε in the `numbers` of a program's code, or None."""
+    return _declared(numbers, _EPSILONS)
+
+
+def _declared(numbers: Mapping[str, float], names: tuple[str, ...]) -> tuple[str, float] | None:
     named = {name.lower().rsplit(".", 1)[-1]: (name, value) for name, value in numbers.items()}
-    return next((named[name] for name in _DISCOUNTS if name in named), None)
+    return next((named[name] for name in names if name in named), None)
 
 
 def _as_written(name: str, used: frozenset[str]) -> str:

@@ -23,6 +23,7 @@ from rl_tui.programs.evidence.syntax import (
     is_simple,
     is_write,
     name_of,
+    names_in,
     of_type,
     parsed_file,
     targets_of,
@@ -42,45 +43,11 @@ _DEEPEST: Final = 3
 _MODULES: Final = frozenset({"np", "numpy", "math", "random"})
 _READING: Final = frozenset(
     {
-        "abs",
-        "all",
-        "any",
-        "argmax",
-        "bool",
-        "choice",
-        "dict",
-        "enumerate",
-        "flatnonzero",
-        "float",
-        "get",
-        "getLegalActions",
-        "int",
-        "integers",
-        "items",
-        "keys",
-        "len",
-        "list",
-        "max",
-        "mean",
-        "min",
-        "rand",
-        "randint",
-        "random",
-        "randrange",
-        "range",
-        "reversed",
-        "round",
-        "sample",
-        "set",
-        "sorted",
-        "sum",
-        "tolist",
-        "tuple",
-        "uniform",
-        "values",
-        "where",
-        "zip",
-        "print",
+        *("abs", "all", "any", "argmax", "bool", "choice", "dict", "enumerate", "flatnonzero"),
+        *("float", "get", "getLegalActions", "int", "integers", "items", "keys", "len", "list"),
+        *("max", "mean", "min", "rand", "randint", "random", "randrange", "range", "reversed"),
+        *("round", "sample", "set", "sorted", "sum", "tolist", "tuple", "uniform", "values"),
+        *("where", "zip", "print"),
     }
 )
 """Functions and methods that change no table."""
@@ -276,12 +243,42 @@ class ProgramCode:
         """True if the code that calls `env.step` always writes to the table afterwards. A write under an
         `if` without a writing `else` does not count, because it may be skipped in an evaluation.
         """
+        return self._is_surely_done({id(each.node) for each in self._writes})
+
+    @cached_property
+    def writes_until_the_end(self) -> bool:
+        """The same as `always_writes`, if a test of nothing but the end of the episode may skip the write."""
+        done = {id(each.node) for each in self._writes}
+        for node in (each.node for each in self._statements if isinstance(each.node, ast.If)):
+            parts = (self._is_always_in(part, done, _MOST_CALLS) for part in (node.body, node.orelse))
+            if self._asks_for_end(node.test) and any(parts):
+                done.add(id(node))
+        return self._is_surely_done(done)
+
+    def _is_surely_done(self, wanted: set[int]) -> bool:
+        """Return True if the code that calls `env.step` always executes one of `wanted`."""
         line = self.call_line()
         scope = None if line is None else self.scope_of(line)
-        if line is None or scope is None:
-            return False
-        writes = {id(each.node) for each in self._writes}
-        return self._is_always_in(getattr(scope, "body", []), writes, _MOST_CALLS)
+        return self._is_always_in(getattr(scope, "body", []), wanted, _MOST_CALLS)
+
+    def _asks_for_end(self, test: ast.expr) -> bool:
+        """Return True if `test` reads nothing but the flags that `env.step` returned."""
+        results = () if self.step_call is None else self.step_call.unpacked
+        flags = {name_of(each) for each in (results[2:4] if len(results) > 4 else results[2:3])} - {""}
+        for each in self._statements:
+            target, value = assigned(each.node)
+            if isinstance(target, ast.Name) and value is not None and set() < names_in(value) <= flags:
+                flags.add(target.id)
+        return set() < names_in(test) <= flags
+
+    @cached_property
+    def reads_transitions(self) -> bool:
+        """True if the code reads the transition table of an environment, so that it may plan."""
+        return any(
+            attribute.attr == "P"
+            for each in self._statements
+            for attribute in of_type(each.node, ast.Attribute)
+        )
 
     def _is_always_in(self, body: Iterable[ast.stmt], writes: set[int], depth: int) -> bool:
         """Return True if one of `writes` is always executed in `body`, or in a function called there."""

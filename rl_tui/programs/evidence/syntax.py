@@ -75,6 +75,11 @@ def name_of(node: ast.AST | None) -> str:
     return node.attr if isinstance(node, ast.Attribute) else ""
 
 
+def names_in(expression: ast.expr) -> set[str]:
+    """Return all plain names in `expression`."""
+    return {node.id for node in of_type(expression, ast.Name)}
+
+
 def base_of(node: ast.expr) -> ast.expr:
     """Return the object under any number of indexes and copies."""
     while True:

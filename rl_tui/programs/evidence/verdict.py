@@ -30,9 +30,11 @@ class CodeFault(StrEnum):
     ROUNDING_TABLE = "rounding-table"
     SHARED_TABLE = "shared-table"
     GAMMA_TWICE = "gamma-twice"
+    WRONG_FORMULA = "wrong-formula"
     STEP_SIZE_OUT_OF_RANGE = "step-size-out-of-range"
     WRONG_CELL = "wrong-cell"
     LOSES_UPDATE = "loses-update"
+    STEPS_AFTER_END = "steps-after-end"
     FIRST_OF_TIES = "first-of-ties"
     NEVER_EXPLORES = "never-explores"
 
@@ -46,6 +48,8 @@ class UpdateTarget(StrEnum):
     BEST = "max Q(s′)"
     NEXT_ACTION = "Q(s′, a′)"
     EXPECTED = "Σ π Q(s′)"
+    ALLOWED = "max Q(s′) of the allowed actions"
+    DRAWN = "Q(s′, b)"
     COLUMN = "max Q(·, a)"
     SAME_ACTION = "Q(s′, a)"
     OWN_STATE = "max Q(s)"
@@ -146,6 +150,42 @@ class CodeFinding:
 
 
 @dataclass(frozen=True, slots=True)
+class ExplorationFound:
+    """The ε that explains the latest choices, if they are ε-greedy. It is an estimate, not a proof.
+
+    Attributes:
+        epsilon: The estimate.
+        low: Lower end of its 95 % interval.
+        high: Upper end.
+        choices: Number of choices in states with one best action.
+        name: Name of ε in the code, or "".
+        written: Its value there, or None.
+    """
+
+    epsilon: float
+    low: float
+    high: float
+    choices: int
+    name: str = ""
+    written: float | None = None
+
+    @property
+    def departs(self) -> bool:
+        """True if ε in the code is outside the interval. It may fall, or belong to another policy."""
+        return self.written is not None and not self.low <= self.written <= self.high
+
+
+@dataclass(frozen=True, slots=True)
+class SuspectedRisk:
+    """A risk that one run does not prove: with the probability `luck`, random choices among equal values see
+    no reward either.
+    """
+
+    finding: CodeFinding
+    luck: float
+
+
+@dataclass(frozen=True, slots=True)
 class ProgramVerdict:
     """The verdict on a program so far."""
 
@@ -153,3 +193,5 @@ class ProgramVerdict:
     findings: tuple[CodeFinding, ...] = ()
     notes: tuple[str, ...] = ()
     """Unknown facts with reasons, and harmless departures from the book."""
+    suspected: SuspectedRisk | None = None
+    exploration: ExplorationFound | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 import threading
 from collections.abc import Callable, Sequence
@@ -17,8 +18,9 @@ from rl_tui.agents.exact.solve import best_expected_return, solve
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from rl_tui.programs.diagnosis.faults.choices import MOST_LUCK
 from rl_tui.programs.evidence.code_places import program_code
-from rl_tui.programs.evidence.verdict import CodeFault, CodeFinding
+from rl_tui.programs.evidence.verdict import RISKS, CodeFault, CodeFinding, SuspectedRisk
 from rl_tui.programs.grading.agent_training import (
     agent_request,
     error_in_a_line,
@@ -119,6 +121,7 @@ class GradedRun:
     share: float | None = None
     error: str = ""
     findings: tuple[CodeFinding, ...] = ()
+    suspected: SuspectedRisk | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +156,23 @@ class GradedSubmission:
             for finding in run.findings:
                 first.setdefault(finding.fault, finding)
                 count[finding.fault] = count.get(finding.fault, 0) + 1
-        return [(finding, count[fault]) for fault, finding in first.items()]
+        found = [(finding, count[fault]) for fault, finding in first.items()]
+        return found if self.passed or RISKS & count.keys() else [*found, *self._risks_of_all()]
+
+    def _risks_of_all(self) -> list[tuple[CodeFinding, int]]:
+        """Return the risk that all seeds together prove, if bad luck is ruled out."""
+        suspected = [run.suspected for run in self.runs if run.suspected is not None]
+        if not suspected:
+            return []
+        luck, n, k = max(each.luck for each in suspected), len(self.runs), len(suspected)
+        if sum(math.comb(n, j) * luck**j * (1.0 - luck) ** (n - j) for j in range(k, n + 1)) >= MOST_LUCK:
+            return []
+        finding = suspected[0].finding
+        text = (
+            f"{finding.text} This is so in {k:,} of {n:,} seeds. With random choices among equal values, the "
+            f"chance of that is below {MOST_LUCK:g}."
+        )
+        return [(replace(finding, text=text), k)]
 
 
 class Grading:
@@ -238,7 +257,8 @@ class Grading:
         try:
             is_agent = agent_of(submission) is not None
             log = self._watched(submission, seed, given_up, is_agent=is_agent)
-            findings = verdict_of(log).findings
+            verdict = verdict_of(log)
+            findings = verdict.findings
             error = error_of_agent(log, self._goal) if is_agent else error_of(log)
             if error is not None:
                 if error.type == TIME_LIMIT:
@@ -252,7 +272,8 @@ class Grading:
             said = f"its result cannot be read ({type(fault).__name__}: {fault})"
             return GradedRun(seed, error=one_line(said, _LONGEST_ERROR))
         value = expected_return(self.mdp, greedy_policy(self.mdp, q, "random"))
-        return GradedRun(seed, value, self.yardstick.share(value), findings=findings)
+        share = self.yardstick.share(value)
+        return GradedRun(seed, value, share, findings=findings, suspected=verdict.suspected)
 
     def _watched(
         self, submission: Submission, seed: int, given_up: threading.Event, *, is_agent: bool

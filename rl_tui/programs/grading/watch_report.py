@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -46,6 +46,7 @@ def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[
             "best_expected_return": learned.best_expected_return,
             "value_at_start": learned.value_at_start,
             "update": _update(verdict.update),
+            "exploration": None if verdict.exploration is None else asdict(verdict.exploration),
             "findings": [finding_as_json(finding) for finding in verdict.findings],
             "notes": [*log.notes, *verdict.notes],
             "error": _error(error_of(log)),

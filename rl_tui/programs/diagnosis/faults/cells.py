@@ -12,8 +12,8 @@ import numpy as np
 
 from rl_tui.programs.evidence.code_names import CodeNames
 from rl_tui.programs.evidence.evidence import NO_ACTION, Evidence
-from rl_tui.programs.evidence.verdict import RISKS, CodeFault, step_number
-from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.programs.evidence.verdict import RISKS, CodeFault, UpdateTarget, step_number
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 # A proof
 
@@ -86,6 +86,8 @@ _ONE_CELL: Final = 0.95
 _MOST_FIXED: Final = 32
 """Most actions tried as a fixed one."""
 _MOVED: Final = "(s′, a)"
+_SWAPPED: Final = {_MOVED: "the maximum of Q(s), not of Q(s′)", "(s′, a′)": "Q(s, a), not Q(s′, a′)"}
+"""Cells that move if s and s′ are swapped, with the value in the target."""
 _MOST_SOLVED: Final = 2_000
 """Most steps used to find where the maximum is taken."""
 _UNKNOWNS: Final = 3
@@ -93,19 +95,48 @@ _PATIENCE: Final = 1_000.0
 """Tolerance of a solution, as a multiple of the table's precision."""
 
 
-def proof_of_cell(evidence: Evidence, names: CodeNames) -> Proof | None:
-    """Prove that always a wrong cell moves, or return None."""
+def proof_of_cell(evidence: Evidence, names: CodeNames, *, plans: bool = False) -> Proof | None:
+    """Prove that always a wrong cell moves, or return None. A program that `plans` may move any cell."""
+    if plans:
+        return None
     cell = evidence.only_change[0]
     rebound = np.isin(evidence.number, np.asarray(evidence.recording.rebound, np.int64))
     single = (cell >= 0) & ~rebound
     if single.sum() < _ONE_CELL * (evidence.changes_of > 0).sum():
         return None
     at = some_of(np.flatnonzero(single))
+    if (cell[at] != evidence.cell[at]).sum() < FEWEST_STEPS or _is_renumbered(evidence, at):
+        return None
     for place, wrong in _wrong_cells(evidence, at).items():
         proof = _proof(evidence, at, wrong, place, names)
         if proof.is_enough:
             return proof
+    untaken = at[_is_untaken(evidence, at)]
+    for place, wrong in _mixed_cells(evidence, at).items():
+        proof = _proof(evidence, at, wrong, place, names, untaken)
+        if proof.is_enough:
+            return proof
     return None
+
+
+def _is_renumbered(evidence: Evidence, at: IntArray) -> bool:
+    """Return True if the moved cells may be those of the steps, in a table with other numbers of states and
+    actions. An update carries values to further states, so one state says nothing of their numbers.
+    """
+    state, moved = evidence.state[at], evidence.only_change[0][at]
+    if state.min() == state.max() and (moved // evidence.actions != state).any():
+        return False
+    states = _is_one_to_one(state, moved // evidence.actions)
+    return states and _is_one_to_one(evidence.action[at], moved % evidence.actions)
+
+
+def _is_one_to_one(one: IntArray, other: IntArray) -> bool:
+    """Return True if `other` names the numbers of `one` differently, with few exceptions."""
+    pairs, counts = np.unique(np.column_stack((one, other)), axis=0, return_counts=True)
+    order = np.lexsort((-counts, pairs[:, 0]))
+    usual = order[np.flatnonzero(np.diff(pairs[order, 0], prepend=-1))]
+    exceptions = len(one) - counts[usual].sum()
+    return bool(exceptions < FEWEST_STEPS) and len(np.unique(pairs[usual, 1])) == len(usual)
 
 
 def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
@@ -127,12 +158,49 @@ def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
     return cells
 
 
-def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names: CodeNames) -> Proof:
-    """Count the steps for and against `wrong`, where it differs from the step's own cell."""
+def _mixed_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
+    """Return the cells, `[n]`, that mix this step with the step before or with the best action."""
+    actions, state, action = evidence.actions, evidence.state[at], evidence.action[at]
+    next_state, before = evidence.next_state[at], evidence.previous_cell[at]
+    has_before = before != NO_ACTION
+    return {
+        "(s, a before)": np.where(has_before, state * actions + before % actions, -1),
+        "(s before, a)": np.where(has_before, before // actions * actions + action, -1),
+        "(s, argmax Q(s))": state * actions + evidence.rows(state, at).argmax(1),
+        "(s′, argmax Q(s′))": next_state * actions + evidence.rows(next_state, at).argmax(1),
+    }
+
+
+def _is_untaken(evidence: Evidence, at: IntArray) -> BoolArray:
+    """Return True for steps at the indexes `at` that move a cell which was never taken until then, `[n]`.
+    An update that is late, traced or remembered moves cells that were taken.
+    """
+    recording, steps = evidence.recording, evidence.recording.steps
+    if recording.first:
+        return np.zeros(len(at), np.bool_)
+    taken_at = np.full(len(evidence.initial), recording.count)
+    np.minimum.at(taken_at, steps.state * evidence.actions + steps.action, np.arange(len(steps.state)))
+    untaken: BoolArray = taken_at[evidence.only_change[0][at]] > evidence.number[at]
+    return untaken
+
+
+def _proof(
+    evidence: Evidence,
+    at: IntArray,
+    wrong: IntArray,
+    place: str,
+    names: CodeNames,
+    telling: IntArray | None = None,
+) -> Proof:
+    """Count the steps for and against `wrong`, where it differs from the step's own cell. Only steps of
+    `telling` speak for it, if they are given.
+    """
     moved, own = evidence.only_change[0][at], evidence.cell[at]
     known = wrong >= 0
     differ = known & (wrong != own)
     speaking = at[differ & (moved == wrong)]
+    if telling is not None:
+        speaking = np.intersect1d(speaking, telling)
     text = ""
     if len(speaking):
         first = speaking[0]
@@ -143,9 +211,9 @@ def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names:
             f"Q({other[0]}, {other[1]}) changed, which is Q{place}. It should be Q({state}, {action}), which "
             f"is Q(s, a)."
         )
-    is_swapped = place == _MOVED and _takes_own_maximum(evidence, speaking)
+    is_swapped = place in _SWAPPED and _takes_own_value(evidence, speaking, place)
     if is_swapped:
-        text += " The target has the maximum of Q(s), not of Q(s′)."
+        text += f" The target has {_SWAPPED[place]}."
     return Proof(
         CodeFault.UPDATES_AFTER_MOVING if place == _MOVED and not is_swapped else CodeFault.WRONG_CELL,
         evidence.number[speaking],
@@ -158,7 +226,9 @@ def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names:
 
 def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
     cell = names.cell()
-    if place != _MOVED:
+    if is_swapped and place != _MOVED:
+        names = replace(names, value=UpdateTarget.NEXT_ACTION)
+    if not is_swapped and place != _MOVED:
         return f"update {cell}, the cell of the state before the step and the action taken in it"
     if is_swapped:
         update = f"{cell} += {names.alpha} * (target - {cell})"
@@ -169,16 +239,21 @@ def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
     return f"update {cell}, not {other}, and set {names.state} = {names.next_state} after that"
 
 
-def _takes_own_maximum(evidence: Evidence, at: IntArray) -> bool:
-    """Return True if steps that move (s′, a) have max Q(s) in their target instead of max Q(s′). The
-    change of a cell is a sum of reward, maximum and old value with constant factors, and only the right
-    maximum solves all steps.
+def _takes_own_value(evidence: Evidence, at: IntArray, place: str) -> bool:
+    """Return True if steps that move a cell of s′ have a value of s in their target instead of one of s′.
+    The change of a cell is a sum of reward, value and old value with constant factors, and only the right
+    value solves all steps.
     """
     at = at[~(evidence.terminated | evidence.truncated)[at]][:_MOST_SOLVED]
     if len(at) < FEWEST_STEPS:
         return False
-    own = evidence.rows(evidence.state[at], at).max(1)
-    following = evidence.rows(evidence.next_state[at], at).max(1)
+    own = evidence.rows(evidence.state[at], at)
+    following = evidence.rows(evidence.next_state[at], at)
+    if place == _MOVED:
+        own, following = own.max(1), following.max(1)
+    else:
+        own = own[np.arange(len(at)), evidence.action[at]]
+        following = following[np.arange(len(at)), evidence.next_action[at]]
     if (own != following).sum() < FEWEST_STEPS + _UNKNOWNS:
         return False
     return _is_solved_by(evidence, at, own) and not _is_solved_by(evidence, at, following)

@@ -1,9 +1,11 @@
-"""Choices of actions that may keep a program from any reward."""
+"""Choices of actions: those that may keep a program from any reward, and steps after the end."""
 
 from __future__ import annotations
 
 import math
-from typing import Final
+import re
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -11,24 +13,30 @@ from rl_tui.agents.exact.first_update import first_wait
 from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
-from rl_tui.programs.diagnosis.faults.cells import CodePlace, Proof
+from rl_tui.programs.diagnosis.faults.cells import CodePlace, Proof, step_text
 from rl_tui.programs.evidence.code_names import CodeNames
 from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import CodeFault
 from rl_tui.programs.watched.program_log import ProgramLog
 from rl_tui.programs.watched.program_world import world_of_program
 
-_SURE: Final = 0.9999
+MOST_LUCK: Final = 1e-4
+"""Probability of bad luck below which a risk is reported."""
 _FEWEST: Final = 200
 """Choices needed to judge their shares."""
 _DEVIATIONS: Final = 10.0
 """Deviation of a share, in standard deviations, that rules out chance."""
 
 
-def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
-    """Return the risk in the choices of a program that has learned nothing. It is reported only if random
-    ties would have found a reward in as many episodes with probability above 0.9999.
-    """
+class Risk(NamedTuple):
+    """A risk with the probability that random choices among equal values do no better, `luck`."""
+
+    proof: Proof
+    luck: float
+
+
+def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Risk | None:
+    """Return the risk in the choices of a program that has learned nothing, if it prefers an action."""
     if evidence.changes.step.size or evidence.initial.any():
         return None  # a dict filled with zeros has learned nothing
     if not len(evidence) or evidence.reward.any():
@@ -40,9 +48,16 @@ def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Pr
         return None
     episodes = int(evidence.episode[-1] - evidence.episode[0])
     chance = _chance_at_random(log, episodes)
-    if chance is None or chance <= _SURE:
+    return None if chance is None else Risk(_proof(evidence, favourite, episodes, names), 1.0 - chance)
+
+
+def proof_of_risk(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
+    """Return the risk if bad luck is ruled out: random choices would almost surely have found a reward."""
+    risk = risk_of_choices(evidence, log, names)
+    if risk is None or risk.luck >= MOST_LUCK:
         return None
-    return _risk(evidence, favourite, episodes, names)
+    sure = f" Random actions would have found one with a chance above {1.0 - MOST_LUCK}."
+    return replace(risk.proof, text=risk.proof.text + sure)
 
 
 def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
@@ -59,14 +74,11 @@ def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
     return 1.0 if chance >= 1.0 else -math.expm1(episodes * math.log1p(-chance))
 
 
-def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -> Proof:
+def _proof(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -> Proof:
     chosen = np.flatnonzero(evidence.action == favourite)
     others = len(evidence) - len(chosen)
     the_last = "the last " if evidence.recording.first else ""
-    without = (
-        f"No reward was seen in {the_last}{episodes:,} episodes, and nothing was learned. Random actions "
-        f"would have found one with a chance above {_SURE}."
-    )
+    without = f"No reward was seen in {the_last}{episodes:,} episodes, and nothing was learned."
     if not others:
         return Proof(
             CodeFault.NEVER_EXPLORES,
@@ -85,4 +97,37 @@ def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -
         f"{favourite}. {without}",
         f"choose at random among the best actions: {names.random_tie()}",
         CodePlace.CHOICE,
+    )
+
+
+# Steps after the end
+
+
+_UNDEFINED: Final = re.compile(r"(FrozenLake(8x8)?|CliffWalking(Slippery)?|Taxi|Blackjack)-v\d+")
+"""Ids of environments without a meaning for steps after the end."""
+
+
+def proof_of_steps_after_end(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
+    """Prove that `env.step` is called in the terminal state. In other environments than Gymnasium's own, an
+    end may be a limit, or the next episode may begin automatically.
+    """
+    undefined = [each.number for each in log.environments if _UNDEFINED.fullmatch(each.id)]
+    order = np.lexsort((evidence.number, evidence.episode))
+    before, after = order[:-1], order[1:]
+    goes_on = (evidence.episode[before] == evidence.episode[after]) & evidence.terminated[before]
+    goes_on &= evidence.state[after] == evidence.next_state[before]  # it may have been set
+    goes_on &= np.isin(evidence.environment[after], undefined)
+    if not goes_on.any():
+        return None
+    first = before[goes_on][np.argmin(after[goes_on])]
+    steps = evidence.number[np.sort(after[goes_on])]
+    return Proof(
+        CodeFault.STEPS_AFTER_END,
+        steps,
+        0,
+        f"At {step_text(evidence.number[first])} the episode ended in a terminal state, but "
+        f"{step_text(steps[0])} was taken there without a reset. Such a step has no meaning.",
+        f"begin the next episode when {names.terminated} or truncated is true: "
+        f"{names.state}, info = {names.environment}.reset()",
+        CodePlace.CALL,
     )

@@ -101,10 +101,12 @@ def proof_of_no_update(
     lacks_update = code.lacks_update
     if evidence.recording.first or evidence.changes.step.size or len(np.unique(evidence.initial)) > 1:
         return None  # an earlier or loaded table is only used
-    if not (lacks_update or code.always_writes):
-        return None
     rewarded = _tells(evidence, float(evidence.initial.max(initial=0.0)))
     at = np.flatnonzero(rewarded)
+    only_at_ends = bool((evidence.terminated | evidence.truncated)[at].all())
+    writes = code.always_writes or (is_over and only_at_ends and code.writes_until_the_end)
+    if not (lacks_update or writes):
+        return None
     is_long = len(at) >= _PATIENCE and np.ptp(evidence.episode) >= _PATIENT_EPISODES
     is_long_enough = lacks_update or (len(at) >= _FEWEST_REWARDS and (is_over or is_long))
     if not (len(at) and is_long_enough):
@@ -136,6 +138,10 @@ def _fix(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: Program
         return (
             f"update before line {left.line}, which leaves the loop at the end of an episode, where every "
             f"reward is: {names.target()}"
+        )
+    if not code.always_writes:
+        return (
+            f"update after the last step of an episode too, where every reward is: {names.target()}; {update}"
         )
     return f"write the new estimate into the table itself after each step: {update}"
 

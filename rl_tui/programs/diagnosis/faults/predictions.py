@@ -8,10 +8,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.programs.diagnosis.faults.cells import Proof, some_of, step_text, written
-from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.diagnosis.faults.cells import some_of
 from rl_tui.programs.evidence.evidence import NO_ACTION, Evidence
-from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, Rule, UpdateFound, UpdateTarget
+from rl_tui.programs.evidence.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 # Predictions of a step
@@ -104,8 +103,8 @@ class Predictions:
         )
 
     def values(self, at: IntArray, target: UpdateTarget | None = None) -> FloatArray:
-        """Return the possible values of each step's next state, `[n, K]`. K > 1 if the program chose an
-        action that it never took.
+        """Return the possible values of each step's next state, `[n, K]`. K > 1 if only the program knows
+        the action, which it may never have taken.
         """
         evidence, update = self.evidence, self.update
         target = target or update.target
@@ -115,6 +114,8 @@ class Predictions:
             return self._column_values(at)
         source = evidence.state if target is UpdateTarget.OWN_STATE else evidence.next_state
         rows = evidence.rows(source[at], at)
+        if target in (UpdateTarget.ALLOWED, UpdateTarget.DRAWN):
+            return rows
         if target is UpdateTarget.NEXT_ACTION:
             return _of_next_action(rows, evidence.next_action[at])
         if target is UpdateTarget.SAME_ACTION:
@@ -238,106 +239,3 @@ def _of_next_action(rows: FloatArray, action: IntArray) -> FloatArray:
     """Return the values of `action`, `[n, A]`, or the whole row for a step without a next action."""
     taken = np.take_along_axis(rows, np.maximum(action, 0)[:, None], 1)
     return np.where((action == NO_ACTION)[:, None], rows, taken)
-
-
-# Maximum over states, not actions
-
-
-_FEW_STEPS: Final = 2_000
-"""Most steps checked, because a column is as long as the number of states."""
-
-
-def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames) -> Proof | None:
-    """Prove that the target has the largest value of a column."""
-    update = predictions.update
-    if (
-        update.target is not UpdateTarget.COLUMN
-        or not predictions.is_known
-        or update.place is MovedCell.ONE_LATE
-    ):
-        return None
-    evidence = predictions.evidence
-    inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
-    readings = predictions.readings(some_of(np.flatnonzero(inner), _FEW_STEPS))
-    at = readings.at
-    column, best = predictions.values(at), predictions.values(at, UpdateTarget.BEST)
-    over_states = predictions.after(readings, reward[at], column)
-    over_actions = predictions.after(readings, reward[at], best)
-    seen = predictions.witnesses(readings, over_states, over_actions)
-    speaking = at[seen.one]
-    text = ""
-    if len(speaking):
-        first = int(np.argmax(seen.one))
-        text = (
-            f"At {step_text(evidence.number[speaking[0]])} the target contained {written(column[first, 0])}, "
-            f"the largest value of action {evidence.action[speaking[0]]} in any state. It should contain "
-            f"{written(best[first, 0])}, the largest value in the next state."
-        )
-    return Proof(
-        CodeFault.WRONG_AXIS,
-        evidence.number[speaking],
-        int(seen.other.sum()),
-        text,
-        f"take the maximum over the actions of the next state, {names.best()}: {names.target()}",
-        neither=int(seen.neither.sum()),
-    )
-
-
-# Reward of the step before
-
-
-_MOST: Final = 20_000
-"""Most steps checked."""
-
-
-class RewardUsed(NamedTuple):
-    """The reward in each target, `[N]`, with a proof if it is not the step's own."""
-
-    reward: FloatArray
-    proof: Proof | None
-
-
-def reward_used(predictions: Predictions, names: CodeNames) -> RewardUsed:
-    """Return the reward in use, judged by steps on which the previous one would predict another value."""
-    evidence = predictions.evidence
-    if not predictions.is_known or predictions.update.reward == "own":
-        return RewardUsed(evidence.reward, None)
-    if predictions.update.place is MovedCell.ONE_LATE:
-        return RewardUsed(evidence.reward, None)
-    within = np.where(evidence.episode_step == 0, 0.0, evidence.reward_before)
-    for before in (evidence.reward_before, within):
-        proof = _proof(predictions, before, names)
-        if proof.is_enough:
-            return RewardUsed(before, proof)
-    return RewardUsed(evidence.reward, None)
-
-
-def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Proof:
-    evidence = predictions.evidence
-    differs = (evidence.reward != before) & evidence.learns & predictions.is_plain
-    readings = predictions.readings(some_of(np.flatnonzero(differs), _MOST))
-    at = readings.at
-    values = predictions.values(at)
-    ended = evidence.terminated[at] | evidence.truncated[at]
-    without = np.where(ended[:, None], 0.0, values)  # whether it bootstraps there is a separate question
-    values = np.concatenate((values, without), axis=1)
-    late = predictions.after(readings, before[at], values)
-    now = predictions.after(readings, evidence.reward[at], values)
-    seen = predictions.witnesses(readings, late, now)
-    speaking = at[seen.one]
-    text = ""
-    if len(speaking):
-        first = speaking[0]
-        text = (
-            f"At {step_text(evidence.number[first])} the reward was {written(evidence.reward[first])}, but "
-            f"the target contained {written(before[first])}, the reward from before this step."
-        )
-    return Proof(
-        CodeFault.SHIFTED_REWARD,
-        evidence.number[speaking],
-        int(seen.other.sum()),
-        text,
-        f"use the {names.reward} that {names.environment}.step({names.action}) returns for this "
-        f"{names.state} and {names.action}: {names.target()}",
-        neither=int(seen.neither.sum()),
-    )

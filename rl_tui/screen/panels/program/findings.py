@@ -25,6 +25,7 @@ from rl_tui.screen.panels.program.words import (
     IN_SHORT,
     LONGEST_SENTENCE,
     clause,
+    exploration_texts,
     is_early,
     is_own,
     notes_of,
@@ -108,6 +109,8 @@ class FindingsPanel(ScrolledPanel):
             lines += lines_of(blocks, width, self.look)
             if finding is chosen and finding is not findings[-1]:
                 lines.append([])
+        for text in exploration_texts(program.verdict.exploration, self.look.glyphs)[:1]:
+            lines += lines_of((BLANK, Text(text, dim, _INDENT, _INDENT)), width, self.look)
         if notes := notes_of(program):
             said = (Text(note, dim, _INDENT, _INDENT) for note in notes)
             lines += lines_of((BLANK, Row([Piece(" Notes", strong)]), *said), width, self.look)

@@ -24,6 +24,7 @@ from rl_tui.screen.panels.program.words import (
     LONGEST_SENTENCE,
     clause,
     counted,
+    exploration_texts,
     fit_texts,
     fitting_numbers,
     is_early,
@@ -138,6 +139,9 @@ def _parts(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[_Pa
     is_open, fits = open_text(update, look.glyphs), fit_texts(update)
     forms = [" · ".join(filter(None, (each, is_open))) for each in fits]
     yield _Part(6, row([*forms, *fits], palette.dim))
+    exploration = program.verdict.exploration
+    rank = 3 if exploration is not None and exploration.departs else 7
+    yield _Part(rank, row(exploration_texts(exploration, look.glyphs), palette.dim))
     if program.verdict.findings:
         yield _Part(1, [_findings(program, look)])
     elif steps >= WORTH_SAYING and program.table is not None:

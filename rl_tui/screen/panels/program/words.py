@@ -12,6 +12,7 @@ from rl_tui.live.program_view import ProgramView
 from rl_tui.programs.evidence.verdict import (
     CodeFault,
     CodeFinding,
+    ExplorationFound,
     MovedCell,
     Rule,
     UpdateFound,
@@ -33,9 +34,11 @@ IN_SHORT: Final = {
     CodeFault.ROUNDING_TABLE: "the table holds integers",
     CodeFault.SHARED_TABLE: "rows are one object",
     CodeFault.GAMMA_TWICE: "discounts twice",
+    CodeFault.WRONG_FORMULA: "a wrong sign or factor",
     CodeFault.STEP_SIZE_OUT_OF_RANGE: "step size out of range",
     CodeFault.WRONG_CELL: "updates another cell",
     CodeFault.LOSES_UPDATE: "loses its updates",
+    CodeFault.STEPS_AFTER_END: "steps on after the end",
     CodeFault.FIRST_OF_TIES: "takes the first of ties",
     CodeFault.NEVER_EXPLORES: "never explores",
 }
@@ -55,6 +58,8 @@ _BOOTSTRAPS: Final = {
     UpdateTarget.SAME_ACTION: "Q(s′,a)",
     UpdateTarget.OWN_STATE: "max Q(s,·)",
     UpdateTarget.INDEX: "argmax Q(s′,·)",
+    UpdateTarget.ALLOWED: "max Q(s′, allowed)",
+    UpdateTarget.DRAWN: "Q(s′,b)",
     UpdateTarget.NOTHING: "",
 }
 _CELLS: Final = {MovedCell.TAKEN: "Q(s,a)", MovedCell.MOVED: "Q(s′,a)", MovedCell.ONE_LATE: "Q(s,a)"}
@@ -161,6 +166,21 @@ def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
     if update.epsilon is not None:
         parts.append(f"ε {number_text(update.epsilon, glyphs)}")
     return " · ".join(parts)
+
+
+def exploration_texts(exploration: ExplorationFound | None, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return forms of ε as used beside ε as written, none without both."""
+    if exploration is None or exploration.written is None:
+        return ()
+    used, low, high = (
+        numbers.brief(x, glyphs, decimals=2) for x in (exploration.epsilon, exploration.low, exploration.high)
+    )
+    name, code = one_line(exploration.name, LONGEST_NAME), number_text(exploration.written, glyphs)
+    ends = f"({low} to {high})"
+    whole = (
+        f"ε used {used} {ends} in the last {exploration.choices:,} choices · {name} in your code is {code}"
+    )
+    return whole, f"ε used {used} {ends} · {name} {code}", f"ε used {used} · {name} {code}"
 
 
 def number_text(x: float, glyphs: Glyphs) -> str:
