@@ -63,10 +63,10 @@ def test_texts_of_a_bandit_name_no_key_while_a_lesson_keeps_its_means_back() -> 
     secret = changed(BANDIT, is_hidden=True)
     assert "h  shows regret" in text_of(lines_of(budget_blocks(secret, look()), 60, look()))
     said = text_of(lines_of(budget_blocks(kept(BANDIT, "answer"), look()), 60, look()))
-    assert "regret and the best arm: the lesson keeps it back for now" in said
+    assert "regret and the best arm: the lesson hides it for now" in said
     assert "h  shows" not in said
     assert "until w h" in means_key(secret)[0]
-    assert means_key(kept(BANDIT, "answer")) == ("the lesson keeps it back for now",)
+    assert means_key(kept(BANDIT, "answer")) == ("the lesson hides it for now",)
     assert means_key(student()) == ()
 
 

@@ -57,7 +57,7 @@ kiosk_option: Final = click.option(
     is_eager=True,  # applies as soon as it is read
     expose_value=False,
     callback=_turn_on,
-    help="for strangers: shipped scenarios only, no access to files, limited memory",
+    help="for public use: shipped scenarios only, no access to files, limited memory",
 )
 
 

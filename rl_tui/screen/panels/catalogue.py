@@ -245,7 +245,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "update, flip points, and states without a way in or out. These facts are exact. Then each "
         "algorithm is trained briefly, to see whether its greedy policy may never end. This part is a "
         "trial, not a proof.",
-        caption="is this world sound?",
+        caption="does this world work?",
         terms=(
             *("uniform-policy", "best-by-clock", "fewest-steps", "first-update", "flip-point"),
             *("unreached", "no-way-out", "return", "greedy", "truncated"),
