@@ -63,10 +63,10 @@ class Doors(Widget, can_focus=True):
     """Doors side by side. ``current`` is a number from 1."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        binding("left", "move(-1)", "doors.left", "Go to the previous box."),
-        binding("right", "move(1)", "doors.right", "Go to the next box."),
-        binding("home", "move(-9)", "doors.first", "Go to the first box."),
-        binding("end", "move(9)", "doors.last", "Go to the last box."),
+        binding("left", "move(-1)", "doors.left", "Go to the previous door."),
+        binding("right", "move(1)", "doors.right", "Go to the next door."),
+        binding("home", "move(-9)", "doors.first", "Go to the first door."),
+        binding("end", "move(9)", "doors.last", "Go to the last door."),
         binding("down,j", "leave", "doors.leave", "Go to the list."),
     ]
 
@@ -145,7 +145,7 @@ class Doors(Widget, can_focus=True):
 
 def learn_door(found: LessonEntries | None) -> Door:
     """Return the door of the lessons: progress, and minutes per page."""
-    text = "Lessons: first you predict, then you see. Five are the core."
+    text = "Lessons: predict first. Five are the core."
     if found is None or not found.entries:
         return Door("Learn", text, "")
     here = next((each for each in found.entries if each.lesson.id == found.goes_on_at), None)

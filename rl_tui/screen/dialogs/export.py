@@ -35,7 +35,7 @@ KINDS: Final = {
         "-q.npy",
     ),
     RETURNS: (
-        *("Returns as CSV", "Undiscounted return and length of every episode. The run is repeated."),
+        *("Returns as CSV", "Undiscounted return and length of every episode. This repeats the run."),
         "-returns.csv",
     ),
     POLICY: (

@@ -68,7 +68,7 @@ def answer_key(snapshot: Snapshot) -> str:
 
 def shown_by(snapshot: Snapshot, them: str = "it") -> str:
     """Return how to reveal ``them``, or that the lesson hides them."""
-    return f"the lesson keeps {them} back" if keeps_back(snapshot, "answer") else f"{SHOWN_BY_KEY} {them}"
+    return f"the lesson hides {them}" if keeps_back(snapshot, "answer") else f"{SHOWN_BY_KEY} {them}"
 
 
 def has_estimates(snapshot: Snapshot) -> bool:

@@ -188,7 +188,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "then the mean over all seeds ± its standard error. Two or more runs are compared seed by seed: the "
         "brackets hold the range of the difference, three standard errors to each side. After a change, "
         "enter repeats the study.",
-        caption="is it luck, or better?",
+        caption="luck, or a real difference?",
         terms=(
             *("standard-error", "many-seeds", "paired-difference", "seed"),
             *("lane", "regret", "last-100", "greedy"),
