@@ -40,7 +40,7 @@ _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[ser
     show_default=True,
     help="port to listen on; 0: any free port",
 )
-@click.option("--url", help="address of the proxy that people type: https://lab.example.org")
+@click.option("--url", help="public address, if a proxy is in front: https://lab.example.org")
 @click.option(
     "--most",
     type=Whole(1, 1000),

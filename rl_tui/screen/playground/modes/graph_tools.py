@@ -83,7 +83,7 @@ GRAPH_TOOLS: Final = (
     Tool(
         "comma",
         "next",
-        "Go to the next state of the file.",
+        "Go to the next state, in the file's order.",
         lambda box, desk: box.go_on(desk),
         ",",
     ),
