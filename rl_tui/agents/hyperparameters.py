@@ -137,11 +137,11 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
         Parameter(
             "step_size_schedule",
             "α schedule",
-            "how α goes from episode to episode",
+            "how α changes from episode to episode",
             words=(*SCHEDULES, SAMPLE_AVERAGE),
             schedule=True,
         ),
-        Parameter("alpha_min", "α_min", "where the decay of α ends", Range(0, 1), schedule=True),
+        Parameter("alpha_min", "α_min", "lowest α that the decay reaches", Range(0, 1), schedule=True),
         Parameter("alpha_decay", "α decay", "decay of α per episode", Range(0), schedule=True),
         Parameter(
             "gamma", "γ", "discount: what a reward is worth one step later", Range(0, 1), slide=Slide()
@@ -151,30 +151,32 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
         Parameter(
             "epsilon_schedule",
             "ε schedule",
-            "how ε goes from episode to episode",
+            "how ε changes from episode to episode",
             words=SCHEDULES,
             schedule=True,
         ),
-        Parameter("epsilon_min", "ε_min", "where the decay of ε ends", Range(0, 1), schedule=True),
+        Parameter("epsilon_min", "ε_min", "lowest ε that the decay reaches", Range(0, 1), schedule=True),
         Parameter("epsilon_decay", "ε decay", "decay of ε per episode", Range(0), schedule=True),
         Parameter(
             "temperature",
             "τ",
-            "softmax: how much worse an action may look and still be taken",
+            "softmax: high values choose almost at random",
             Range(0, 1e6, open_low=True),
             slide=Slide(0.01, 100.0, logarithmic=True),
         ),
         Parameter(
             "confidence",
             "c",
-            "UCB: how much is expected of what is little tried",
+            "UCB: how strongly it prefers rarely tried actions",
             Range(0, 1e6),
             slide=Slide(0.0, 5.0),
         ),
         Parameter("baseline", "baseline", "gradient bandit: what rewards are compared with", words=BASELINES),
-        Parameter("lambda", "λ", "trace decay: how far back one step teaches", Range(0, 1), slide=Slide()),
-        Parameter("traces", "traces", "what a second visit does to a trace", words=TRACES),
-        Parameter("n", "n", "steps gathered before an update", Range(1, MOST_STEPS), whole=True),
+        Parameter(
+            "lambda", "λ", "trace decay: how much earlier pairs learn from a step", Range(0, 1), slide=Slide()
+        ),
+        Parameter("traces", "traces", "a second visit sets the trace to 1, or adds 1", words=TRACES),
+        Parameter("n", "n", "number of steps that an update looks ahead", Range(1, MOST_STEPS), whole=True),
         Parameter(
             "planning_steps",
             "planning",
@@ -183,19 +185,19 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
             whole=True,
         ),
         Parameter(
-            "threshold", "θ", "prioritized sweeping: changes up to this are not followed", Range(0, 1e6)
+            "threshold", "θ", "prioritized sweeping: changes up to this are not passed on", Range(0, 1e6)
         ),
         Parameter(
             "accuracy",
             "accuracy",
-            "planners stop when no value moves more than this in a sweep",
+            "planners stop when a sweep changes no value by more than this",
             Range(0, 1e6),
         ),
-        Parameter("initial_q", "Q₀", "what every estimate starts from", Range(-1e12, 1e12)),
+        Parameter("initial_q", "Q₀", "initial estimate of every action", Range(-1e12, 1e12)),
         Parameter(
             "ties",
             "ties",
-            "which of several best actions is taken: the first is in the order of the world",
+            "choice among equal best actions: random, or the first in the world's order",
             words=("random", "first"),
         ),
     )

@@ -150,7 +150,7 @@ def read_change(text: str) -> JournalEntry:
     step = _step(text, before)
     name = name.strip().replace("-", "_")
     if name == _AT_THE_START_ONLY:
-        raise ValueError(f"{shown(text)}: every estimate starts from {name}; it cannot change on the way")
+        raise ValueError(f"{shown(text)}: {name} is the first estimate, so it cannot change during the run")
     if name not in _NAMES:
         raise ValueError(
             f"{shown(text)}: unknown name {shown(name)}; expected a setting, {ALGORITHM}, {TAKE}, {SWEEP} "

@@ -149,7 +149,7 @@ def test_a_fault_is_told_once_with_how_many_seeds_show_it(tmp_path: Path) -> Non
     assert (finding["fault"], finding["kind"], finding["seeds"]) == ("bootstraps-after-end", "fault", 2)
     assert finding["file"] == str(path)
     report = run(path, "--scenario", "frozenlake", "--seeds", 2, "--episodes", 300).stdout
-    assert "2 seeds, passed from 0.95 of the best on" in report
+    assert "2 seeds, 0.95 of the best needed" in report
     assert "bug in 2 of 2 seeds, bootstraps-after-end" in report
 
 

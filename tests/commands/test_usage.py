@@ -270,7 +270,7 @@ def test_check_warns_of_a_world_that_never_ends(limit: str, to: str, warned: boo
     assert (result.exit_code, result.stdout) == (0, f"{file}: ok\n")
     assert result.stderr == (
         f"{file}: warning: state Forest can never reach a terminal state, and there is no time limit: "
-        "training stops after 10,000,000 steps of one episode; a time_limit would end it\n"
+        "training stops after 10,000,000 steps of one episode; add a time_limit to end such episodes\n"
         if warned
         else ""
     )
@@ -310,7 +310,10 @@ def test_check_warns_where_an_agent_may_learn_never_to_end(
     file.write_text(f"[defaults]\nepsilon = {epsilon}\n{world}", encoding="utf-8")
     result = run("check", str(file))
     assert (result.exit_code, result.stdout) == (0, f"{file}: ok\n")
-    why = "and there is no time limit: the end is not worth the way there; a time_limit would end it"
+    why = (
+        "and there is no time limit: the path to the end costs more than it earns; "
+        "add a time_limit to end such episodes"
+    )
     assert result.stderr == (f"{file}: warning: {warned}, {why}\n" if warned else "")
 
 

@@ -148,7 +148,7 @@ def test_without_evidence_the_runs_are_looked_at(
 def test_a_branch_without_end_is_left_out(grading: LessonGrading, tmp_path: Path) -> None:
     graded = grading.grade(write(tmp_path, "a.json", None, run_of(LAKE, 10**15)))
     assert passed(graded) == []
-    assert graded.remarks == ("branch 1 was not looked at: it has too many steps.",)
+    assert graded.remarks == ("branch 1 was not judged: it has too many steps.",)
 
 
 def test_it_says_which_variant_a_session_is_graded_as(tmp_path: Path) -> None:

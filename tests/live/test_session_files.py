@@ -186,8 +186,8 @@ def test_the_algorithm_is_the_one_in_force_where_it_stands(tmp_path: Path) -> No
         (b'{"format": "something else"}', "is not a session of rl-tui"),
         (b"{" * 100_000, "is not JSON"),
         (b'{"a": NaN}', "is not JSON"),
-        (b'{"format": "rl-tui session", "version": 3}', "newer rl-tui (format 3, this one reads 2); update"),
-        (b'{"format": "rl-tui session", "version": 1}', "its checksum does not fit"),
+        (b'{"format": "rl-tui session", "version": 3}', "newer rl-tui (file format 3, not 2); update"),
+        (b'{"format": "rl-tui session", "version": 1}', "was damaged or edited (wrong checksum)"),
     ],
 )
 def test_a_file_that_is_no_session(tmp_path: Path, content: bytes, line: str) -> None:
@@ -214,7 +214,7 @@ def test_every_truncation_is_told(tmp_path: Path) -> None:
     for length in range(1, len(whole), 41):
         path.write_bytes(whole[:length])
         message = fault(path)
-        assert ("is cut off or damaged" if length > 40 else "is ") in message
+        assert ("is incomplete or damaged" if length > 40 else "is ") in message
 
 
 def test_every_flipped_byte_is_told(tmp_path: Path) -> None:
@@ -250,16 +250,19 @@ def test_an_edited_file_is_told(tmp_path: Path) -> None:
         ({"lanes": branch(name="x" * 81)}, "lanes[0].branches[0].name"),
         ({"lanes": branch(parent=0)}, "parent"),
         ({"lanes": branch(shared=1)}, "shared is 1"),
-        ({"lanes": branch(here=41)}, "after its last step"),
+        ({"lanes": branch(here=41)}, "after the last step"),
         ({"lanes": branch(end=10**15 + 1)}, "lanes[0].branches[0].end"),
         ({"lanes": branch(journal=[{"step": 9, "take": 1}, {"step": 8, "take": 1}])}, "out of order"),
-        ({"lanes": branch(journal=[{"step": 41, "take": 1}])}, "beyond its end"),
+        ({"lanes": branch(journal=[{"step": 41, "take": 1}])}, "beyond the end of the branch"),
         ({"lanes": branch(journal=[{"step": 4}])}, "journal[0]: not a change"),
         ({"lanes": branch(journal=[{"step": 4, "set": "alpha"}])}, "journal[0]: not a change"),
         ({"lanes": branch(journal=[{"step": 4, "set": "alpha", "to": 2}])}, "expected a number in (0, 1]"),
         ({"lanes": branch(journal=[{"step": 4, "algorithm": "magic"}])}, "which is not known"),
         ({"lanes": branch(journal=[{"step": "4", "take": 1}])}, "journal[0].step"),
-        ({"scenario": {"id": "x", "kind": "file", "title": "", "text": "[mdp]"}}, "its scenario cannot"),
+        (
+            {"scenario": {"id": "x", "kind": "file", "title": "", "text": "[mdp]"}},
+            "the scenario in it cannot",
+        ),
         ({"scenario": {"id": "gym:No-v0", "kind": "gymnasium", "title": ""}}, "gym:No-v0"),
         ({"saved": "yesterday"}, "saved"),
         ({"saved": "0001-01-01T00:00:00+23:00"}, "saved"),

@@ -157,7 +157,7 @@ def test_changes_are_put_in_the_order_of_their_steps() -> None:
         ("5:epsilon=nan", r"expected a number in \[0, 1\]"),
         ("5:epsilom=1", r'did you mean "epsilon"\?'),
         ("5:algorithm=sarsaa", r'did you mean "sarsa"\?'),
-        ("5:initial-q=1", "cannot change on the way"),
+        ("5:initial-q=1", "cannot change during the run"),
         ("5:ties=both", "expected random or first"),
     ],
 )

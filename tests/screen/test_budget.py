@@ -48,7 +48,7 @@ def test_spent() -> None:
     assert text.rstrip().splitlines() == [
         " pulls     1,000 of 1,000 · spent   r r starts again",
         " winnings  1,213      best possible 1,500 on average",
-        " regret    287        in true means, luck left out",
+        " regret    287        by true means, without luck",
         " best arm pulled 84 %",
     ]
 

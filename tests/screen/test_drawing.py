@@ -65,7 +65,7 @@ async def test_a_way_is_drawn_with_shift_and_arrows_and_where_it_never_comes_not
         assert drawn(pilot) == SHORTEST
         world = view(pilot)
         assert world.cursor == 15
-        assert "You draw a policy · return 1 · all on its way drawn" in world.head
+        assert "You draw a policy · return 1 · its path is drawn" in world.head
         assert worth(pilot).expected_return == 1.0
         arrows = picture(pilot)
         assert (arrows.count("▜██▛"), arrows.count("█▙▄▖"), arrows.count("?")) == (
@@ -82,7 +82,7 @@ async def test_a_way_is_drawn_with_shift_and_arrows_and_where_it_never_comes_not
             return sum(each.style is not None and bool(each.style.bold) for each in signs)
 
         assert (picture(pilot).count("?"), bold_signs()) == (5, 0)
-        assert world.head.endswith("all on its way drawn")
+        assert world.head.endswith("its path is drawn")
         world.put_cursor(4)
         await press(pilot, "delete")
         left = snapshot(pilot).answers.left_to_chance
@@ -100,7 +100,7 @@ async def test_a_way_is_drawn_with_shift_and_arrows_and_where_it_never_comes_not
         (
             "cliff",
             ("shift+up", "shift+right"),
-            "You draw a policy · return −34,154 · 35 states on its way at random (?)",
+            "You draw a policy · return −34,154 · 35 states on its path random (?)",
         ),
     ],
 )
@@ -161,9 +161,9 @@ async def test_the_mode_is_seen_and_ends_by_its_keys_and_by_another_mode(make_ap
             await press(pilot, "w", "p")
             assert world.has_class("-manual")
             assert world.has_focus
-            said = "return .01 · 10 states on its way at random (?)" if drawn(pilot) else "all at random (?)"
+            said = "return .01 · 10 states on its path random (?)" if drawn(pilot) else "all at random (?)"
             assert world.head.endswith(f" · {said}")
-            assert world.foot == "1 ↑  2 →  3 ↓  4 ← · del: undraw · C: draw afresh · esc: end"
+            assert world.foot == "1 ↑  2 →  3 ↓  4 ← · del: undraw · C: clear · esc: end"
             assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  esc end")
             await press(pilot, "shift+right", *keys_of_end)
             assert not screen.drawing.is_on
@@ -202,7 +202,7 @@ async def test_a_node_of_a_graph_takes_its_own_actions_and_a_name_leaves_the_cor
         await press(pilot, "2")
         assert drawn(pilot) == ((0, 0), (1, 3))
         assert "?" not in picture(pilot)
-        assert "all on its way drawn" in view(pilot).head
+        assert "its path is drawn" in view(pilot).head
         mdp = snapshot(pilot).world.mdp
         assert mdp is not None
         assert worth(pilot).expected_return == pytest.approx(7.5, abs=5.0)
@@ -232,7 +232,7 @@ async def test_a_large_map_says_at_least_what_is_open() -> None:
     async with on_screen(app) as pilot:
         await press(pilot, "w", "p", "shift+right", "shift+down", "2")
         assert len(drawn(pilot)) == 3
-        assert view(pilot).head == "You draw · 39,996 on its way at random (?)"
+        assert view(pilot).head == "You draw · 39,996 on its path random (?)"
 
 
 async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) -> None:
@@ -287,7 +287,7 @@ async def test_what_is_exported_is_worth_what_the_screen_says(
         await draw_shortest(pilot)
         shown = worth(pilot)
         assert 0.0 < shown.expected_return < 0.2  # type: ignore[operator]
-        assert "5 states on its way at random (?)" in view(pilot).head
+        assert "5 states on its path random (?)" in view(pilot).head
         await press(pilot, "m", "x")
         await choose(pilot, "policy")
         await press(pilot, "enter")

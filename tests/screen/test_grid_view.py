@@ -251,11 +251,11 @@ def test_values_of_three_digits_are_never_number_signs() -> None:
     view.picture(medium, 50, 10)
     below = changed(medium, q=np.full_like(medium.agent.q, -100.0), step=1)
     assert not set("#1") & set(view.picture(below, 50, 10)[1].text)
-    assert view.heading == "World · greedy, V as tint"
+    assert view.heading == "World · greedy, V as colour"
     view.show(below)
     view.show(medium)  # the past of the same run
     view.picture(medium, 50, 10)
-    assert view.heading == "World · greedy, V as tint"
+    assert view.heading == "World · greedy, V as colour"
     another = changed(medium, recipe=replace(medium.recipe, seed=1))
     view.show(another)
     view.picture(another, 50, 10)
@@ -271,7 +271,7 @@ def test_arrows_stand_alone_where_a_map_fits_only_without_its_values() -> None:
     assert rows[0].startswith("S→ ")
     assert rows[1].startswith(" · ◉←  * ")
     assert rows[19].endswith(" ★ ")
-    assert view.heading == "World · greedy, V as tint"
+    assert view.heading == "World · greedy, V as colour"
     assert view.footing == ""
 
 

@@ -198,7 +198,7 @@ async def test_c_compares_with_another_branch_that_is_no_run_yet() -> None:
     app = Bench(TWO, changed(snapshot, lanes=(lane_views(2)[0], there)))
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("up", "c")
-        assert app.about == "Not here: branch 1 is a run already."
+        assert app.about == "Not here: branch 1 is already open as a run."
     assert app.answers == []
 
 
@@ -266,16 +266,16 @@ def test_a_moment_may_be_written_in_many_ways(text: str, command: GoTo) -> None:
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("", "expected one of these"),
-        ("x", "expected one of these"),
-        ("-1", "expected one of these"),
-        ("1.5", "expected one of these"),
-        ("1,2", "expected one of these"),
-        ("٣", "expected one of these"),
-        ("9" * 5_000, "expected one of these"),
-        ("month 3", "expected one of these"),
+        ("", "type a step number, a percentage, start or end"),
+        ("x", "type a step number, a percentage, start or end"),
+        ("-1", "type a step number, a percentage, start or end"),
+        ("1.5", "type a step number, a percentage, start or end"),
+        ("1,2", "type a step number, a percentage, start or end"),
+        ("٣", "type a step number, a percentage, start or end"),
+        ("9" * 5_000, "type a step number, a percentage, start or end"),
+        ("month 3", "type a step number, a percentage, start or end"),
         ("10001", "the run has reached step 10,000 so far; esc, then space goes on from there"),
-        ("101%", "a share goes from 0% to 100%"),
+        ("101%", "type a percentage from 0% to 100%"),
         ("e0", "episodes count from 1"),
         ("e12502", "the run has reached episode 12,501 so far; esc, then space goes on from there"),
     ],

@@ -37,13 +37,13 @@ def text_of(lines: list[Line]) -> str:
 
 def test_what_is_hidden_names_its_key_or_that_it_waits() -> None:
     assert shown_by(changed(student(), is_hidden=True)) == f"{SHOWN_BY_KEY} it"
-    assert shown_by(kept(student(), "answer"), "them") == "the lesson keeps them back"
+    assert shown_by(kept(student(), "answer"), "them") == "the lesson hides them"
 
 
 @pytest.mark.parametrize("picture", [student(), BANDIT])
 def test_notes_of_policies_say_what_keeps_them_back(picture: Snapshot) -> None:
     said = list(notes(kept(picture, "answer"), look()))
-    assert any("the lesson keeps" in note for note in said)
+    assert any("the lesson hides" in note for note in said)
     assert not any(SHOWN_BY_KEY in note for note in said)
     told = list(notes(changed(picture, is_hidden=True), look()))
     assert any(SHOWN_BY_KEY in note for note in told)
@@ -52,7 +52,7 @@ def test_notes_of_policies_say_what_keeps_them_back(picture: Snapshot) -> None:
 def test_who_draws_a_policy_is_told_that_its_return_waits() -> None:
     drawn = student().answers.drawn.with_action(0, 0)
     for picture, expected in (
-        (kept(student(), "answer"), "its return is hidden (the lesson keeps it back)"),
+        (kept(student(), "answer"), "its return is hidden (the lesson hides it)"),
         (changed(BANDIT, is_hidden=True), "its return is hidden (w h shows it)"),
     ):
         studied = changed(picture, drawn=drawn, studied=PolicyKind.DRAWN)
@@ -63,10 +63,10 @@ def test_texts_of_a_bandit_name_no_key_while_a_lesson_keeps_its_means_back() -> 
     secret = changed(BANDIT, is_hidden=True)
     assert "h  shows regret" in text_of(lines_of(budget_blocks(secret, look()), 60, look()))
     said = text_of(lines_of(budget_blocks(kept(BANDIT, "answer"), look()), 60, look()))
-    assert "regret and the best arm: the lesson keeps it back for now" in said
+    assert "regret and the best arm: the lesson hides it for now" in said
     assert "h  shows" not in said
     assert "until w h" in means_key(secret)[0]
-    assert means_key(kept(BANDIT, "answer")) == ("the lesson keeps it back for now",)
+    assert means_key(kept(BANDIT, "answer")) == ("the lesson hides it for now",)
     assert means_key(student()) == ()
 
 

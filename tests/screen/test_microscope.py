@@ -249,7 +249,7 @@ def test_a_planner_takes_the_expectation_itself() -> None:
     text = " ".join(" ".join(lines).split())
     assert "none: every action is tried" in text
     assert "target Σ p r + γ·Σ p max Q(s′,·) = .238" in text
-    assert "a planner takes the expectation itself" in text
+    assert "a planner uses the expected target" in text
     assert "a planner takes no steps" in text
 
 
@@ -285,7 +285,7 @@ def test_of_a_long_episode_the_last_rewards_are_known() -> None:
 
 def test_a_discount_changed_on_the_way_is_told() -> None:
     other = changed(LAKE, discounted_return=0.5)
-    assert "γ was changed on the way" in "\n".join(shown(other, 60))
+    assert "γ changed in this episode" in "\n".join(shown(other, 60))
 
 
 def test_without_a_discount_rewards_are_added_up() -> None:

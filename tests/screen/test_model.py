@@ -244,7 +244,7 @@ def test_means_that_drift_are_those_of_the_start_and_said_to_drift() -> None:
     assert mdp is not None
     drifting = changed(known, world=replace(known.world, space=replace(mdp, drift_std=0.01)))
     text = drawn(panel(drifting, 3), 100)
-    assert "drifts by a normal step of standard deviation 0.01" in text
+    assert "each mean moves by a random step of standard deviation 0.01" in text
     assert "r at the start" in text
     assert "the current means" in text
 

@@ -16,10 +16,9 @@ from textual.pilot import Pilot
 from rl_tui.agents.exact.policy_figures import greedy_policy, softened, uniform_policy
 from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_kind import PLANS, PolicyKind
 from rl_tui.runs.answers.policy_values import (
     NO_CHANCES,
-    PLANS,
     WHILE_RUNNING,
     DrawnPolicy,
     PolicyAnswer,

@@ -112,7 +112,7 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
         assert "step 7" in details(pilot)
         assert about(pilot) == "Session: an evening"
         await tap(pilot, "end")
-        assert "cut off or damaged" in details(pilot)
+        assert "incomplete or damaged" in details(pilot)
         await pilot.press("enter")
         await tap(pilot, "delete")
         assert notes(pilot.app)[-2:] == [

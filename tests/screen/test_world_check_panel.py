@@ -84,9 +84,9 @@ def test_it_says_how_far_it_has_come() -> None:
     trying = replace(last, stage=CheckStage.TRIALS, trying="sarsa")
     assert "trying SARSA, 2 of 12" in said(with_check(walk(), trying))
     assert OUTDATED in said(with_check(walk(), is_outdated=True))
-    warned = replace(last, warnings=("never ends: a time_limit would end it",))
+    warned = replace(last, warnings=("never ends: add a time_limit to end such episodes",))
     text = said(with_check(walk(), warned))
-    assert text.startswith("1 warning ! never ends: a time_limit would end it random policy")
+    assert text.startswith("1 warning ! never ends: add a time_limit to end such episodes random policy")
     broken_off = said(with_check(walk(), first, refused="it took too long"))
     assert "it took too long" in broken_off
     assert "0.50000" in broken_off

@@ -101,6 +101,6 @@ def test_an_unexpected_fault_is_one_line_and_the_session_is_kept(tmp_path: Path)
         shown = visible(terminal.written[terminal.written.rindex(b"\x1b[?1004l") :])
     assert shown.splitlines() == [
         "rl-tui: unexpected ZeroDivisionError: of [red]all things; "
-        f"what was done is kept: rl-tui play {file} (RL_TUI_TRACEBACK=1 shows where)"
+        f"your run is saved: rl-tui play {file} (RL_TUI_TRACEBACK=1 shows where)"
     ]
     assert kept_step(tmp_path) == STEPS

@@ -248,7 +248,7 @@ def table_with(*entries):
     ("attributes", "found"),
     [
         ({}, "which has no transition table"),
-        ({"P": table_with(SOUND)}, "which does not tell its start"),
+        ({"P": table_with(SOUND)}, "which does not report its start"),
         ({"P": {0: {0: [SOUND], 1: [SOUND]}}, **START_AT_0}, "nothing for state 1, action 0 (KeyError: 1)"),
         (
             {"P": {s: {0: [SOUND]} for s in (0, 1)}, **START_AT_0},
@@ -299,7 +299,7 @@ def test_a_table_that_cannot_be_is_refused_in_one_line(counting, entries, found,
     assert not isinstance(refusal.value, NoTableError)
     assert finding.found.startswith(f"Counting-v0, whose table has {found}")
     assert finding.found.endswith(" for state 1, action 0")
-    stepped = ", or table = false in a scenario file, which steps it all the same"
+    stepped = ", or table = false in a scenario file, which only simulates it"
     assert finding.expected == expected + ("" if "reward" in found else stepped)
     assert "\n" not in finding.found + finding.expected
 

@@ -130,7 +130,7 @@ def _check_known(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparamete
     if mdp.drift_std > 0.0:
         raise NoExactAnswer("the rewards of this world drift, so episodes differ")
     if hyperparameters.alpha_at(episode) and _falls_to_zero(hyperparameters):
-        raise NoExactAnswer("α falls towards 0, so episodes differ, and later ones change nothing")
+        raise NoExactAnswer("α falls towards 0, so late episodes change nothing")
 
 
 def _falls_to_zero(hyperparameters: Hyperparameters) -> bool:
@@ -194,7 +194,7 @@ def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wai
     error = chain.solve(1.0, can_tell, chances, tells.astype(np.longdouble))
     chance = _representable(stopped.average_at_start(chances))
     if error > _RELATIVE_PRECISION * chance:
-        raise NoExactAnswer("without a time limit, a chance this small is lost in rounding")
+        raise NoExactAnswer("without a time limit, so small a chance cannot be computed")
     if chain.always_ends():
         return Wait(chance, 1.0 / chance, _median(chance))
     another = max(0.0, chain.chance_of_ending() - chance)

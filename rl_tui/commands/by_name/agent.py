@@ -26,7 +26,7 @@ def command() -> None:
     help="the style of the agent's code",
 )
 def new(file: str, style: str) -> None:
-    """Write an agent without its update into a new file.
+    """Write a new file with an agent that lacks its update.
 
     It runs immediately, but learns nothing until you write the missing line.
     """

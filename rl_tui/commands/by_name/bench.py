@@ -17,16 +17,18 @@ from rl_tui.commands.options.run import (
 
 @click.command("bench", cls=SectionedCommand)
 @click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", default="frozenlake-slippery")
-@click.option("--rounds", type=Whole(1, 1000), default=5, show_default=True, help="number of timings of each")
+@click.option(
+    "--rounds", type=Whole(1, 1000), default=5, show_default=True, help="how often each loop is timed"
+)
 @allow_module_option
 @run_options
 @seed_option
 @json_option
 def command(scenario: str, rounds: int, overrides: dict[str, object], seed: int, as_json: bool) -> None:
-    """Time learning here against the Gymnasium loop.
+    """Compare the speed of this program with a plain Gymnasium loop.
 
-    They take turns in one process. The plain loop runs twice: with argmax, which takes the first of equal
-    values, and with random ties as here.
+    Both run by turns in one process. The plain loop runs twice: with argmax, which takes the first of equal
+    values, and with a random choice among them, as this program does.
     """
     from rl_tui.runs.library import recipe_named
     from rl_tui.runs.training.benchmark import benchmark

@@ -38,7 +38,7 @@ _FOR_GREEDY: Final = f"  [{PolicyKind.GREEDY} only]"
     "--policy",
     "name",
     metavar="|".join((*WORDS, f"FILE{SUFFIX}")),
-    help="random, as rl-tui solve prints it, greedy after rl-tui train, or from a file: "
+    help="random, optimal, greedy (an agent is trained first), or a file: "
     '{"STATE": "ACTION"} or {"STATE": {"ACTION": CHANCE}}',
 )
 @click.option(
@@ -47,7 +47,7 @@ _FOR_GREEDY: Final = f"  [{PolicyKind.GREEDY} only]"
     type=ParameterValue(PARAMETERS["epsilon"]),
     default=0.0,
     show_default=True,
-    help="probability of a random action, which may be the policy's own",
+    help="with this probability, take a random action in place of the policy's",
 )
 @parameter_option("gamma", "  [default: the scenario's]")
 @algorithm_option("trained_by", _FOR_GREEDY)
@@ -73,8 +73,9 @@ def command(
 ) -> None:
     """Print the exact value of a policy in each state, and how long its episodes last.
 
-    The optimal policy shares ties evenly. In states that a policy file does not mention, actions are random.
-    An agent is trained with the scenario's ε; --epsilon applies to the policy afterwards. An example:
+    If several actions are optimal, the optimal policy takes each equally often. In states that a policy file
+    does not mention, actions are random. An agent is trained with the scenario's ε; --epsilon applies to its
+    policy afterwards. An example:
 
     rl-tui evaluate cliff --policy optimal --epsilon 0.1
     """

@@ -41,7 +41,7 @@ def command(
     """Open a scenario in the playground, or continue a session.
 
     Without a name the first scenario opens. A session continues exactly where you left it, and is saved in
-    its file. With --agent your own agent takes the steps; it can do everything you can.
+    its file. With --agent your own agent takes the steps. Its code runs with all your rights.
     """
     from rl_tui.commands.line.screen import require_terminal, run_app
 

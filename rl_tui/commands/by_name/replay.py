@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 def command(session: Path, lane: int | None, branch: str | None, csv: CsvTarget, as_json: bool) -> None:
     """Run a session again, to its last step.
 
-    Sessions are files that w saves on screen, or that were saved automatically. The result is printed, equal
-    to the last bit.
+    A session is a file that m s saves on screen, or that was saved automatically. It prints the result, which
+    equals the first run's to the last bit.
     """
     check_targets({"--csv": csv}, as_json)
     from rl_tui.live.sessions.replay import comes_out_otherwise, replay_figures, replay_target

@@ -78,8 +78,8 @@ def command(
     """Draw a screen as an SVG picture.
 
     It shows the playground of a scenario or of a session; without one, the start screen. --watch shows your
-    own script, --lesson a lesson, and --agent lets your own agent take the steps. Equal calls give equal
-    bytes, so speeds are left blank. An example:
+    own script, --lesson a lesson, and --agent lets your own agent take the steps. The same command always
+    draws the same picture, so speeds are left blank. An example:
 
     rl-tui screenshot frozenlake --keys "wait:20000,v" --out lake.svg
     """

@@ -40,13 +40,13 @@ _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[ser
     show_default=True,
     help="port to listen on; 0: any free port",
 )
-@click.option("--url", help="address that people type, behind a proxy: https://lab.example.org")
+@click.option("--url", help="public address, if a proxy is in front: https://lab.example.org")
 @click.option(
     "--most",
     type=Whole(1, 1000),
     default=8,
     show_default=True,
-    help="number of people at once, each with a process",
+    help="most people at once (each has a process)",
 )
 @click.option("--no-kiosk", is_flag=True, help="let the browser read and write your files, like play")
 @click.option("--yes", is_flag=True, help="do not ask before other machines get access")

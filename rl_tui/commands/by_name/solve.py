@@ -28,7 +28,7 @@ the policy contains only those that lead to a terminal state; left out: {}."""
 @click.command("solve")
 @scenario_argument
 @parameter_option("gamma", "  [default: the scenario's]")
-@click.option("--flips", is_flag=True, help="also every γ at which the optimal actions change, exactly")
+@click.option("--flips", is_flag=True, help="also print the exact γ at which optimal actions change")
 @seed_option
 @allow_module_option
 @json_option

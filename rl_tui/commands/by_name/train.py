@@ -51,9 +51,9 @@ MOST_RUNS: Final = 100_000
     "changes",
     type=ChangeValue(),
     multiple=True,
-    help="after STEP steps, change a setting, algorithm=NAME, take=ACTION instead of the agent, "
-    "sweep=evaluation or sweep=improvement for policy iteration, or the world, such as "
-    "world.cell[1,2]=#; may be repeated",
+    help="after STEP steps, change a setting such as epsilon=0, algorithm=NAME, or the world, such as "
+    "world.cell[1,2]=#. take=ACTION takes one action for the agent. sweep=evaluation or sweep=improvement "
+    "is for policy iteration. May be repeated",
 )
 @agent_option
 @allow_module_option
@@ -75,7 +75,7 @@ def command(
 ) -> None:
     """Train an agent, and print what it has learned.
 
-    It is the same run as on screen, compared with the exact values. An example:
+    It is the same run as on screen. The report compares it with the exact values. An example:
 
     rl-tui train student --runs 50 --curve student.csv
     """

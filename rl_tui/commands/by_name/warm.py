@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 def command(scenarios: tuple[str, ...]) -> None:
     """Compile all kernels into the cache, or those for some scenarios.
 
-    Runs then start with machine code: useful for container images, and for classrooms that share a cache. All
-    kernels take some minutes. The cache is the folder RL_TUI_CACHE_DIR, or your platform's cache folder.
+    Kernels are the inner loops of learning. Runs then start without a wait: useful for container images, and
+    for classrooms that share a cache. All kernels take some minutes. The cache is the folder
+    RL_TUI_CACHE_DIR, or your platform's cache folder.
     """
     from rl_tui.agents.compiling.base_folder import refusals
     from rl_tui.agents.compiling.cache_folder import cache_folder

@@ -51,11 +51,11 @@ def command(
 ) -> None:
     """Watch your own script or notebook learn, unchanged.
 
-    It runs in its own process, which stops and continues with the screen. Unknown arguments go to the script,
-    and so does everything after --. With --json there is no screen: you get a report on the script's table
-    and its bugs.
+    The script runs in its own process, and the keys of the screen pause and continue it. Unknown arguments go
+    to the script, and so does everything after --. With --json there is no screen: you get a report on the
+    script's table and its bugs.
 
-    It is not a sandbox: the script can do everything you can.
+    This is not a sandbox: the script runs with all your rights.
     """
     from rl_tui.commands.line.screen import require_terminal
     from rl_tui.programs.watched.child.script import check_script

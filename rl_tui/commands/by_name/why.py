@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 def command(scenario: str, overrides: dict[str, object], seed: int, as_json: bool) -> None:
     """Print how long nothing is learned, why, and what would help.
 
-    While all estimates are equal, each episode has the same chance to change one: to reach an outcome where r
-    + γ·Q·[not ended] differs from Q. The chance is computed from the transition table, for ε-greedy agents
-    with constant ε that update one pair per step.
+    While all estimates are equal, each episode has the same chance to change one. That needs an outcome whose
+    target differs from Q. The target is r + γ·Q, or only r at the end of an episode. The chance is computed
+    from the transition table, for ε-greedy agents with constant ε that update one pair per step.
     """
     from rl_tui.agents.exact.first_update import first_update
     from rl_tui.common.errors import UserError

@@ -57,7 +57,7 @@ kiosk_option: Final = click.option(
     is_eager=True,  # applies as soon as it is read
     expose_value=False,
     callback=_turn_on,
-    help="for strangers: shipped scenarios only, no access to files, limited memory",
+    help="for public use: shipped scenarios only, no access to files, limited memory",
 )
 
 
@@ -159,7 +159,7 @@ def require_open_files() -> None:
         return
     if 0 <= most < FEWEST_FILES:
         raise UserError(
-            f"only {most} files may be open at once (ulimit -n); the playground needs {FEWEST_FILES}"
+            f"only {most} files may be open at once; raise this limit with ulimit -n {FEWEST_FILES}"
         )
     resource.setrlimit(resource.RLIMIT_NOFILE, (FEWEST_FILES, most))
 

@@ -201,7 +201,7 @@ def target_option(option: str, text: str) -> Callable[[Command], Command]:
 
 csv_option: Final = target_option("--csv", "one row per episode: run, episode, return (undiscounted), length")
 curve_option: Final = target_option(
-    "--curve", "the mean curve of all runs, one row for each of at most 200 bins of episodes"
+    "--curve", "the mean curve of all runs, in at most 200 rows, each the mean of a group of episodes"
 )
 
 

@@ -19,7 +19,7 @@ _HEAD: Final = ("submission", "", "share of best", "least", "return", "of best",
 def grades(grading: Grading, graded: Sequence[GradedSubmission]) -> str:
     """Return a table of all graded submissions, followed by the findings for each."""
     recipe, seeds = grading.recipe, counted(grading.seeds, "seed")
-    head = f"{recipe.scenario.title}: {seeds}, passed from {grading.threshold:g} of the best on"
+    head = f"{recipe.scenario.title}: {seeds}, {grading.threshold:g} of the best needed"
     rows = [_HEAD, *(_row(each, grading.yardstick.best) for each in graded)]
     parts = [head, "", columns(rows, right=(2, 3, 4, 5, 6))]
     for each in graded:

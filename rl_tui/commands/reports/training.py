@@ -226,7 +226,7 @@ def _bandit_rows(figures: Figures, spent: BanditFigures) -> list[Row]:
         ("its true mean", f"{greedy}, best {best}", "greedy arm, best arm"),
         ("best arm pulled", share, ""),
         ("winnings", winnings, "of the best arm's average"),
-        ("regret", f"{spent.regret:,.1f}", "lost to other arms, counted in true means"),
+        ("regret", f"{spent.regret:,.1f}", "lost by pulling other arms, by true means"),
         (TITLES["max_error"], number(figures["max_error"]), "max |Q - q*|"),
         (_last(figures["episodes"], "pull"), number(figures["return_last_100"]), "mean reward, exploring"),
     ]

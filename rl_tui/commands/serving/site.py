@@ -113,7 +113,7 @@ class Site:
     async def _only_for_us(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         if not self._doorkeeper.knows(request.host):
             raise web.HTTPForbidden(
-                text="This server has another name. Behind a proxy,"
+                text="This address is not the server's own. Behind a proxy,"
                 " start it with rl-tui serve --url and the address that people type.\n"
             )
         return await handler(request)

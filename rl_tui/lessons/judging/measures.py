@@ -170,7 +170,7 @@ def _steps() -> Iterable[TaskMeasure]:
     text, ends = Gives.TEXT, ("terminated", "truncated")
     yield TaskMeasure("episode_return", "its undiscounted return", episode, lambda m, c: m.last_episode[0])
     yield TaskMeasure("episode_length", "its length in steps", episode, lambda m, c: m.last_episode[1])
-    yield TaskMeasure("episode_by_agent", "its steps that no person took", episode, _by_agent)
+    yield TaskMeasure("episode_by_agent", "the steps that no person took", episode, _by_agent)
     yield TaskMeasure("episode_ended", "how it ended", episode, _episode_ended, gives=text, accepts=ends)
     yield TaskMeasure("reward", "its reward", last, _reward)
     yield TaskMeasure("td_error", "its TD error", last, _td_error)
@@ -226,7 +226,7 @@ def _learned() -> Iterable[TaskMeasure]:
 
     pair = ("state", "action")
     yield row("q", "the estimate of a pair", _q, *pair)
-    yield row("value", "the greatest estimate of a state, of a planner its V", _value, "state")
+    yield row("value", "the largest estimate of a state (for a planner its V)", _value, "state")
     yield row("gap", "|Q(a) − Q(b)| of two actions", _gap, "state", "actions")
     yield row("policy_in", "the greedy actions of a state", _policy_in, "state", gives=Gives.TEXT)
     yield row("visits", "how often a pair was updated or taken", _visits, *pair)
@@ -312,7 +312,7 @@ def _record() -> Iterable[TaskMeasure]:
     text, needs = "steps of these episodes together", ("first", "last")
     yield TaskMeasure("steps_of_episodes", text, MeasureKind.RECORD, _steps_of_episodes, needs)
     yield row("winnings", "what a bandit's pulls won")
-    yield row("regret", "what its best arm would have won more")
+    yield row("regret", "how much more the best arm would have won")
     yield row("best_arm_rate", "the share of pulls of its best arm")
 
 
@@ -367,12 +367,12 @@ def _programs() -> Iterable[TaskMeasure]:
     yield row("program_steps", "steps that it took", lambda s: s.steps)
     yield row("program_episodes", "episodes that it finished", lambda s: s.episodes)
     yield row("program_rule", "the update that it makes", _rule, text)
-    yield row("program_departs", "the first step not explained by that, 0 for none", _departs)
+    yield row("program_departs", "the first step that this update does not explain, 0 for none", _departs)
     yield row("program_faults", "its bugs", _faults)
     yield row("program_alpha", "its α", lambda s: _found(s.verdict.update.alpha, s, "its α"))
     yield row("program_gamma", "its γ", lambda s: _found(s.verdict.update.gamma, s, "its γ"))
     yield row(
-        "program_return", "what the greedy policy of its table earns, undiscounted, exactly", _program_return
+        "program_return", "the exact undiscounted return of the greedy policy of its table", _program_return
     )
 
 

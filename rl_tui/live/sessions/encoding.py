@@ -258,7 +258,9 @@ def _branches(lane: StoredLane, lane_place: str) -> Iterator[Branch]:
         if in_all > MOST_IN_ALL:
             raise UserError(f"{lane_place}: its branches have more than {MOST_IN_ALL:,} changes")
         if max(stored.here, stored.fork) > stored.end:
-            raise UserError(f"{place}: its position or its start is after its last step, {stored.end}")
+            raise UserError(
+                f"{place}: the position or the start of the branch is after the last step, {stored.end}"
+            )
         shared = parent[: stored.shared]
         latest = shared[-1].step if shared else 0
         journal = (*shared, *_journal(stored.journal, place, stored.end, latest))
@@ -273,7 +275,7 @@ def _scenario(stored: StoredScenario) -> Scenario:
     try:
         return scenario_of(stored.text, Path(f"{stored.id}.toml"), ask_environment=False)
     except UserError as fault:
-        raise UserError(f"its scenario cannot be played: {str(fault).splitlines()[0]}") from fault
+        raise UserError(f"the scenario in it cannot be played: {str(fault).splitlines()[0]}") from fault
 
 
 def _recipe(
@@ -307,7 +309,7 @@ def _journal(stored: Iterable[Entry], place: str, end: int, latest: int = 0) -> 
 
 def _check_order(before: int, step: int, end: int, place: str) -> None:
     if not before <= step <= end:
-        raise UserError(f"{place}.journal: step {step} is out of order or beyond its end")
+        raise UserError(f"{place}.journal: step {step} is out of order, or beyond the end of the branch")
 
 
 def _change(entry: Entry, place: str) -> Change:
@@ -366,11 +368,11 @@ def _lesson_record(stored: StoredLesson) -> LessonRecord:
 def _lesson(stored: StoredLesson) -> Lesson:
     source = Path(stored.source) if stored.source else lesson_folder() / f"{stored.id}{SUFFIX}"
     if source.stem != stored.id:
-        raise UserError(f"lesson.id is {shown(stored.id)}, but its file has another name")
+        raise UserError(f"lesson.id is {shown(stored.id)}, but the lesson's file has another name")
     try:
         return lesson_of(stored.text, source, stored.variant)
     except UserError as fault:
-        raise UserError(f"its lesson has an error: {_without_path(fault, source)}") from fault
+        raise UserError(f"the lesson in it has an error: {_without_path(fault, source)}") from fault
 
 
 def _without_path(fault: UserError, source: Path) -> str:
@@ -391,7 +393,9 @@ def _given(stored: StoredGiven, lesson: Lesson, place: str) -> Given:
     asked = lesson.page(stored.page).asked
     choices = () if asked is None else asked.choices
     if choices and stored.answer not in range(len(choices)):
-        raise UserError(f"{place}.answer is {shown(stored.answer)}; it has {len(choices)} choices, from 0")
+        raise UserError(
+            f"{place}.answer is {shown(stored.answer)}; expected a choice, 0 to {len(choices) - 1}"
+        )
     return Given(stored.page, stored.answer, stored.right, stored.step, stored.digest)
 
 

@@ -191,7 +191,7 @@ class LessonGrading:
         remarks = list[str]()
         taken = record.lesson
         if taken is not None and taken.lesson.id != self.lesson.id:
-            remarks.append(f"It is a session of the lesson {taken.lesson.id}: only its runs are looked at.")
+            remarks.append(f"It is a session of the lesson {taken.lesson.id}: only its runs are judged.")
             taken = None
         try:
             lesson = self._variant("" if taken is None else taken.lesson.variant)
@@ -223,7 +223,7 @@ class LessonGrading:
         if task.task.program is None or evidence.claim:
             return _judged_evidence(task, evidence, panels, most_steps)
         if not self._runs_programs:
-            return _not_done(task, "not judged: --programs watches the program that is in the session")
+            return _not_done(task, "not judged: add --programs to run the program in the session")
         return judged_program(task, evidence.program)
 
     def _variant(self, variant: str) -> Lesson:
@@ -287,16 +287,16 @@ def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels, most_st
         return judged_claim(task, Run(task.setup, evaluate=False), panels)
     reason = elsewhere(task.setup, evidence.recipe)
     if evidence.step > most_steps:
-        reason = f"its evidence has {evidence.step:,} steps; at most {most_steps:,} are replayed"
+        reason = f"its recorded run has {evidence.step:,} steps; at most {most_steps:,} are replayed"
     if reason:
         return _not_done(task, reason)
     recipe = replace(evidence.recipe, scenario=task.setup.scenario)
     try:
         run = replayed(recipe, evidence.journal, evidence.step)
     except UserError as fault:
-        return _not_done(task, f"its evidence cannot be replayed: {fault}")
+        return _not_done(task, f"its recorded run cannot be replayed: {fault}")
     if run.step != evidence.step:
-        return _not_done(task, f"its evidence ends at step {run.step:,}, not {evidence.step:,}")
+        return _not_done(task, f"its recorded run ends at step {run.step:,}, not {evidence.step:,}")
     return verdict(task, run, panels)
 
 
@@ -349,7 +349,7 @@ class _Search:
         if not wanted:
             return
         if branch.end > min(MOST_STEPS, self._steps) or len(moments) > self._moments:
-            self.remarks.append(f"{branch.name} was not looked at: it has too many steps.")
+            self.remarks.append(f"{branch.name} was not judged: it has too many steps.")
             return
         self._steps -= branch.end
         self._moments -= len(moments)

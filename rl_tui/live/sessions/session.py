@@ -150,9 +150,9 @@ def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str 
     try:
         content = json.dumps({**fields, _CHECKSUM: checksum_of(fields)}, allow_nan=False).encode()
     except ValueError as error:
-        raise UserError(f"it contains a number that a file cannot hold ({error})") from error
+        raise UserError(f"the session contains a number that a file cannot hold ({error})") from error
     if len(content) > LARGEST_SESSION:
-        raise UserError(f"it is larger than {LARGEST_SESSION // 10**6} MB")
+        raise UserError(f"the session is larger than {LARGEST_SESSION // 10**6} MB")
     return content
 
 
@@ -174,11 +174,11 @@ def _document(path: Path, content: bytes) -> Document:
     version = fields.get("version")
     if isinstance(version, int) and version > VERSION:
         raise SessionError(
-            path, f"was saved by a newer rl-tui (format {version}, this one reads {VERSION}); update rl-tui"
+            path, f"was saved by a newer rl-tui (file format {version}, not {VERSION}); update rl-tui"
         )
     checksum = fields.pop(_CHECKSUM, None)
     if checksum != checksum_of(fields):
-        raise SessionError(path, "was damaged or edited: its checksum does not fit; go back to a copy of it")
+        raise SessionError(path, "was damaged or edited (wrong checksum); open an earlier copy")
     try:
         document = Document.model_validate(fields)
         if not 1970 <= datetime.fromisoformat(document.saved).year < 9000:
@@ -201,14 +201,12 @@ def _reason(error: ErrorDetails) -> str:
 def _fields(path: Path, content: bytes, mark: str) -> dict[str, Any]:
     """Parse the object in `content`; `mark` distinguishes a truncated session from another file."""
     if not content:
-        raise SessionError(path, "is empty; nothing can be resumed from it")
+        raise SessionError(path, "is empty; open an earlier copy")
     try:
         fields = json.loads(content.decode("utf-8"), parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
         if mark.encode() in content[:100]:
-            raise SessionError(
-                path, "is cut off or damaged, and cannot be resumed; go back to a copy of it"
-            ) from error
+            raise SessionError(path, "is incomplete or damaged; open an earlier copy") from error
         raise SessionError(path, "is not JSON, so it is not a session of rl-tui") from error
     if not isinstance(fields, dict):
         raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")

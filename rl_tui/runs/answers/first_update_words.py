@@ -68,7 +68,7 @@ def cause_in_words(
         case Cause.TIES:
             often = "seldom" if settings.epsilon else "never"
             others = f"ε {in_words(settings.epsilon)} {often} takes another"
-            return f"of equal estimates the first action is taken (ties first), and {others}"
+            return f"ties first takes the first of equal actions, and {others}"
         case Cause.EPSILON:
             return f"ε is {in_words(settings.epsilon)}: with another ε the wait is a tenth, or less"
         case None:

@@ -95,7 +95,7 @@ class LeftToChance:
 
 TOO_MANY: Final = f"more than {LIVE_STATES:,} states: use rl-tui evaluate"
 WHILE_RUNNING: Final = "pause to see it"
-NO_CHANCES: Final = "its probabilities have no closed form, or are too many"
+NO_CHANCES: Final = "its probabilities have no formula, or are too many"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

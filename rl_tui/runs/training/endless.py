@@ -25,8 +25,8 @@ MOST_STEPS: Final = 200_000
 # in a larger world an untrained agent may wander as long, or choose more slowly
 _MOST_STATES, _MOST_ACTIONS = 1_000, 50
 _UNTOLD: Final = 1e12  # steps; beyond this, rounding leaves no correct digit
-REMEDY: Final = "a time_limit would end it"
-_NOT_WORTH_IT: Final = f"the end is not worth the way there; {REMEDY}"
+REMEDY: Final = "add a time_limit to end such episodes"
+_NOT_WORTH_IT: Final = f"the path to the end costs more than it earns; {REMEDY}"
 
 
 def endless_warning(scenario: Scenario) -> str:

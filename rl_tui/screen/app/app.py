@@ -465,5 +465,5 @@ def bug_of(fault: Exception | None, autosave: Autosave | None) -> Exception:
     if fault is None:
         fault = RuntimeError("no reason is known")
     if autosave is not None and autosave.path is not None:
-        fault.add_note(f"what was done is kept: rl-tui play {shlex.quote(str(autosave.path))}")
+        fault.add_note(f"your run is saved: rl-tui play {shlex.quote(str(autosave.path))}")
     return fault

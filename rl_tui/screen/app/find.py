@@ -36,7 +36,7 @@ _WORD: Final = re.compile(r"^\W+|\W+$")
 _PLAIN: Final = str.maketrans({"×": "x", "−": "-", "–": "-"})
 _LONGEST: Final = 60  # characters of a search
 _SENTENCE: Final = 220  # characters about the row under the cursor
-NOTHING: Final = "Nothing has a word that begins so. ? shows all keys."
+NOTHING: Final = "No name has a word with this beginning. ? shows all keys."
 
 
 class Findable(NamedTuple):

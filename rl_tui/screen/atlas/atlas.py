@@ -334,7 +334,7 @@ class AtlasDialog(Dialog[Recipe]):
         Binding("S,q", "cancel", "back", id="close_atlas", tooltip="Close the settings map."),
         Binding("m", "measure", "metric", id="atlas.measure", tooltip="Show the next metric."),
         Binding("n", "seed", "next seed", id="atlas.seed", tooltip="Open another of the cell's runs."),
-        Binding("enter", "open", "open", id="atlas.open", tooltip="Open this very run."),
+        Binding("enter", "open", "open", id="atlas.open", tooltip="Open the run with this seed."),
     ]
 
     def __init__(self, look: Look, request: AtlasRequest) -> None:

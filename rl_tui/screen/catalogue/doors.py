@@ -63,7 +63,7 @@ class Doors(Widget, can_focus=True):
     """Doors side by side. ``current`` is a number from 1."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        binding("left", "move(-1)", "doors.left", "Go to the door before."),
+        binding("left", "move(-1)", "doors.left", "Go to the previous door."),
         binding("right", "move(1)", "doors.right", "Go to the next door."),
         binding("home", "move(-9)", "doors.first", "Go to the first door."),
         binding("end", "move(9)", "doors.last", "Go to the last door."),
@@ -145,7 +145,7 @@ class Doors(Widget, can_focus=True):
 
 def learn_door(found: LessonEntries | None) -> Door:
     """Return the door of the lessons: progress, and minutes per page."""
-    text = "Lessons that ask first. Five are the core."
+    text = "Lessons: predict first. Five are the core."
     if found is None or not found.entries:
         return Door("Learn", text, "")
     here = next((each for each in found.entries if each.lesson.id == found.goes_on_at), None)
@@ -161,7 +161,7 @@ def learn_door(found: LessonEntries | None) -> Door:
 
 def watch_door() -> Door:
     """Return the door of the demonstration."""
-    return Door("Watch it learn", "One lake, slowly enough to see why. Press no key.", "space pauses")
+    return Door("Watch it learn", "An agent learns to cross a lake, slowly. Just watch.", "space pauses")
 
 
 def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bool) -> Door:
@@ -228,7 +228,7 @@ def own_code_page(scripts: Sequence[Path], glyphs: Glyphs) -> Choice:
         ("rl-tui play frozenlake --agent my_agent.py", "watch that agent learn"),
     ]
     candidates = [Candidate(command, command, (what,)) for command, what in commands]
-    question = "Type these in a shell. Your code is not sandboxed: it can do what you can."
+    question = "Type these in a shell. Your code runs with all your rights: there is no sandbox."
     return Choice("Your own code", candidates, "", glyphs, question)
 
 
@@ -247,4 +247,4 @@ def new_world_choice(glyphs: Glyphs) -> Choice:
     from rl_tui.screen.dialogs.form import Candidate, Choice
 
     candidates = [Candidate(kind, _KINDS[kind][0], (_KINDS[kind][1],)) for kind in BLANK]
-    return Choice("New world", candidates, "", glyphs, f"w saves it in {user_folder()}")
+    return Choice("New world", candidates, "", glyphs, f"w s saves it in {user_folder()}")

@@ -149,7 +149,7 @@ def defaults(values: Mapping[str, object]) -> str:
         else:
             singular = name.removesuffix("s")  # a count has a plural name, such as episodes
             parts.append(counted(value, singular) if isinstance(value, int) else f"{name} {value}")
-    return _DOT.join(parts) or "those of the program"
+    return _DOT.join(parts) or "the defaults of the program"
 
 
 def size_line(world: World | UserError | None, look: Look) -> RenderableType:

@@ -364,8 +364,8 @@ class LessonsScreen(ActionScreen):
                 self.post_message(self.LessonChosen(LessonStart(begun(entry.lesson))))
 
         question = (
-            f"Begin {entry.lesson.title} again, at its first page? What you did in it until now stays among "
-            "the sessions of the start screen."
+            f"Begin {entry.lesson.title} again, at its first page? Your earlier session "
+            "stays on the start screen."
         )
         self.app.push_screen(Confirm("Begin again", question, "begin again", self.look.glyphs), begin)
 

@@ -339,5 +339,5 @@ class SavedSessions(ActionScreen):
                 self.notify(str(fault), severity="error", markup=False)
             self._read_sessions()
 
-        question = f"Delete the session {session.title}, at step {session.step:,}? It cannot be brought back."
+        question = f"Delete the session {session.title}, at step {session.step:,}? This cannot be undone."
         self.app.push_screen(Confirm("Delete", question, "delete", self.look.glyphs), delete)

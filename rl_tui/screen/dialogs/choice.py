@@ -64,10 +64,8 @@ def word_choice(name: str, value: float | str, glyphs: Glyphs) -> Choice:
 
 _MEANINGS = {
     "constant": ("the same in every episode",),
-    "linear": ("less by the decay in every episode, down to the least",),
-    "exponential": (
-        "down to the least, each episode by a share: least + (start − least) · exp(−decay · episode)",
-    ),
+    "linear": ("each episode subtracts the decay, down to the minimum",),
+    "exponential": ("exponential decay to the minimum: min + (start − min) · exp(−decay · episode)",),
     SAMPLE_AVERAGE: ("1/N: the mean of all targets so far",),
 }
 

@@ -192,7 +192,7 @@ _KEYS: Final = "del: end"
 _KEYS_OF_MORE: Final = "space: beside   del: end"
 _CONTROL: Final = "control"
 _BESIDE: Final = "beside"
-_RETURNS: Final = "Undiscounted returns: mean of the {recent}, and exactly for the greedy policy."
+_RETURNS: Final = "Undiscounted returns: mean of the {recent}, and the exact value for the greedy policy."
 _ONE_SEED: Final = "One seed decides nothing"
 _HIDDEN: Final = f"Hidden until {EXACT}."
 _KEPT: Final = "The lesson hides it."
@@ -206,7 +206,7 @@ class RunTable(Form):
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("delete,backspace", "end", "end run", id="compare.end", tooltip="End the run."),
-        Binding("space", "mark", "beside", id="compare.mark", tooltip="Put the run beside yours."),
+        Binding("space", "mark", "beside", id="compare.mark", tooltip="Show the run beside yours."),
     ]
 
     def __init__(

@@ -25,9 +25,9 @@ from rl_tui.worlds.drawing import Arms
 
 COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
 POLICY: Final = "policy"
-_SECRET: Final = "Careful: the true means of the arms are written in it."
+_SECRET: Final = "Careful: the file reveals the true means of the arms."
 KINDS: Final = {
-    COMMAND: ("Command", "The rl-tui train line that does this run again, to read and copy.", ".txt"),
+    COMMAND: ("Command", "The rl-tui train command that repeats this run, to copy.", ".txt"),
     SCRIPT: ("Python script", "A plain program with Gymnasium and NumPy only, to read and change.", ".py"),
     Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits.", "-q.csv"),
     Q_ARRAY: (
@@ -35,7 +35,7 @@ KINDS: Final = {
         "-q.npy",
     ),
     RETURNS: (
-        *("Returns as CSV", "Undiscounted return and length of every episode. The run is repeated."),
+        *("Returns as CSV", "Undiscounted return and length of every episode. This repeats the run."),
         "-returns.csv",
     ),
     POLICY: (
@@ -61,7 +61,7 @@ def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
     only = " and ".join(filter(None, (lane and f"run {lane}", branch)))
     run = f"Only {only}. The others are left out." if only else ""
     left_out = {
-        RETURNS: f"{counted(snapshot.counters.episodes, 'episode')}, without the one under way.",
+        RETURNS: f"{counted(snapshot.counters.episodes, 'episode')}. The unfinished episode is left out.",
         Q_ARRAY: "Visits are left out.",
         SCRIPT: _SECRET if isinstance(snapshot.world.drawing, Arms) else "",
     }
@@ -152,7 +152,7 @@ class Working(Dialog[str]):
 
     def compose(self) -> ComposeResult:
         """Yield the progress."""
-        with self.box(self._title, "esc: break off"):
+        with self.box(self._title, "esc: cancel"):
             yield Static("0 %", id="progress", markup=False)
 
     def on_mount(self) -> None:

@@ -107,7 +107,7 @@ class JournalScreen(Form):
         if self.branch in self._beside:
             self.dismiss(AddBranch(self.branch))
         elif self.branch != self._timeline.branch:
-            self.tell_about(f"Not here: {name} is a run already.")
+            self.tell_about(f"Not here: {name} is already open as a run.")
         elif len(self.journals) > 1:
             self.tell_about(f"Not here: {name} is the current one. Choose another branch.")
         else:
@@ -297,11 +297,11 @@ def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
     share = _SHARE.fullmatch(text)
     if share:
         if float(share[1]) > 100.0:
-            raise ValueError("a share goes from 0% to 100%")
+            raise ValueError("type a percentage from 0% to 100%")
         return GoTo(round(end * float(share[1]) / 100.0))
     moment = _MOMENT.fullmatch(text)
     if not moment or moment[1] not in _STEPS + _EPISODES:
-        raise ValueError("expected one of these")
+        raise ValueError("type a step number, a percentage, start or end")
     number = int(moment[2].replace(",", ""))
     if moment[1] in _EPISODES:
         return _episode(number, snapshot)

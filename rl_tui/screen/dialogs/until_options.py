@@ -81,7 +81,7 @@ def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tup
     )
     number = UntilOption("step", Event.STEP, f"a {step} by its number …", f"Asks for the {step}.")
     if kind is Kind.BANDIT:
-        change = "Another arm has the highest estimate, or one more has."
+        change = "The arm with the highest estimate changes, or several tie."
         optimal = "Compares with the true means without showing them."
         found = [
             reward,
@@ -90,8 +90,8 @@ def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tup
             number,
         ]
     else:
-        end = "Every state was backed up once more." if plans else "A terminal state, or the time limit."
-        change = "In some state other actions have the highest estimate than before."
+        end = "Every state has been updated once more." if plans else "A terminal state, or the time limit."
+        change = "In some state, the actions with the highest estimate change."
         optimal = "The greedy policy is optimal from the start, for the current γ."
         if is_secret(snapshot):
             optimal = "Compares with the exact values without showing them."
@@ -189,7 +189,7 @@ class UntilChoice(Form):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("u", "cancel", "back", id="close_until", tooltip="Close without running."),
         Binding(
-            "delete,backspace", "remove", "take away", id="until.remove", tooltip="Take the breakpoint away."
+            "delete,backspace", "remove", "take away", id="until.remove", tooltip="Remove the breakpoint."
         ),
     ]
 
@@ -254,7 +254,7 @@ class UntilChoice(Form):
         (name,) = breakpoint_names(snapshot.world, one, glyphs)
         event = "is reached" if place.pair is None else "is chosen"
         is_set = "on" if place in self._breakpoints.values() else "off"
-        about = "A breakpoint: the run pauses here each time. Choose it again to take it away."
+        about = "A breakpoint: the run pauses here each time. Choose it again to remove it."
         return Candidate(_SWITCH, f"{name} {event}: breakpoint {is_set}", (about,))
 
 

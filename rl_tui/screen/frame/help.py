@@ -102,13 +102,14 @@ _TOPICS: Final = (
     ),
     (
         "Rewards",
-        "A cell with an unusual reward shows it in its corner: the number, or + for more and − for less.",
+        "A cell with an unusual reward shows that reward in its corner: the number, or + for more and − "
+        "for less.",
     ),
     (
         "Planners",
         "Value iteration and policy iteration take no steps: they read the transition table. s backs up "
-        "one state, e runs a sweep, and space works as ever. The curve has only the exact return of the "
-        "greedy policy. A planner is done when no value moves any more. Another γ gives it new work.",
+        "one state, e runs a sweep, and space runs and pauses. The curve has only the exact return of the "
+        "greedy policy. A planner is done when no value changes any more. Change γ, and it continues.",
     ),
     (
         "Simulated",
@@ -124,8 +125,8 @@ _TOPICS: Final = (
     (
         "You",
         "y makes you the agent. An arrow takes the action of its direction, a digit the first, second … "
-        "action on the border of the world. The agent learns from your steps as from its own. s lets it "
-        "take one. y or esc ends this.",
+        "action on the border of the world. The agent learns from your steps as from its own. s lets "
+        "the agent take one. y or esc ends this.",
     ),
     (
         "Focus",

@@ -47,7 +47,7 @@ LESSON_ACTIONS: Final[tuple[Action, ...]] = (
         "lesson.previous_page",
         "pageup",
         "page before",
-        "Scroll up, then go to the page before.",
+        "Scroll up, then go to the previous page.",
         Group.LESSON,
         symbol="pgup",
         old="comma",
@@ -183,7 +183,7 @@ _RUN: Final[tuple[Action, ...]] = (
         rank=15,
         needs_world=True,
         takes_steps=True,
-        not_for_program="your program takes its own steps. esc: scenarios to act in",
+        not_for_program="your program takes its own steps. esc: choose a scenario to act in",
     ),
 )
 

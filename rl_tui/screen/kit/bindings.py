@@ -38,7 +38,7 @@ class RowList(OptionList):
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("j", "cursor_down", "list.down", "Go to the next row."),
-        binding("k", "cursor_up", "list.up", "Go to the row before."),
+        binding("k", "cursor_up", "list.up", "Go to the previous row."),
     ]
 
 
@@ -46,7 +46,7 @@ class ListInput(Input):
     """A text input that passes movement keys to the list."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        binding("up", "move('cursor_up')", "typed.up", "Go to the row before."),
+        binding("up", "move('cursor_up')", "typed.up", "Go to the previous row."),
         binding("down", "move('cursor_down')", "typed.down", "Go to the next row."),
         binding("pageup", "move('page_up')", "typed.page_up", "Go a page up."),
         binding("pagedown", "move('page_down')", "typed.page_down", "Go a page down."),

@@ -21,7 +21,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 SHOWN_BY_KEY: Final = "w h shows"
 ANSWER_KEY: Final = f"{SHOWN_BY_KEY} the exact values"
-ANSWER_KEPT: Final = "the lesson keeps it back for now"
+ANSWER_KEPT: Final = "the lesson hides it for now"
 
 _MOST_JUDGED: Final = 2_500  # pairs
 _FASTEST_FOLLOWED: Final = 30.0  # steps per second: faster single steps would only flicker
@@ -44,7 +44,7 @@ def why_over(snapshot: Snapshot) -> str:
         case Phase.SPENT:
             return "your program has ended. r r: start it again"
         case Phase.DONE:
-            return f"{message}. Another γ goes on, r r: start again"
+            return f"{message}. Change γ to continue, r r: start again"
         case Phase.STOPPED:
             return f"{message}. r r: start again"
     return ""
@@ -68,7 +68,7 @@ def answer_key(snapshot: Snapshot) -> str:
 
 def shown_by(snapshot: Snapshot, them: str = "it") -> str:
     """Return how to reveal ``them``, or that the lesson hides them."""
-    return f"the lesson keeps {them} back" if keeps_back(snapshot, "answer") else f"{SHOWN_BY_KEY} {them}"
+    return f"the lesson hides {them}" if keeps_back(snapshot, "answer") else f"{SHOWN_BY_KEY} {them}"
 
 
 def has_estimates(snapshot: Snapshot) -> bool:

@@ -121,7 +121,7 @@ def _winnings(figures: BanditFigures, look: Look, known: bool) -> Iterator[Block
     best = sum_text(figures.best_possible, decimals, look)
     remarks = f"   best possible {best} on average", f"   best {best} on average"
     yield figure("winnings", figures.winnings, remarks, palette.text)
-    remarks = "   in true means, luck left out", "   in true means"
+    remarks = "   by true means, without luck", "   in true means"
     yield figure("regret", figures.regret, remarks, palette.dim)
     if share := _share(figures):
         yield Row([Piece(f" {BEST_ARM_PULLED} {share}", palette.text)])

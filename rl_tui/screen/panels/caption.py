@@ -50,7 +50,7 @@ def caption(snapshot: Snapshot) -> str:
     if not with_value and (agent.q == agent.hyperparameters.initial_q).all():
         return "Nothing is learned yet: that begins with the first reward."
     if not with_value:
-        return "First estimates have changed, the best of no state yet."
+        return "Some estimates have changed, but V is still the same everywhere."
     if with_value < states:
-        return f"Values spread: {with_value:,} of {states:,} states have one so far."
-    return f"Values settle: all {states:,} states have one."
+        return f"Values spread: {with_value:,} of {states:,} states have a value so far."
+    return f"Values settle: all {states:,} states have a value."

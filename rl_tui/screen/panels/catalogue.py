@@ -188,7 +188,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "then the mean over all seeds ± its standard error. Two or more runs are compared seed by seed: the "
         "brackets hold the range of the difference, three standard errors to each side. After a change, "
         "enter repeats the study.",
-        caption="is it luck, or better?",
+        caption="luck, or a real difference?",
         terms=(
             *("standard-error", "many-seeds", "paired-difference", "seed"),
             *("lane", "regret", "last-100", "greedy"),
@@ -245,7 +245,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "update, flip points, and states without a way in or out. These facts are exact. Then each "
         "algorithm is trained briefly, to see whether its greedy policy may never end. This part is a "
         "trial, not a proof.",
-        caption="is this world sound?",
+        caption="does this world work?",
         terms=(
             *("uniform-policy", "best-by-clock", "fewest-steps", "first-update", "flip-point"),
             *("unreached", "no-way-out", "return", "greedy", "truncated"),

@@ -76,7 +76,8 @@ def _take_in(target: Store, source: Store, cell: StoredCell, merged: Merged) -> 
         else:
             raise UserError(
                 f"{source.name}: cell {cell.key[:12]} ({cell.scenario} {cell.settings}), seed {row.seed}: "
-                f"other results than in {target.name}, from the same kind of machine; one of the two is wrong"
+                f"results differ from those in {target.name}, and both machines are of one kind; merge "
+                "without the wrong one"
             )
 
 

@@ -55,7 +55,7 @@ class WriterLock:
             self._lock.release()
             raise UserError(
                 f"{self._path} is being written by {_in_words(holder)}, on another machine; {_ELSEWHERE}. If "
-                f"that one was killed, remove {self._note}"
+                f"that program was killed, remove {self._note}"
             )
         said = {
             "pid": os.getpid(),

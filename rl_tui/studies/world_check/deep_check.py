@@ -239,7 +239,7 @@ def _shortest_way(mdp: TabularMDP, gamma: float, unknown: dict[str, str]) -> int
         unknown[name] = "an episode of the best policy never ends"
     elif mdp.time_limit and steps > mdp.time_limit:
         limit = counted(mdp.time_limit, "step")
-        unknown[name] = f"its end is {steps:,} steps away, an episode has {limit}"
+        unknown[name] = f"the end is {steps:,} steps away, but an episode stops after {limit}"
         return None
     return steps
 

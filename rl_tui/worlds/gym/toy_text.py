@@ -112,7 +112,7 @@ def _entry(listed: Any, where: str, states: int) -> Outcome:
 # The world
 
 
-_OR_STEPPED: Final = "or table = false in a scenario file, which steps it all the same"
+_OR_STEPPED: Final = "or table = false in a scenario file, which only simulates it"
 
 
 class NoTableError(WorldRefusedError):
@@ -190,7 +190,7 @@ def _table(name: str, environment: Env[Any, Any]) -> Any:
 def _start(name: str, environment: Env[Any, Any], states: int, place: str) -> dict[int, float]:
     distribution = getattr(environment.unwrapped, "initial_state_distrib", None)
     if distribution is None:
-        raise NoTableError(("id",), f"{name}, which does not tell its start", "initial_state_distrib")
+        raise NoTableError(("id",), f"{name}, which does not report its start", "initial_state_distrib")
     start = np.asarray(distribution, dtype=np.float64)
     sound = start.shape == (states,) and bool(np.all(start >= 0.0))
     if not sound or not abs(start.sum() - 1.0) <= PROBABILITY_TOLERANCE:

@@ -103,7 +103,7 @@ def test_versions_that_are_alike_are_no_difference() -> None:
 
 def test_a_worker_with_other_kernels_makes_none() -> None:
     other = replace(order(cell_of("maze", "alpha=0.5")), kernels="others")
-    assert "has kernels of rl-tui whose sources" in train(other).refusal
+    assert "has another version of the kernels of rl-tui" in train(other).refusal
 
 
 def test_a_worker_with_another_world_makes_none() -> None:

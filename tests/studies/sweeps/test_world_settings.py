@@ -80,7 +80,7 @@ def test_both_at_once() -> None:
         ("maze", "world.noize", 0.1, "noise"),
         ("maze", "world.time_limit", 1.5, "whole number"),
         ("maze", "world.noise.x", 1, "grid.noise is"),
-        ("bandit", "world.arm[0]", 1, "each seed has another random world"),
+        ("bandit", "world.arm[0]", 1, "each seed draws its own world"),
         ("bandit", "world.means", "[1]", "as many as there are arms"),
         ("taxi", "world.noise", 0.1, "Taxi"),
         ("frozenlake", "world.kwargs.render_mode", "human", "drawn here"),

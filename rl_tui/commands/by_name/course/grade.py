@@ -58,17 +58,18 @@ def command(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Grade an agent or a script, or all in a folder; or sessions of a LESSON.
+    """Grade an agent, a script or a folder of them; or sessions of a LESSON.
 
     A submission is graded by the exact return of the greedy policy of its table, with ties shared evenly. Its
     share of the best is 1 - (best - return) / stake: 1 for the best policy, less for lower returns. The stake
-    is the sum of all rewards in an episode of the best policy, without signs. With positive rewards only, the
-    share is return / best. A submission passes if its mean share over the seeds reaches the threshold and no
-    seed failed.
+    adds up what the best policy earns and pays in an episode, each counted as positive. If all rewards are
+    positive, the share is return / best. A submission passes if its mean share over the seeds reaches the
+    threshold and no seed failed.
 
     With a LESSON (an ID or a FILE.toml), a session of that lesson is graded, or every session in a folder.
     All its actions are repeated from step 0, and the tasks are judged by the results. A program in a session
-    runs only with --programs; without it, its task is not judged. A session proves the run, not who made it.
+    runs only with --programs. Without this option, the task of the program is not judged. A session proves
+    the run, not who made it.
 
     The exit status is 0 if all have passed, else 1.
     """

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 def command(
     lesson: str | None, variant: int | None, again: bool, is_list: bool, as_json: bool, **display: Any
 ) -> None:
-    """Learn step by step: lessons that ask first, and watch what you do.
+    """Learn step by step: lessons ask you to predict, and check what you do.
 
     Without a name you get the list of lessons. A lesson continues where you left it. A finished one opens at
     its first page, as a reference. FILE.toml is a lesson in your own file.

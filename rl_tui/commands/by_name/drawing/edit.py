@@ -19,7 +19,7 @@ from rl_tui.common.findings import shown
 @seed_option
 @display_options
 def command(scenario: str | None, overrides: dict[str, object], seed: int, **display: Any) -> None:
-    """Draw a world while an agent learns in it; w saves it as a scenario file.
+    """Draw a world while an agent learns in it; w s saves it as a scenario file.
 
     Without a name you start with a blank map. You can draw maps, graphs, bandits, lakes and the cliff.
     """

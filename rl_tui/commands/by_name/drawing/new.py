@@ -21,12 +21,12 @@ from rl_tui.common.findings import shown
     help="start with a small blank world, a random lake or maze that can be solved, or a shipped scenario",
 )
 @click.option("--seed", type=Whole(0), default=0, show_default=True, help="seed of the random lake or maze")
-@click.option("--rows", type=Whole(1), help="of a lake or a maze")
-@click.option("--columns", type=Whole(1), help="of a lake or a maze")
+@click.option("--rows", type=Whole(1), help="size of the lake or maze")
+@click.option("--columns", type=Whole(1), help="size of the lake or maze")
 def command(name: str, template: str, seed: int, rows: int | None, columns: int | None) -> None:
     """Write a new scenario, NAME.toml, into the current folder.
 
-    Existing files are never overwritten. Then draw in it, and check it.
+    Existing files are never overwritten. Next, draw in the new file with rl-tui edit, and check it.
     """
     from rl_tui.common.errors import UserError
     from rl_tui.common.files import new_path, write_new

@@ -124,7 +124,8 @@ def merge_command(out: Path, stores: tuple[Path, ...]) -> None:
     """Merge the runs of several stores into one.
 
     A run that is in two stores is kept once. Different results of the same run are an error, if both stores
-    come from the same kind of machine. From different kinds, the first is kept. An example:
+    come from the same kind of machine (system, processor, versions). Otherwise the first result is kept. An
+    example:
 
     rl-tui sweep merge all.sqlite part1.sqlite part2.sqlite part3.sqlite
     """
@@ -157,8 +158,8 @@ class SweepCommand(SectionedCommand):
     type=VariationValue(),
     multiple=True,
     required=True,
-    help="vary a setting, algorithm, policy, scenario or world.KEY: COUNT values from FROM to TO (log: "
-    "geometric), or a list; repeat it for all combinations",
+    help="vary a setting, algorithm, policy, scenario or world.KEY: COUNT values from FROM to TO, with "
+    ":log in equal ratios, or a list A,B,C; repeat it for all combinations",
 )
 @click.option(
     "--runs",
@@ -180,14 +181,16 @@ class SweepCommand(SectionedCommand):
 @click.option(
     "--dask",
     type=SchedulerValue(),
-    help="train on the workers of the Dask scheduler at tcp://HOST:PORT; never in a network that you do not "
-    "trust: Dask unpickles, and so executes, everything it receives",
+    help="train on the workers of the Dask scheduler at tcp://HOST:PORT. Use a network that "
+    "you trust: Dask executes code that it receives",
 )
 @click.option(
     "--shard", type=ShardValue(), help="train only part I of N, while other machines train the rest"
 )
-@click.option("--measure", type=MeasureValue(), help="compare by this metric, such as area or arrival")
-@click.option("--no-again", is_flag=True, help="do not train the best again with fresh seeds")
+@click.option(
+    "--measure", type=MeasureValue(), help="metric to compare by, such as area (mean return of all episodes)"
+)
+@click.option("--no-again", is_flag=True, help="do not train the best combination again with fresh seeds")
 @target_option("--csv", "one row per run: settings, seed and metrics")
 @allow_module_option
 @run_options
@@ -212,8 +215,8 @@ def command(
 ) -> None:
     """Train every combination of settings under the same seeds, and find the best.
 
-    With a store, an interrupted sweep continues where it stopped, and an extended one trains only what is
-    new. An example:
+    With a store, an interrupted sweep continues where it stopped, and an extended one trains only the
+    new runs. An example:
 
     rl-tui sweep cliff --vary alpha=0.05:1:20 --vary algorithm=q-learning,sarsa --store cliff.sqlite
 

@@ -26,8 +26,8 @@ _ROOMY: Final = 8  # rows from which a blank one separates the sliders
 GAMMA: Final = "gamma"  # the parameter whose slider shows flip points
 
 _MEANING: Final = (
-    "Marks are flip points: there the optimal path from the start changes. While t g is open, those of any "
-    "other state have marks too."
+    "Marks are flip points: there the optimal path from the start changes. While t g is open, flip "
+    "points of other states are marked too."
 )
 
 

@@ -58,8 +58,8 @@ class Slider(Draggable, can_focus=True):
         binding("pageup", "move('coarse', 1)", "slider.much_more", "A tenth more"),
         binding("home", "end(False)", "slider.least", "The least value"),
         binding("end", "end(True)", "slider.most", "The greatest value"),
-        binding("left_curly_bracket", "jump(False)", "slider.previous_mark", "Beyond the mark before"),
-        binding("right_curly_bracket", "jump(True)", "slider.next_mark", "Beyond the next mark"),
+        binding("left_curly_bracket", "jump(False)", "slider.previous_mark", "Go past the previous mark"),
+        binding("right_curly_bracket", "jump(True)", "slider.next_mark", "Go past the next mark"),
         binding("enter", "type", "slider.type", "Type a value, then press enter"),
         binding("escape", "release", "slider.release", "Leave the slider"),
     ]
@@ -101,7 +101,7 @@ class Slider(Draggable, can_focus=True):
         typed = "a number or 1/N" if SAMPLE_AVERAGE in parameter.words else "a number"
         help_text = (
             f"{parameter.help}. The arrows change it. enter, or a click on its value, types {typed}. "
-            "A value that begins with 1 to 4 needs enter first."
+            "For a value that begins with 1 to 4, press enter first."
         )
         self._help = self.tooltip = to_ascii(help_text, look.glyphs)
         self._state = SliderState(value, label_columns=label_columns)
@@ -127,7 +127,7 @@ class Slider(Draggable, can_focus=True):
         """Show rising ``marks`` on the track, with their ``meaning``."""
         if marks != self.marks:
             self._change(marks=marks)
-            tip = f"{self._help} {meaning} {{ and }} go beyond the next." if marks else self._help
+            tip = f"{self._help} {meaning} {{ and }} go past the marks." if marks else self._help
             self.tooltip = to_ascii(tip, self.look.glyphs)
 
     def label(self, name: str, columns: int, *, is_pointed_at: bool) -> None:

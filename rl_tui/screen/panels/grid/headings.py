@@ -23,7 +23,7 @@ def heading_of_values(form: CellForm, arrows: str, look: Look) -> str:
     """Return the heading of cells with V and ``arrows``."""
     if form.has_values:
         return f"{TITLE} · V and {arrows}"
-    return f"{TITLE} · {arrows}, V as tint" if look.palette.tints else f"{TITLE} · {arrows}"
+    return f"{TITLE} · {arrows}, V as colour" if look.palette.tints else f"{TITLE} · {arrows}"
 
 
 def heading_of_actions(form: ActionForm) -> str:

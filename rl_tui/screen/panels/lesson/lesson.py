@@ -249,7 +249,7 @@ class _Page:
 
     def _look_at(self, spotlight: Spotlight) -> Block:
         mark = self._look.glyphs.cursor
-        opens = f": {spotlight.key} opens it" if spotlight.key else ": not in view here, f zooms a panel"
+        opens = f": {spotlight.key} opens it" if spotlight.key else ": not in view, f fills the screen"
         where = "" if spotlight.is_seen else opens
         return self._row(Piece(f"{mark} look at {spotlight.title}{where}", self._palette.you))
 

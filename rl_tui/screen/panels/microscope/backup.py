@@ -255,7 +255,7 @@ def target_blocks(words: StepWords, backup: Backup, look: Look, *, secret: Seque
     elif backup.expected is None:
         yield Text(_not_known(words.story), dim)
     elif planned:
-        yield Text("a planner takes the expectation itself: no luck in it", dim)
+        yield Text("a planner uses the expected target: no luck", dim)
     else:
         symbols = "mean reward" if words.story.is_bandit else "Σ p (r + γ V(s′))"
         yield _target("expected", symbols, backup.expected, decimals, look)
@@ -301,7 +301,7 @@ def _reason(story: StepStory, backup: Backup, difference: float) -> str:
 
 def _not_known(story: StepStory) -> str:
     if story.world.prospects:
-        return "no expected target: what follows depends on how one came here"
+        return "no expected target: the outcome depends on the path to this state"
     if story.world.mdp is None:
         return "no expected target: the world has no transition table"
     return "no expected target: some estimates are not known"

@@ -84,7 +84,7 @@ def _meaning(story: StepStory) -> str:
     if story.is_bandit:
         return "each pull is an episode: its return is r"
     if not story.has_one_gamma:
-        return "γ was changed on the way: each step counts with its own"
+        return "γ changed in this episode: each step uses the γ of its time"
     return "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 
 

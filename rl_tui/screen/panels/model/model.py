@@ -84,7 +84,7 @@ def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look) -> str:
         deviation = numbers.brief(rewards.noise, glyphs)
         known = f", normally distributed around their mean (standard deviation {deviation})"
     if drift:
-        known += f"; after every step each mean drifts by a normal step of standard deviation {drift:g}"
+        known += f"; after every step each mean moves by a random step of standard deviation {drift:g}"
     if hides_means(snapshot):
         return means_key(snapshot)[0] + known
     low, high = (numbers.brief(each, glyphs, decimals=3) for each in (rewards.low, rewards.high))

@@ -67,7 +67,7 @@ class WorldView(DrawnPicture, can_focus=True):
         binding("shift+left", "page(0, -1)", "world.page_left", "Move the cursor a page to the left"),
         binding("shift+right", "page(0, 1)", "world.page_right", "Move the cursor a page to the right"),
         binding("home", "follow", "world.follow", "Follow the agent again"),
-        binding("escape,full_stop", "back", "world.back", "Follow the agent again, where a cursor was put"),
+        binding("escape,full_stop", "back", "world.back", "Follow the agent again, if you moved the cursor"),
     ]
 
     title: tuple[str, ...] = ()

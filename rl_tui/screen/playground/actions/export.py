@@ -72,9 +72,9 @@ class ExportActions(Subject):
     def _show_command(self, snapshot: Snapshot) -> None:
         world = _first_world(snapshot) or begin(snapshot.recipe).world
         line = recipe_line(*_run_of(snapshot), world.space.action_names)
-        hint = "It trains this agent as long as the scenario says."
+        hint = "It trains this agent for the scenario's number of episodes."
         if step := snapshot.counters.step:
-            hint = f"It does this run again, bit for bit, up to step {step:,}."
+            hint = f"It repeats this run exactly, up to step {step:,}."
         self._ask_command(snapshot, line, hint)
 
     def _ask_command(self, snapshot: Snapshot, line: str, hint: str) -> None:
@@ -88,7 +88,7 @@ class ExportActions(Subject):
 
         line = evaluate_line(in_force(snapshot), str(path))
         write_new(path, policy_text(snapshot.world.space, snapshot.answers.drawn))
-        self._ask_command(snapshot, line, "It prints what the policy you drew is worth in each state.")
+        self._ask_command(snapshot, line, "It prints the value of your drawn policy in each state.")
 
     def _write_picture(self, snapshot: Snapshot, path: Path, _: OnProgress) -> None:
         write_new(path, self.screen.app.export_screenshot(title="rl-tui", simplify=True))

@@ -66,8 +66,8 @@ class OwnProgram(Subject):
             self._ask_name(page, program)
             return
         candidates = (
-            Candidate(_CHECK, f"Check {path.name}", ("It is run to its end, in a process of its own.",)),
-            Candidate(_NAME, "Another file", ("Write the beginning again, or take a file that is there.",)),
+            Candidate(_CHECK, f"Check {path.name}", ("The program runs to its end, in its own process.",)),
+            Candidate(_NAME, "Another file", ("Write the first lines again, or use an existing file.",)),
             CANNOT_BE_DONE,
         )
         does: dict[str, Callable[[], None]] = {
@@ -78,7 +78,7 @@ class OwnProgram(Subject):
         self.ask(Choice("Your program", candidates, "", self.glyphs), lambda chosen: does[chosen]())
 
     def _ask_name(self, page: Page, program: ProgramToWrite) -> None:
-        hint = "A new file gets the beginning of the program. An existing file is not changed."
+        hint = "A new file gets the first lines of the program. An existing file is not changed."
         prompt = Prompt("Your program", to_ascii(hint, self.glyphs), program.file, _read_name, "take")
         self.ask(prompt, lambda name: self._begin(page, program, Path(str(name))))
 
@@ -372,7 +372,7 @@ class LessonActions(Subject):
             self._set_up()
             return
         question = "Restart with the settings of the page. Answers and passed tasks stay."
-        self.ask(Confirm("Set the run up again?", question, "set up", self.glyphs), lambda _: self._set_up())
+        self.ask(Confirm("Restart the run?", question, "set up", self.glyphs), lambda _: self._set_up())
 
     def _set_up(self) -> None:
         record = self.record

@@ -69,7 +69,7 @@ class ScenarioActions(Subject):
                 scenario = reread(self.link.wanted.recipe.scenario)
         except ScenarioError as error:
             more = f"; and {len(error.faults) - 1} more" if len(error.faults) > 1 else ""
-            fault = f"the file has changed, and the old world stays: {error.faults[0]}{more}"
+            fault = f"the changed file has an error, and the old world stays: {error.faults[0]}{more}"
         now = self.snapshot
         if (
             scenario is None
@@ -95,8 +95,10 @@ class ScenarioActions(Subject):
                 self._warn(str(fault))
 
         name = one_line(scenario.source.name, _LONGEST_NAME)
-        new = Candidate(_NEW, "as the file is now", ("A new run in the new world. The old run is kept.",))
-        old = Candidate(_OLD, "as it was", ("The old world once more, without asking again.",))
+        new = Candidate(
+            _NEW, "as the file is now", ("Start a new run in the new world. The old run is kept.",)
+        )
+        old = Candidate(_OLD, "as it was", ("Keep the old world. You are not asked again.",))
         self.ask(Choice(f"Start again: {name} has changed", (new, old), "", self.glyphs), answer)
 
     def _warn(self, text: str) -> None:

@@ -43,10 +43,8 @@ ARMS_TOOLS: Final = (
         )
     ),
     Tool("w i", "arm here", "Add an arm here.", lambda box, desk: box.resize(1, desk)),
-    Tool("w d", "arm away", "Take this arm away.", lambda box, desk: box.resize(-1, desk)),
-    Tool(
-        "w b", "arm last", "Add an arm behind all others.", lambda box, desk: box.resize(1, desk, at_end=True)
-    ),
+    Tool("w d", "arm away", "Remove this arm.", lambda box, desk: box.resize(-1, desk)),
+    Tool("w b", "arm last", "Add an arm at the end.", lambda box, desk: box.resize(1, desk, at_end=True)),
     Tool(
         "w r",
         "rules…",

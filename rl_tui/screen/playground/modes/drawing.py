@@ -96,10 +96,10 @@ def _amount(x: float, glyphs: Glyphs) -> str:
 def _left(count: int) -> tuple[str, ...]:
     """Return the number of undrawn states on its way, longest form first."""
     if not count:
-        return "all on its way drawn", "its way is drawn", "way drawn"
+        return "its path is drawn", "path drawn"
     return (
-        f"{counted(count, 'state')} on its way at random ({AT_RANDOM})",
-        f"{count:,} on its way at random ({AT_RANDOM})",
+        f"{counted(count, 'state')} on its path random ({AT_RANDOM})",
+        f"{count:,} on its path random ({AT_RANDOM})",
         f"{count:,} at random ({AT_RANDOM})",
         f"{count:,} at random",
         f"{count:,} random",
@@ -111,7 +111,7 @@ def prompts(world: World, state: int | None, glyphs: Glyphs) -> tuple[str, ...]:
     if state is None:
         return f"{NOTHING_TO_CHOOSE} here · {_END}", _END
     forms = actions_in_a_line(world, state, glyphs) or (f"{digits_in_words(world, state)}: arm",)
-    in_full = (f"{form} · del: undraw · C: draw afresh · {_END}" for form in forms[:2])
+    in_full = (f"{form} · del: undraw · C: clear · {_END}" for form in forms[:2])
     return (*in_full, *(f"{form} · {_END}" for form in forms), *forms, _END)
 
 
@@ -129,7 +129,7 @@ def hints(world: World) -> Hints:
         ("digits", "draw"),
         ("esc", "end"),
         ("del", "undraw"),
-        ("C", "draw afresh"),
+        ("C", "clear"),
         *moves,
         ("?", "keys"),
     )
@@ -148,7 +148,7 @@ POLICY_ACTIONS: Final = tuple(
     for keys, symbol, label, help_, method in (
         ((*_DRAWS, *DIGITS), "shift+arrows 1…0", "draw", "Draw this action under the cursor.", "say_how"),
         (_NONE, "del", "undraw", "Draw no action here.", "draw_nothing"),
-        ((_CLEAR,), _CLEAR, "draw afresh", "Clear the drawn policy, after asking.", "ask_to_clear"),
+        ((_CLEAR,), _CLEAR, "clear", "Clear the drawn policy, after asking.", "ask_to_clear"),
         ((LEAVE,), "esc", "end drawing", "Stop drawing, and keep the policy.", "toggle"),
     )
 )

@@ -90,7 +90,7 @@ TOOLBOXES: Final[Mapping[type, type[Toolbox]]] = {
 """The tools for each kind of drawing."""
 
 _KIOSK: Final = "saving is off here: this is a kiosk"
-_NOTHING_TO_UNDO: Final = "nothing that was drawn is left to undo"
+_NOTHING_TO_UNDO: Final = "nothing is left to undo"
 _NO_SLIDERS: Final = "the panel Draw is not in view"
 _NOTHING_TO_REDO: Final = "nothing was undone: there is nothing to redo"
 
@@ -121,7 +121,7 @@ ALWAYS: Final = (
     Tool(
         "Z",
         "redo",
-        "Make the stroke again that was undone.",
+        "Redo the stroke that you undid.",
         lambda editing, _: editing.redo(),
         why_not=lambda editing, desk: "" if editing.can_redo(desk) else _NOTHING_TO_REDO,
     ),
@@ -138,7 +138,7 @@ ALWAYS: Final = (
     Tool(
         DIGITS[0],
         "sliders",
-        "Go to a number of the world.",
+        "Go to a slider of the world.",
         lambda editing, _: editing.go_to_slider(DIGITS[0]),
         "1 2 3",
         why_not=lambda editing, _: "" if editing.board.shows(DRAW) else _NO_SLIDERS,
@@ -159,7 +159,7 @@ class WorldEditing(KeyMode):
     keys: ClassVar[Mapping[str, str]] = {
         **{each.key: each.help for each in _all_tools() if not each.is_in_menu},
         **dict.fromkeys(_ALONG, "Paint on the way"),
-        **dict.fromkeys(DIGITS, "Go to a number of the world"),
+        **dict.fromkeys(DIGITS, "Go to a slider of the world"),
     }
     way_back = "click or tab here to draw on", "tab here to draw on"
     toolbox: Toolbox | None = None

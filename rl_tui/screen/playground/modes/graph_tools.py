@@ -74,7 +74,7 @@ GRAPH_TOOLS: Final = (
     Tool(
         "delete",
         "remove",
-        "Take the chosen action away.",
+        "Remove the chosen action.",
         lambda box, desk: box.take_action_away(desk),
         "del",
         why_not=_no_outcome,
@@ -83,7 +83,7 @@ GRAPH_TOOLS: Final = (
     Tool(
         "comma",
         "next",
-        "Go to the next state of the file.",
+        "Go to the next state, in the file's order.",
         lambda box, desk: box.go_on(desk),
         ",",
     ),
@@ -91,7 +91,7 @@ GRAPH_TOOLS: Final = (
         Tool(
             key,
             f"move {way}",
-            f"Draw the state one place further {way}.",
+            f"Move the state one place {way}.",
             partial(lambda step, box, desk: box.move(desk, *step), step),
             symbol,
         )
@@ -111,7 +111,7 @@ GRAPH_TOOLS: Final = (
     Tool(
         "w d",
         "state away",
-        "Take this state away, and what leads there.",
+        "Remove this state, and all outcomes that lead there.",
         lambda box, desk: box.remove_state(desk),
     ),
     Tool("w r", "rules…", "Set the start and the time limit.", ask_rules),
@@ -344,7 +344,7 @@ def _as_likely(outcome: ActionOutcome, chance: float) -> Mapping[str, Any]:
     if outcome.is_alone:
         raise ValueError(f"{outcome.action} always leads to {outcome.to}. enter: add outcomes")
     if not 0.0 < chance < 1.0:
-        raise ValueError(f"{outcome.to} would be certain or impossible: enter takes outcomes away")
+        raise ValueError(f"{outcome.to} would be certain or impossible. enter: remove outcomes")
     return with_chance(outcome.entry, outcome.to, chance)
 
 

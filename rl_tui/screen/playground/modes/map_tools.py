@@ -66,7 +66,7 @@ def _value(name: str, _: object, desk: Desk) -> str:
 
 
 _WALL_PAYS: Final = "walls have no reward: they cannot be entered"
-_NOT_WHOLE: Final = "finish the map first: lines are added and taken where it is whole"
+_NOT_WHOLE: Final = "finish the map first: rows and columns change only in a valid map"
 _NOTHING_COPIED: Final = "nothing is copied yet: w m marks a corner, w c copies up to the cursor"
 _PICK, _ARROW_KEY, _JUMP = "comma", "A", "J"
 
@@ -150,7 +150,7 @@ MAP_TOOLS: Final = (
     Tool(
         "w v",
         "paste",
-        "Put down what was copied.",
+        "Paste what you copied.",
         lambda box, desk: box.paste(desk),
         why_not=lambda box, _: "" if box.has_copied else _NOTHING_COPIED,
     ),
@@ -164,10 +164,10 @@ MAP_TOOLS: Final = (
         Tool(key, label, sentence, partial(_resize, name, count, at_end), why_not=_unfinished)
         for key, label, sentence, name, count, at_end in (
             ("w i", "row here", "Add a row here.", "rows", 1, False),
-            ("w d", "row away", "Take this row away.", "rows", -1, False),
+            ("w d", "row away", "Remove this row.", "rows", -1, False),
             ("w b", "row below", "Add a row at the bottom.", "rows", 1, True),
             ("w h", "column here", "Add a column here.", "columns", 1, False),
-            ("w x", "column away", "Take this column away.", "columns", -1, False),
+            ("w x", "column away", "Remove this column.", "columns", -1, False),
             ("w e", "column right", "Add a column at the right.", "columns", 1, True),
         )
     ),
@@ -175,7 +175,7 @@ MAP_TOOLS: Final = (
     *(
         Tool(key, label, sentence, partial(_turn, name), value=partial(_value, name))
         for key, label, sentence, name in (
-            ("w p", "slippery", "Slip to each side as often as go ahead.", "slippery"),
+            ("w p", "slippery", "Slippery: straight on and both sides equally likely.", "slippery"),
             ("w l", "on leaving", "Let cells pay on leaving them, or on entering.", "rewards"),
             ("w n", "moves", "Choose the next kind of moves.", "moves"),
         )
@@ -427,7 +427,7 @@ class MapTools(Toolbox):
         lines = _map_of(desk).lines
         self._copied = tuple(lines[row][columns.start : columns.stop] for row in rows)
         self._corner = None
-        desk.tell(f"copied {len(rows)} × {len(columns)} cells: w v puts them down")
+        desk.tell(f"copied {len(rows)} × {len(columns)} cells: w v pastes them")
 
     def paste(self, desk: Desk) -> None:
         """Paste the copy at the cursor, clipped by the map."""

@@ -28,7 +28,7 @@ LIMIT: Final = Parameter(
 WIND: Final = Parameter(
     "wind",
     "wind ↑",
-    "wind: cells that it blows up in the column of the cursor",
+    "wind: cells that it pushes you up in the column of the cursor",
     _WIND,
     whole=True,
     slide=Slide(-3, 3),
@@ -36,7 +36,7 @@ WIND: Final = Parameter(
 WIND_ROWS: Final = Parameter(
     "wind_rows",
     "wind →",
-    "wind: cells that it blows to the right in the row of the cursor",
+    "wind: cells that it pushes you to the right in the row of the cursor",
     _WIND,
     whole=True,
     slide=Slide(-3, 3),

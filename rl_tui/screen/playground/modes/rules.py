@@ -27,14 +27,14 @@ from rl_tui.worlds.world import World
 RULES: Final[dict[str, dict[str, str]]] = {
     "grid": {
         "noise": "share of moves that slip, half of it to each side (0 to 1)",
-        "slippery": "as on Gymnasium's ice: each of three moves as likely (true or false)",
+        "slippery": "as on Gymnasium's ice: straight on and both sides equally likely (true or false)",
         "step_reward": "living reward: added to every step",
         "bump_reward": "added to steps that a wall or the edge stops",
         "time_limit": "steps until the time limit, 0 for none",
         "rewards": "entering or leaving: when a cell pays",
         "moves": "four, clockwise, king or king+stay",
-        "wind": "a number for each column: cells that it blows up",
-        "wind_rows": "a number for each row: cells that it blows to the right",
+        "wind": "a number for each column: cells that the wind pushes you up",
+        "wind_rows": "a number for each row: cells that the wind pushes you to the right",
         "gusts": "wind one stronger or weaker now and then (true or false)",
     },
     "mdp": {

@@ -22,7 +22,7 @@ def title(snapshot: Snapshot) -> tuple[str, ...]:
         found = f"no {first.location[-1]}" if first.found == _MISSING else first.found
         why = f"{found}, but {first.expected} is needed"
         return (
-            f"Not a world yet: {why} · learning goes on in the one before",
+            f"Not a world yet: {why} · the agent learns on in the previous world",
             f"Not a world yet: {why}",
             f"Not yet: {found}",
             f"unfinished: {place(first.location)}",
@@ -31,7 +31,7 @@ def title(snapshot: Snapshot) -> tuple[str, ...]:
     if editor.turned:
         notes.append(f"optimal action changed in {counted(len(editor.turned), 'state')}")
     if editor.endless:
-        notes.append(f"no end from {counted(len(editor.endless), 'state')}")
+        notes.append(f"no path to an end from {counted(len(editor.endless), 'state')}")
     together = " · ".join(notes)
     if not together:
         return "You draw the world", "You draw"

@@ -160,8 +160,8 @@ def _edited(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario:
     first = next(iter(settings))
     if scenario.section.drawn_from_seed:
         raise UserError(
-            f"{scenario.id}: {first} changes one world, but here each seed has another random world; "
-            f"vary how they are made, such as {_some_key(scenario.section)}"
+            f"{scenario.id}: {first} changes a fixed world, but here each seed draws its own world; "
+            f"vary how worlds are drawn, such as {_some_key(scenario.section)}"
         )
     edits = tuple(edit for name, value in settings.items() for edit in _read_edit(scenario, name, value))
     try:

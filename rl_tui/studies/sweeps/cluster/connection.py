@@ -259,7 +259,7 @@ def _check_scheduler(address: str, longest: float) -> None:
         found = asyncio.run(asyncio.wait_for(kind(), longest))
     except TypeError as error:  # there is no certificate
         raise UserError(
-            f"{address}: Dask has no certificate for this; name one in its settings distributed.comm.tls"
+            f"{address}: tls:// needs a certificate; name its files in the Dask settings distributed.comm.tls"
         ) from error
     except (OSError, TimeoutError) as error:
         raise UserError(

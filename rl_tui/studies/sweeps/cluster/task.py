@@ -107,7 +107,7 @@ def train(order: Order) -> TaskAnswer:
         if said := difference(versions_here(), order.versions):
             raise RefusedError(said)
         if order.kernels != _kernels():
-            raise RefusedError("has kernels of rl-tui whose sources are not those here")
+            raise RefusedError("has another version of the kernels of rl-tui")
         for part in order.parts:
             rows.append(_rows(_cell(part, order.modules), part.seeds, order.sweep, start + HAND_OVER_AFTER))
             if len(rows[-1]) < len(part.seeds) or time.monotonic() - start >= HAND_OVER_AFTER:
@@ -136,7 +136,7 @@ def _cell(part: OrderPart, modules: tuple[str, ...]) -> Cell:
         said = one_line(str(reason), _LONGEST_REASON)
         raise RefusedError(f"cannot build the world of {name}: {said}") from reason
     if content.digest != part.digest:
-        raise RefusedError(f"builds another world of {name}: another version of the environment?")
+        raise RefusedError(f"builds another world of {name}: is its version of the environment different?")
     return Cell(0, {}, replace(part.recipe, scenario=content.scenario), part.goal, content)
 
 
