@@ -28,8 +28,8 @@ from rl_tui.screen.draw.scale import (
 )
 from rl_tui.screen.panels.curve.area import area_of, area_styles
 from rl_tui.screen.panels.curve.curve import ReturnCurve
-from rl_tui.screen.panels.curve.data import MovingMean, curve_data, moving_mean
-from rl_tui.screen.panels.curve.seed_band import smoothed
+from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.moving_mean import MovingMean, moving_mean, window_of
 from rl_tui.screen.panels.curve.text import GREEDY, OPTIMAL
 
 # Axes
@@ -206,7 +206,8 @@ def test_a_moving_mean_is_that_of_the_last_episodes_or_of_as_many_as_there_are()
 
 def test_bins_hide_the_episodes_in_them_and_a_window_holds_a_bin_at_least() -> None:
     ends, mean = np.arange(1, 101) * 200, np.arange(100.0)
-    found = moving_mean(Curve(ends, mean, mean, mean, mean), mean, 20_000.0)
+    curve = Curve(ends, mean, mean, mean, mean)
+    found = moving_mean(ends, mean, window_of([curve], 20_000.0, is_compared=False))
     assert found.window == 200
     assert found.at(np.array([400.0])) == pytest.approx([1.0])
     assert found.at(np.array([500.0])) == pytest.approx([1.5])
@@ -274,12 +275,6 @@ def test_dots_become_braille() -> None:
     dots[0, 0] = dots[3, 1] = True
     dots[:, 2:] = True
     assert "".join(map(chr, braille.braille_codes(dots)[0])) == "⢁⣿"
-
-
-def test_smoothing_keeps_a_constant_and_few_values() -> None:
-    assert smoothed(np.full(500, 0.3)) == pytest.approx(0.3)
-    few = np.array([1.0, 0.0, 1.0])
-    assert smoothed(few) is few
 
 
 def test_the_greedy_line_lies_over_the_area() -> None:
