@@ -174,6 +174,18 @@ def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[st
     return {cell: (mark, style) for mark, style, cells in events for cell in cells if cell < track.cells}
 
 
+def event_notes(snapshot: Snapshot, look: Look, width: int) -> tuple[str, ...]:
+    """Return forms of the meaning of the marks on the row of this ``width``."""
+    if not snapshot.timeline.current.end:
+        return ()
+    state = TimelineState(snapshot, snapshot.timeline.current.here)
+    marks = {mark for mark, _style in _marks(state, track_of(snapshot, look, width), look).values()}
+    glyphs = look.glyphs
+    events = ((glyphs.policy_mark, "new greedy policy"), (glyphs.goal, "first reward"))
+    said = [f"{sign} {meaning}" for sign, meaning in events if sign in marks]
+    return (", ".join(said), said[0]) if said else ()
+
+
 _SETTINGS: Final = Setting | OrderSweep
 _CHANGES: Final[tuple[type | UnionType, ...]] = (TakeAction, _SETTINGS, WorldChange)
 

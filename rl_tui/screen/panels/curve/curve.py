@@ -64,6 +64,7 @@ from rl_tui.screen.panels.curve.text import (
     steps_note,
 )
 from rl_tui.screen.panels.policies.studied import policy_ink, studied_answer
+from rl_tui.screen.panels.timeline import event_notes
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
@@ -413,7 +414,10 @@ class ReturnCurve(Panel, can_focus=True):
             notes.insert(0, seed_remark(data.seeds, self.look))
         if is_calm and snapshot.program is None:
             notes.append(below_note(data, plot, glyphs, decimals))
-        notes = [each for each in (*notes, gap_note(data, plot)) if each]
+        notes.append(gap_note(data, plot))
+        if is_calm and self.is_explained:
+            notes.append(event_notes(snapshot, self.look, width))
+        notes = [each for each in notes if each]
         head = self.fitting(titles[1:] if notes and len(titles) > 2 else titles, width)
         for note in notes:
             head = self.fitting([f"{head} · {form}" for form in note], width) or head

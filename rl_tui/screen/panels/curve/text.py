@@ -56,6 +56,8 @@ NO_LINE_WITHOUT_END: Final = (
     f"gap in greedy: {MAY_NEVER_END}",
 )
 
+BELOW_AXIS: Final = "below the axis"
+
 NOTHING_YET: Final = {
     "sweep": ("no sweep has ended:", "space: run · e: sweep"),
     "pull": ("no arm was pulled:", "space: run · s: pull"),
@@ -219,10 +221,12 @@ def _is_seen(x: float, decimals: int) -> bool:
 
 
 def below_note(data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
-    """Return a note on how far the greedy line goes below the axis."""
-    greedy = data.lines[0]
-    if not data.furthest or not plot.below(greedy).any():
+    """Return a note on the marks of values below the axis, with how low the greedy line goes."""
+    if not data.furthest or not any(plot.below(line).any() for line in data.lines):
         return ()
+    greedy = data.lines[0]
+    if not plot.below(greedy).any():
+        return (f"{glyphs.off_axis[0]} {BELOW_AXIS}",)
     lowest = amount(float(np.nanmin(greedy.low)), decimals, glyphs)
     return (f"{glyphs.off_axis[0]} greedy down to {lowest}",)
 

@@ -23,6 +23,7 @@ from rl_tui.screen.panels.grid.marks import (
     SEVERAL,
     START,
     CellReward,
+    clear_lead,
     differing_style,
     mark_of,
     one_way_sign,
@@ -38,7 +39,6 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import paled
 from rl_tui.worlds.drawing import CellKind
 
-CLEAR_LEAD: Final = 0.15  # share of the range of V: a greedy action with this lead has full colour
 _LEADS: Final = 4
 _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
 _MOST_KEPT: Final = 20_000
@@ -133,7 +133,7 @@ class CellArtist:
         else:
             text = self._text(cell.value, number_form._replace(leading_zero=False))
             text = self.look.glyphs.no_room if "#" in text else text
-        clear = CLEAR_LEAD * (range_of_v.high - range_of_v.low)
+        clear = clear_lead(range_of_v)
         is_clear = not cell.lead < clear  # also true for NaN, the lead over a policy that may never end
         lead = _LEADS if is_clear else int(_LEADS * cell.lead / clear)
         return Face(cell.kind, cell.agent, text, cell.greedy, style, lead, *marks)
