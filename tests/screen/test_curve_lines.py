@@ -251,6 +251,13 @@ def test_decimation_keeps_every_extreme() -> None:
     assert at[1][3] >= inside[5:].max()
 
 
+def test_a_level_has_the_height_of_a_line_with_its_value() -> None:
+    plot = Plot(0, 6, 4, 10.0, Scale(-13.0, 7.0, 5.0))
+    for value in np.linspace(-13.0, 7.0, 41).tolist():
+        row = plot.braille_line(steps([0.0], [10.0], [value]))[plot.row(value)]
+        assert set(row.tolist()) == {plot.level_code(value)}
+
+
 def test_few_values_are_steps() -> None:
     low, high = braille.decimated(steps([0.0, 1.0], [1.0, 2.0], [5.0, 7.0]), 4.0, 8)
     assert high.tolist() == [5.0, 5.0, 7.0, 7.0, 7.0, -np.inf, -np.inf, -np.inf]

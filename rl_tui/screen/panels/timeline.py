@@ -120,8 +120,9 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
     calm = palette.press if in_past else palette.dim
     if track.start:
         number = timeline.current.name.split()[-1]
-        begins = f"b{number}" if len(timeline.branches) > 1 else "0"
-        canvas.put(max(0, track.start - 1 - len(begins)), 0, begins, calm)
+        begins = f"b{number}" if len(timeline.branches) > 1 else f"{state.unit} 0"
+        if len(begins) < track.start:  # a mere 0 would seem to belong to the axis above
+            canvas.put(track.start - 1 - len(begins), 0, begins, calm)
     gap = label_gap(columns.labels)
     label = next((each for each in _labels(state, track) if len(each) <= columns.labels - gap), "")
     canvas.put(width - columns.labels + gap, 0, label, palette.focus if state.focused else calm)

@@ -218,7 +218,9 @@ def _put_behind(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData, lo
         row, along = _level(plot, data, data.optimum)
         free = np.flatnonzero(kind[row] == _NOTHING)
         free = free[(free >= along.start) & (free < along.stop) & (free % 2 == 0)]
-        codes[row, free], kind[row, free] = ord(look.glyphs.dashes), _OPTIMUM
+        # in dots like the greedy line, so that equal values have equal heights
+        sign = plot.level_code(data.optimum) if look.glyphs.braille else ord(look.glyphs.dashes)
+        codes[row, free], kind[row, free] = sign, _OPTIMUM
     changes = {min(plot.column(each.episodes), plot.columns - 1) for each in data.world_changes}
     if len(changes) * _CHANGES_APART <= plot.columns:
         for column in changes:
