@@ -92,10 +92,10 @@ def test_charts_fill_the_room_that_columns_leave_else_a_line_of_their_own() -> N
     charts = {place: Bar(value, axis_of(values), STYLE) for place, value in enumerate(values)}
     assert drawn(Table([columns], charts=charts, least_chart=7), 21) == [
         "                 mean",
-        " first      │██    .5",
+        " first      │█▌    .5",
         " second ████│   −1.25",
     ]
-    assert drawn(Table([columns], charts=charts), 16)[1:3] == [" first     .5", "          │███ "]
+    assert drawn(Table([columns], charts=charts), 16)[1:3] == [" first     .5", "          │███▌"]
 
 
 def test_a_bar_far_beyond_the_others_is_cut() -> None:

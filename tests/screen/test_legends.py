@@ -246,3 +246,13 @@ def test_the_heading_of_the_curve_explains_marks_below_it_and_on_the_timeline() 
         assert ("┃ new greedy policy" in panel.heading) is is_told
     low = lake(curve=curve(40, -90.0, 0.5, 300))
     assert f"▾ {BELOW_AXIS}" in explained(ReturnCurve(look()), low, 120, 9).heading
+
+
+def test_a_differing_cell_has_one_neutral_mark_in_map_and_legend() -> None:
+    view, palette = GridView(lake().world, look()), look().palette
+    view.differing = frozenset({0})
+    explained(view, lake(), 60, 22)
+    drawn = next(segment for strip in view._rows for segment in strip if "◤" in segment.text)
+    assert view.legend(lake())[0] == LegendSign("◤", "differs", palette.text)
+    assert drawn.style is not None
+    assert drawn.style.color == palette.text.color != palette.you.color

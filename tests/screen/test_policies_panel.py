@@ -16,10 +16,9 @@ from textual.pilot import Pilot
 from rl_tui.agents.exact.policy_figures import greedy_policy, softened, uniform_policy
 from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_kind import PLANS, PolicyKind
 from rl_tui.runs.answers.policy_values import (
     NO_CHANCES,
-    PLANS,
     WHILE_RUNNING,
     DrawnPolicy,
     PolicyAnswer,
@@ -179,9 +178,7 @@ def test_cells_without_a_value_are_explained_in_the_panel() -> None:
     values = known.v.copy()
     values[0] = np.nan
     lost = replace(known, v=values)
-    assert f"– or {policies.NEVER_FROM_THERE}" in said(
-        studied(lake(), PolicyKind.GREEDY, greedy=lost)
-    )
+    assert f"– or {policies.NEVER_FROM_THERE}" in said(studied(lake(), PolicyKind.GREEDY, greedy=lost))
 
 
 def test_why_there_is_none_is_said_once() -> None:

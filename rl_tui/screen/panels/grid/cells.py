@@ -377,7 +377,7 @@ class _Cell:
             self._put_mark(max(0, before))
         is_free = face.differs and self.canvas.is_blank(0, 0, 1) and start > 0
         if is_free:
-            self.canvas.put(0, 0, self.glyphs.differs, self.look.palette.you)
+            self.canvas.put(0, 0, self.glyphs.differs, self.look.palette.text)
         ink = paled(self.ink, 0.3) if is_dot else self._sign_ink
         self.canvas.put(start, 0, letters, differing_style(ink) if face.differs and not is_free else ink)
 
@@ -454,7 +454,7 @@ class _Cell:
         last, bottom = self.form.inner - 1, self.form.height - 1
         for place in ((left, 0), (last, 0), (0, bottom), (last, bottom)):
             if self.canvas.is_blank(*place, 1):
-                self.canvas.put(*place, self.glyphs.differs, self.look.palette.you)
+                self.canvas.put(*place, self.glyphs.differs, self.look.palette.text)
                 return
 
     def _put_agent(self) -> None:

@@ -170,7 +170,7 @@ class Scene:
         """Return the mark after a state: difference or edit."""
         look = self.look
         if state in self.differing:
-            return Segment(look.glyphs.differs, look.palette.you)
+            return Segment(look.glyphs.differs, look.palette.text)
         return next((Segment(*mark) for mark in marks_of(self.editor, state).signs(look)), None)
 
 
