@@ -94,6 +94,7 @@ class Grid:
         axes: Labels of rows and columns, if they are numbers.
         body: Body that these numbers belong to, if known.
         walls: Cells with a wall between them and their neighbour at the right.
+        name_parts: Meaning of the parts of a state's name, in forms from long to short. Empty if unknown.
     """
 
     rows: int
@@ -107,6 +108,7 @@ class Grid:
     axes: Axes | None = None
     body: Body | None = None
     walls: tuple[int, ...] = ()
+    name_parts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,7 +35,7 @@ def lane_views(count: int) -> tuple[LaneView, ...]:
             episodes=episodes,
             q=q * (1.0 - 0.1 * number),
             results=RunResults(
-                curve=curve(40, 0.0, high, episodes // 40),
+                curve=curve(400, 0.0, high, episodes // 400),
                 marks=marks(30, 0.0, greedy, episodes),
                 return_last_100=high,
                 greedy_return=greedy,

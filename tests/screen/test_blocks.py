@@ -92,16 +92,17 @@ def test_charts_fill_the_room_that_columns_leave_else_a_line_of_their_own() -> N
     charts = {place: Bar(value, axis_of(values), STYLE) for place, value in enumerate(values)}
     assert drawn(Table([columns], charts=charts, least_chart=7), 21) == [
         "                 mean",
-        " first       ██    .5",
-        " second █████   −1.25",
+        " first      │█▌    .5",
+        " second ████│   −1.25",
     ]
-    assert drawn(Table([columns], charts=charts), 16)[1:3] == [" first     .5", "           ████"]
+    assert drawn(Table([columns], charts=charts), 16)[1:3] == [" first     .5", "          │███▌"]
 
 
 def test_a_bar_far_beyond_the_others_is_cut() -> None:
     axis = axis_of([-1_000.0, -10.0, -5.0])
-    bars = [Bar(value, axis, STYLE).lines(6, look())[0][0].text for value in (-1_000.0, -10.0, -5.0, 0.0)]
-    assert bars == ["‹█████", "  ████", "    ██", "     │"]
+    bars = [Bar(value, axis, STYLE).lines(7, look())[0] for value in (-1_000.0, -10.0, -5.0, 0.0)]
+    texts = ["".join(piece.text for piece in bar) for bar in bars]
+    assert texts == ["‹█████│", "  ████│", "    ██│", "      │"]
 
 
 def test_seeds_are_marked_above_their_mean_and_its_error() -> None:

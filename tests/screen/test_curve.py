@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from drawn_curves import NARROW, NO_MARKS, drawn, flat
 from lane_samples import lane_views
-from samples import answered, bandit, lake, look, planning, stepped_lake, student
+from samples import answered, bandit, curve, lake, look, planning, stepped_lake, student
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -139,10 +139,13 @@ def test_before_the_first_episode_there_is_no_line() -> None:
 
 
 def test_a_small_return_far_from_a_negative_optimum_is_not_learned() -> None:
-    far = student(expected_return=-12.0, greedy_return=-17.0, return_last_100=-40.0)
-    near = student(expected_return=-12.0, greedy_return=-15.0, return_last_100=-40.0)
+    level = curve(40, -40.0, -40.0, 24)
+    far = student(expected_return=-12.0, greedy_return=-17.0, curve=level)
+    near = student(expected_return=-12.0, greedy_return=-15.0, curve=level)
     assert "gap" not in drawn(far, (100, 9))[1].heading
-    assert "gap: 25" in drawn(near, (100, 9))[1].heading
+    text, widget = drawn(near, (100, 9))
+    assert "gap: 25" in widget.heading
+    assert label(text, words.AGENT) == "−40", "the gap is that between the two labels"
 
 
 def test_at_full_speed_the_heading_has_no_numbers_that_change() -> None:

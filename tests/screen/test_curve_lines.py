@@ -28,8 +28,8 @@ from rl_tui.screen.draw.scale import (
 )
 from rl_tui.screen.panels.curve.area import area_of, area_styles
 from rl_tui.screen.panels.curve.curve import ReturnCurve
-from rl_tui.screen.panels.curve.data import MovingMean, curve_data, moving_mean
-from rl_tui.screen.panels.curve.seed_band import smoothed
+from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.moving_mean import MovingMean, moving_mean, window_of
 from rl_tui.screen.panels.curve.text import GREEDY, OPTIMAL
 
 # Axes
@@ -206,7 +206,8 @@ def test_a_moving_mean_is_that_of_the_last_episodes_or_of_as_many_as_there_are()
 
 def test_bins_hide_the_episodes_in_them_and_a_window_holds_a_bin_at_least() -> None:
     ends, mean = np.arange(1, 101) * 200, np.arange(100.0)
-    found = moving_mean(Curve(ends, mean, mean, mean, mean), mean, 20_000.0)
+    curve = Curve(ends, mean, mean, mean, mean)
+    found = moving_mean(ends, mean, window_of([curve], 20_000.0, is_compared=False))
     assert found.window == 200
     assert found.at(np.array([400.0])) == pytest.approx([1.0])
     assert found.at(np.array([500.0])) == pytest.approx([1.5])
@@ -250,6 +251,13 @@ def test_decimation_keeps_every_extreme() -> None:
     assert at[1][3] >= inside[5:].max()
 
 
+def test_a_level_has_the_height_of_a_line_with_its_value() -> None:
+    plot = Plot(0, 6, 4, 10.0, Scale(-13.0, 7.0, 5.0))
+    for value in np.linspace(-13.0, 7.0, 41).tolist():
+        row = plot.braille_line(steps([0.0], [10.0], [value]))[plot.row(value)]
+        assert set(row.tolist()) == {plot.level_code(value)}
+
+
 def test_few_values_are_steps() -> None:
     low, high = braille.decimated(steps([0.0, 1.0], [1.0, 2.0], [5.0, 7.0]), 4.0, 8)
     assert high.tolist() == [5.0, 5.0, 7.0, 7.0, 7.0, -np.inf, -np.inf, -np.inf]
@@ -274,12 +282,6 @@ def test_dots_become_braille() -> None:
     dots[0, 0] = dots[3, 1] = True
     dots[:, 2:] = True
     assert "".join(map(chr, braille.braille_codes(dots)[0])) == "⢁⣿"
-
-
-def test_smoothing_keeps_a_constant_and_few_values() -> None:
-    assert smoothed(np.full(500, 0.3)) == pytest.approx(0.3)
-    few = np.array([1.0, 0.0, 1.0])
-    assert smoothed(few) is few
 
 
 def test_the_greedy_line_lies_over_the_area() -> None:

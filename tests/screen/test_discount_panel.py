@@ -350,7 +350,10 @@ async def test_while_the_answer_is_hidden_nothing_is_shown_and_a_planner_has_fli
         assert HIDDEN in screen_text(pilot.app)
         assert "earns" not in screen_text(pilot.app)
         assert UNICODE.flip not in screen_text(pilot.app)
+        panel = pilot.app.screen.query_one(DiscountPanel)
+        assert panel.size.height < 5, "a sentence needs no more"
         await press(pilot, "w", "h")
+        assert panel.size.height > 10
         assert "earns 0 below, 7.5 above" in screen_text(pilot.app)
         assert UNICODE.flip in screen_text(pilot.app)
         await press(pilot, "t", "g")

@@ -62,6 +62,23 @@ def test_every_run_has_a_label_with_its_mean() -> None:
     assert "mean of the last 1 of one seed" in widget.heading
 
 
+@pytest.mark.parametrize("every", [1, 250])
+def test_a_line_ends_at_its_label_which_is_the_mean_of_the_heading(every: int) -> None:
+    ends = np.arange(1, 301) * every
+    returns = np.where(np.arange(300) < 260, 0.0, 0.9)
+    long = Curve(ends, returns, returns, returns, returns)
+    last = returns[-1] if every > 100 else returns[-100:].mean()
+    lanes = tuple(
+        changed(lane, curve=long, episodes=300 * every, return_last_100=float(last)) for lane in lane_views(2)
+    )
+    snapshot = changed(side_by_side(2), lanes=lanes, curve=long, episodes=300 * every)
+    for lane in curve_data(answered(snapshot)).lanes:
+        assert lane.value == pytest.approx(last)
+        assert lane.line.high[-1] == pytest.approx(last)
+    said = f"mean of the last {max(100, every)} of one seed"
+    assert said in drawn(snapshot, (140, 14))[1].heading
+
+
 def test_where_there_is_room_the_others_tell_their_greedy_return_too() -> None:
     text = "\n".join(drawn(side_by_side(3), BROAD)[0])
     assert "α 0.5: .32, greedy .60" in text

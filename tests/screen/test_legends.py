@@ -5,28 +5,37 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import MakeApp
 from drawn_grids import paying
+from rich.segment import Segment
 from rich.style import Style
-from samples import bandit, lake, look, student
+from samples import bandit, curve, lake, look, student
 from seams import app_at, on_screen, playground, press, train
+from snapshots import changed
 from textual.geometry import Size
+from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.library import recipe_for
+from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.draw.names import landmark
 from rl_tui.screen.kit.panel import LegendSign, Panel, legend_text
 from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, TABLE, WORLD
 from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.panels.curve.curve import ReturnCurve
+from rl_tui.screen.panels.curve.text import BELOW_AXIS
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.q_table.sheet import rare_signs
 from rl_tui.screen.panels.world.scale_line import ALL_ZERO
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.mdp.space import FloatArray
 
 CAPTIONS = {row.id: row.caption for row in PANELS}
 
@@ -118,9 +127,37 @@ def test_an_end_whose_name_is_a_word_is_called_so() -> None:
     assert [landmark(cards, each) for each in (hole, goal)] == ["", ""]
 
 
+def with_q(q: FloatArray) -> Snapshot:
+    return lake(q=q, visits=np.zeros(44, dtype=np.int64))
+
+
+def tied(shown: Snapshot) -> Snapshot:
+    """``shown`` with two of four actions equal in its first state."""
+    q = shown.agent.q.copy()
+    q[:4] = 0.5, 0.5, 0.0, 0.0
+    return changed(shown, q=q)
+
+
 def test_ties_have_a_sign_where_arrows_have_no_room() -> None:
-    assert "* tie" in legend(explained(GridView(lake().world, look()), lake(), 24, 4))
-    assert "* tie" not in legend(explained(GridView(lake().world, look()), lake(), 60, 12))
+    assert "* tie" in legend(explained(GridView(lake().world, look()), tied(lake()), 24, 4))
+    assert "* tie" not in legend(explained(GridView(lake().world, look()), tied(lake()), 60, 12))
+    assert "* tie" not in legend(explained(GridView(lake().world, look()), lake(), 24, 4))
+
+
+def test_arrows_are_explained_as_pale_or_plain_or_not_where_there_is_none() -> None:
+    def map_of(shown: Snapshot) -> GridView:
+        return GridView(shown.world, look())
+
+    one = np.zeros(44)
+    one[4] = 1.0
+    close = one.copy()
+    close[5] = 0.99
+    said = [
+        "".join(legend(explained(map_of(shown), shown, 60, 12)))
+        for shown in map(with_q, (one * 0, one, close))
+    ]
+    assert ["pale" in each for each in said] == [False, False, True]
+    assert ["▲ greedy" in each for each in said] == [False, True, False]
 
 
 def test_no_tint_is_explained_where_there_are_no_colours() -> None:
@@ -131,7 +168,7 @@ def test_no_tint_is_explained_where_there_are_no_colours() -> None:
 
 
 def test_rewards_and_ties_have_signs_of_their_own() -> None:
-    shown = paying()
+    shown = tied(paying())
     small = explained(GridView(shown.world, look()), shown, 25, 2)
     assert legend(small)[:2] == ["+− reward", "* tie"]
     ascii_only = explained(GridView(shown.world, look(ascii=True)), shown, 25, 2)
@@ -190,3 +227,32 @@ async def test_where_nothing_can_be_kept_nothing_is_remembered(tmp_path: Path) -
     async with on_screen(app) as pilot:
         await press(pilot, "m", "l")
         assert not playground(pilot).board.legends.is_on
+
+
+@pytest.mark.parametrize("in_ascii", [False, True])
+def test_almost_zero_is_explained_in_a_table_that_has_it(in_ascii: bool) -> None:
+    above, below = ("0+", "0-") if in_ascii else ("0⁺", "0⁻")
+    signs = rare_signs([Strip([Segment(f" 1.0 {above}")])], look(in_ascii))
+    assert [(each.sign, each.meaning) for each in signs] == [(above, "just above 0")]
+    assert not rare_signs([Strip([Segment(" 1.0 <.01 ")])], look(in_ascii))
+    assert [each.sign for each in rare_signs([Strip([Segment(f"‹9 {below}")])], look())][-1] == "‹"
+
+
+def test_the_heading_of_the_curve_explains_marks_below_it_and_on_the_timeline() -> None:
+    timeline = Timeline((Branch("branch 1", end=150_000, here=150_000),))
+    shown = lake(curve=curve(40, 0.0, 0.5, 300), timeline=timeline)
+    for snapshot, is_told in ((shown, True), (lake(0), False)):
+        panel = explained(ReturnCurve(look()), snapshot, 120, 9)
+        assert ("┃ new greedy policy" in panel.heading) is is_told
+    low = lake(curve=curve(40, -90.0, 0.5, 300))
+    assert f"▾ {BELOW_AXIS}" in explained(ReturnCurve(look()), low, 120, 9).heading
+
+
+def test_a_differing_cell_has_one_neutral_mark_in_map_and_legend() -> None:
+    view, palette = GridView(lake().world, look()), look().palette
+    view.differing = frozenset({0})
+    explained(view, lake(), 60, 22)
+    drawn = next(segment for strip in view._rows for segment in strip if "◤" in segment.text)
+    assert view.legend(lake())[0] == LegendSign("◤", "differs", palette.text)
+    assert drawn.style is not None
+    assert drawn.style.color == palette.text.color != palette.you.color

@@ -17,7 +17,7 @@ from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale
 from rl_tui.screen.panels.curve.area import band_cells, band_styles, middle_half, pixel_styles
 from rl_tui.screen.panels.curve.curve import ReturnCurve
-from rl_tui.screen.panels.curve.data import moving_mean
+from rl_tui.screen.panels.curve.moving_mean import moving_mean, window_of
 from rl_tui.screen.panels.curve.text import MEAN_AND_BAND
 
 SIZE = (90, 9)
@@ -103,7 +103,8 @@ def test_in_a_run_it_comes_and_goes_with_an_axis_only() -> None:
 def test_quartiles_are_those_of_the_window_as_far_as_single_returns_are_kept(count: int) -> None:
     returns = np.random.default_rng(1).normal(size=count)
     curve = of(returns).results.curve
-    mean = moving_mean(curve, curve.return_mean, float(count))
+    window = window_of([curve], float(count), is_compared=False)
+    mean = moving_mean(curve.episode, curve.return_mean, window)
     plot = Plot(0, 20, 9, float(count), Scale(-1.0, 1.0, 1.0))
     found = middle_half(plot, curve, mean)
     every = curve.sample_every
@@ -119,7 +120,8 @@ def test_quartiles_are_those_of_the_window_as_far_as_single_returns_are_kept(cou
 def test_no_pixel_of_the_page_is_below_mean_or_band() -> None:
     shown = of(spread(3.0, 300))
     curve = shown.results.curve
-    mean = moving_mean(curve, curve.return_mean, 300.0)
+    window = window_of([curve], 300.0, is_compared=False)
+    mean = moving_mean(curve.episode, curve.return_mean, window)
     plot = Plot(0, 50, 9, 300.0, Scale(-1.0, 10.0, 1.0))
     codes, kinds = band_cells(plot, middle_half(plot, curve, mean), mean)
     pixels = np.stack((kinds // 4, kinds % 4), axis=1).reshape(18, 50)

@@ -170,6 +170,17 @@ def test_bars_show_the_returns_on_one_scale() -> None:
     assert "█" not in drawn(changed(shown, is_hidden=True), 70, 36).split("optimal")[1].splitlines()[0]
 
 
+def test_cells_without_a_value_are_explained_in_the_panel() -> None:
+    shown = studied(lake(), PolicyKind.GREEDY)
+    assert policies.NEVER_FROM_THERE not in said(shown)
+    known = shown.answers.policies[PolicyKind.GREEDY]
+    assert known.v is not None
+    values = known.v.copy()
+    values[0] = np.nan
+    lost = replace(known, v=values)
+    assert f"– or {policies.NEVER_FROM_THERE}" in said(studied(lake(), PolicyKind.GREEDY, greedy=lost))
+
+
 def test_why_there_is_none_is_said_once() -> None:
     text = said(studied(lake(), behaviour=PolicyAnswer(refused=NO_CHANCES)))
     assert f"agent: {NO_CHANCES}" in text

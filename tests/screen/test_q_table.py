@@ -7,15 +7,19 @@ import numpy as np
 import pytest
 from drawn_tables import PALETTE, Drawn, fresh, lake_of
 from rich.segment import Segment
-from samples import bandit, big_lake, lake, snapshot, student
-from snapshots import changed
+from samples import bandit, big_lake, lake, look, snapshot, student
+from snapshots import changed, snapshot_of
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.run import Run
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.panels.q_table.layers import Figures
+from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.q_table.sheet import COMPUTING, FOLLOW_HINT
 from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World
 
@@ -259,3 +263,19 @@ def test_the_footing_names_the_layers_and_frames_the_one_in_force() -> None:
     assert drawn.table.footing == "v: Q ▌Q*▐ Q−Q*  visits"
     assert Drawn(student(), 14, 10, Layer.VISITS).table.footing == "v: visits"
     assert Drawn(changed(bandit(), phase=Phase.PAUSED), 30, 12).table.footing == "v:▌Q▐ visits"
+
+
+@pytest.mark.parametrize(
+    ("scenario", "width", "head"),
+    [
+        ("cartpole", 60, "ang, vel"),
+        ("cartpole", 38, "ang, vel"),
+        ("taxi", 38, "r,c p→d"),
+        ("frozenlake", 60, ""),
+    ],
+)
+def test_the_parts_of_state_names_have_a_heading(scenario: str, width: int, head: str) -> None:
+    snapshot = snapshot_of(Run(recipe_for(find(scenario), {}, 0), evaluate=False))
+    row = QTable(look()).picture(snapshot, width, 12)[0].text
+    assert row[1:].startswith(head)
+    assert row[1 + len(head) :].startswith("  ")

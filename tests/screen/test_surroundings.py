@@ -289,3 +289,24 @@ def test_parts_between_walls_have_their_titles_there() -> None:
     strip = view.picture(snapshot, len(rows[0]), len(rows))[y]
     assert style_at(strip, rows[y].index(name)) == look().palette.strong
     assert sum(look().palette.strong == segment.style for segment in strip) == 1
+
+
+@pytest.mark.parametrize("size", [(60, 18), (80, 24)])
+def test_the_first_row_in_view_has_the_titles_of_its_own_part(size: tuple[int, int]) -> None:
+    run = Run(recipe_for(find("taxi"), {}, 0), evaluate=False)
+    run.advance(50)
+    snapshot = snapshot_of(run)
+    view, rows = drawn(snapshot, size)
+    width, height, seen = len(rows[0]), len(rows), set()
+    view.pan(-100, 0)
+    for _row in range(17):
+        head = view.picture(snapshot, width, height)[0].text
+        titles = re.split("  +", head.strip()) if head.strip() else []
+        places = [view.place_at(x, 1) for x in range(width)]
+        names = " ".join(view.name_at(place) for place in places if place is not None)
+        rides = dict.fromkeys(re.findall("(?:in|[RGYB])→[RGYB]", names))
+        full = [f"{'in taxi' if ride[0] == 'i' else f'at {ride[0]}'}, to {ride[-1]}" for ride in rides]
+        assert titles in (full, list(rides))
+        seen.update(rides)
+        view.pan(1, 0)
+    assert {"R→B", "G→B", "Y→B"} <= seen

@@ -93,15 +93,15 @@ def mark_at(snapshot: Snapshot, step: int, width: int = 62) -> str:
 
 def test_the_present_is_a_full_line_with_the_handle_at_its_end() -> None:
     text = drawn(at(10_000))
-    assert text.startswith("   0 ━━━━")
+    assert text.startswith("ep 0 ━━━━")
     assert text.rstrip().endswith("━●  ep 201")
     assert "─" not in text
 
 
 def test_the_past_tells_where_one_is_and_how_far_it_goes() -> None:
-    assert drawn(at(2_500)).startswith("   0 ━━━━━━━━━━●──────")
+    assert drawn(at(2_500)).startswith("ep 0 ━━━━━━━━━━●──────")
     assert drawn(at(2_500)).rstrip().endswith("─  ep 51/200")
-    assert drawn(at(0)).startswith("   0 ●───")
+    assert drawn(at(0)).startswith("ep 0 ●───")
 
 
 def test_of_several_branches_it_names_the_present_one_and_where_it_began() -> None:
@@ -224,9 +224,9 @@ def test_the_present_is_calm_and_the_past_stands_out() -> None:
 
 def test_the_focus_shows() -> None:
     palette = look().palette
-    for snapshot in (at(10_000), at(2_500)):
+    for snapshot, label in ((at(10_000), "ep 201"), (at(2_500), "ep 51")):
         assert styles(snapshot, "●", focused=True) == {palette.focus}
-        assert styles(snapshot, "ep", focused=True) == {palette.focus}
+        assert styles(snapshot, label, focused=True) == {palette.focus}
 
 
 # Episodes, steps and cells
@@ -387,7 +387,7 @@ async def test_the_handle_is_at_once_where_it_is_sent_and_stays_until_it_is_let_
     app = Bench(at(10_000))
     async with app.run_test(size=(80, 10)) as pilot:
         await pilot.press("home")
-        assert app.text.startswith("   0 ●─")
+        assert app.text.startswith("ep 0 ●─")
         app.bar.show(at(10_000))
         assert app.bar.at == 0
         app.bar.sought = None

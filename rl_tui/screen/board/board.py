@@ -44,7 +44,7 @@ from rl_tui.screen.kit.row import (
     PanelRow,
     beside,
 )
-from rl_tui.screen.kit.snapshot_facts import as_learned
+from rl_tui.screen.kit.snapshot_facts import as_learned, is_secret
 from rl_tui.screen.panels.caption import CaptionLine
 from rl_tui.screen.panels.controls.controls import Controls
 from rl_tui.screen.panels.controls.slider import Slider
@@ -223,6 +223,7 @@ class Board(Container):
             is_fresh=not snapshot.timeline.current.end,
             drawing=snapshot.world.drawing,
             table_rows=self.table.rows_of(snapshot),
+            hides_exact=is_secret(snapshot),
             actions=int(np.diff(snapshot.world.space.first_pair).max(initial=1)),
         )
         if self._pair.twins:

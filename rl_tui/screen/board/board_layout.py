@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Final
 
 from textual.geometry import NULL_OFFSET, NULL_SPACING, Region, Size
 from textual.layout import ArrangeResult, Layout, WidgetPlacement
@@ -11,9 +12,11 @@ from textual.widget import Widget
 
 from rl_tui.screen.frame.arrange import arrange
 from rl_tui.screen.frame.shape import WORLDS, Arrangement, Shape, docks_lesson
-from rl_tui.screen.kit.row import LESSON, WORLD, PanelRow, beside
+from rl_tui.screen.kit.row import DISCOUNT, LESSON, WORLD, PanelRow, beside
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
+
+_SENTENCE_ROWS: Final = 4  # of a panel with one sentence, between heading and keys
 
 
 class BoardLayout(Layout):
@@ -68,6 +71,8 @@ class BoardLayout(Layout):
 
     def _place(self, size: Size, shape: Shape, zoomed: str | None) -> Arrangement:
         wide_rows = 0 if self.opened is None else self._rows[self.opened].wide_rows
+        if self.opened == DISCOUNT and shape.hides_exact:
+            wide_rows = _SENTENCE_ROWS
         shape = replace(shape, shown=self.in_view(size))
         return arrange(size, shape, self.opened, zoomed=zoomed, wide_rows=wide_rows)
 

@@ -11,6 +11,8 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 DOTS_ACROSS: Final = 2
 DOTS_DOWN: Final = 4
 BLANK: Final = 0x2800
+LEVELS: Final = tuple(map(ord, "⠉⠒⠤⣀"))
+"""Level lines, highest first."""
 _TURN: Final = 2  # columns in which one of several lines in the same cells is seen
 # Bits of the dots in the Unicode block "Braille Patterns", [row in the cell][column in the cell]
 _BITS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], dtype=np.uint8)

@@ -41,9 +41,16 @@ class Plot(NamedTuple):
 
     def row(self, value: float) -> int:
         """Return the row of ``value``, within the chart."""
+        return self._dot(value) // braille.DOTS_DOWN
+
+    def level_code(self, value: float) -> int:
+        """Return the code point of a level line through the cells of ``value``."""
+        return braille.LEVELS[self._dot(value) % braille.DOTS_DOWN]
+
+    def _dot(self, value: float) -> int:
         last = self.rows * braille.DOTS_DOWN - 1
         dot = round((self.top - max(value, self.scale.low)) / (self.top - self.scale.low) * last)
-        return min(max(dot, 0), last) // braille.DOTS_DOWN
+        return min(max(dot, 0), last)
 
     def braille_line(self, line: Steps) -> IntArray:
         """Return the code points of ``line``, [rows, columns]."""

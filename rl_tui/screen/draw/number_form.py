@@ -16,6 +16,8 @@ from rl_tui.screen.draw.precision import leading_zeros
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
+TINY: Final = ("0⁻", "0⁺"), ("0-", "0+")
+"""Almost zero, negative and positive, then in ASCII."""
 _BULK: Final = 0.8  # share of the numbers whose decimals must fit; others are shortened
 _AT_EASE: Final = 1.1  # a form gets finer only if numbers larger by this factor fit too
 _BULK_AT_EASE: Final = 0.9  # and if this share of them fits
@@ -78,8 +80,7 @@ class NumberForm(NamedTuple):
         if self.marks_by_bound:
             least = _least(self.shown_decimals, glyphs)
             return f">{glyphs.minus}{least}" if x < 0.0 else f"<{least}"
-        signs = ("0-", "0+") if glyphs is ASCII else ("0⁻", "0⁺")
-        return signs[x > 0.0]
+        return TINY[glyphs is ASCII][x > 0.0]
 
 
 class SteadyForms:

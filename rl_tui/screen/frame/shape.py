@@ -43,7 +43,7 @@ class Shape:
     ``actions`` is the largest number of actions of a state. ``lanes`` asks for two runs side by side.
     ``reads`` gives the screen to the lesson page if there is no space for both. ``spotlight`` is the panel
     that the page points at. ``is_fresh``: no step was taken. ``shown`` are the ids of the panels in view,
-    None for all.
+    None for all. ``hides_exact``: exact values are hidden.
     """
 
     drawing: Drawing | None = None
@@ -57,6 +57,7 @@ class Shape:
     is_fresh: bool = False
     is_drawn: bool = False
     shown: frozenset[str] | None = None
+    hides_exact: bool = False
 
     @property
     def settings(self) -> str:

@@ -16,26 +16,31 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A bar from 0 to ``value`` on an ``axis`` that contains 0."""
+    """A bar from a marked 0 to ``value`` on an ``axis`` that contains 0."""
 
     value: float
     axis: tuple[float, float]
     style: Style
-    rows: int = 1
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
         """Return the bar across the full width."""
         glyphs, (low, high) = look.glyphs, self.axis
-        per_cell, is_left = width / (high - low), self.value < 0.0 or high <= 0.0
+        per_cell, is_left = (width - 1) / (high - low), self.value < 0.0
         zero = round(-low * per_cell)
-        room = zero if is_left else width - zero
+        room = zero if is_left else width - 1 - zero
         halves = max(int(self.value != 0.0), round(2.0 * abs(self.value) * per_cell))
         cells, half = divmod(min(2 * room, halves), 2)
-        bar = glyphs.bar * cells + glyphs.half_bar[is_left] * half or glyphs.axis_vertical
-        if not low <= self.value <= high:
+        bar = glyphs.bar * cells + glyphs.half_bar[is_left] * half
+        if bar and not low <= self.value <= high:
             bar = bar[:-1] + glyphs.beyond[not is_left]
-        text = f"{bar[::-1]:>{zero}}" if is_left else f"{'':{zero}}{bar}"
-        return [[Piece(f"{text:{width}}", self.style)]] * self.rows
+        left, right = (bar[::-1], "") if is_left else ("", bar)
+        return [
+            [
+                Piece(f"{left:>{zero}}", self.style),
+                Piece(glyphs.axis_vertical, look.palette.dim),
+                Piece(f"{right:{width - 1 - zero}}", self.style),
+            ]
+        ]
 
 
 _OUTLIER: Final = 8.0  # times the next smaller value

@@ -114,9 +114,9 @@ def episodes_reached(snapshot: Snapshot) -> tuple[int, ...]:
     return tuple(lane.episodes for lane in snapshot.run_group.lanes) or (snapshot.counters.episodes,)
 
 
-def recent_name(*episodes: int) -> str:
-    """Return the name of a mean: ``last 48``, ``last 27–35``."""
-    counts = sorted({min(each, RECENT) for each in episodes if each}) or [RECENT]
+def recent_name(*episodes: int, most: int = RECENT) -> str:
+    """Return the name of a mean of at most ``most``: ``last 48``, ``last 27–35``."""
+    counts = sorted({min(each, most) for each in episodes if each}) or [most]
     return f"last {'–'.join(map(str, dict.fromkeys((counts[0], counts[-1]))))}"
 
 

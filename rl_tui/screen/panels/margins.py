@@ -177,9 +177,11 @@ def _heads(
 def _put_titles(
     canvas: Canvas, axes: Axes, part: LabelledPart, start: int, own: Title | None, look: Look
 ) -> None:
-    for title in axes.titles:
+    """Draw the titles of the first visible row, unless that row has titles itself."""
+    nearest = max((title.row for title in axes.titles if title.row <= part.top), default=part.top)
+    for title in axes.titles if nearest < part.top else ():
         text, x = _placed(title, part, look)
-        if title.row < 0 and x >= 0 and start + x + len(text) <= canvas.width:
+        if title.row == nearest and x >= 0 and start + x + len(text) <= canvas.width:
             canvas.put(start + x, 0, text, look.palette.strong if title is own else look.palette.dim)
 
 

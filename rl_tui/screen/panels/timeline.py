@@ -120,8 +120,9 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
     calm = palette.press if in_past else palette.dim
     if track.start:
         number = timeline.current.name.split()[-1]
-        begins = f"b{number}" if len(timeline.branches) > 1 else "0"
-        canvas.put(max(0, track.start - 1 - len(begins)), 0, begins, calm)
+        begins = f"b{number}" if len(timeline.branches) > 1 else f"{state.unit} 0"
+        if len(begins) < track.start:  # a mere 0 would seem to belong to the axis above
+            canvas.put(track.start - 1 - len(begins), 0, begins, calm)
     gap = label_gap(columns.labels)
     label = next((each for each in _labels(state, track) if len(each) <= columns.labels - gap), "")
     canvas.put(width - columns.labels + gap, 0, label, palette.focus if state.focused else calm)
@@ -172,6 +173,18 @@ def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[st
         (glyphs.world_mark, palette.strong, changed[WorldChange]),
     )
     return {cell: (mark, style) for mark, style, cells in events for cell in cells if cell < track.cells}
+
+
+def event_notes(snapshot: Snapshot, look: Look, width: int) -> tuple[str, ...]:
+    """Return forms of the meaning of the marks on the row of this ``width``."""
+    if not snapshot.timeline.current.end:
+        return ()
+    state = TimelineState(snapshot, snapshot.timeline.current.here)
+    marks = {mark for mark, _style in _marks(state, track_of(snapshot, look, width), look).values()}
+    glyphs = look.glyphs
+    events = ((glyphs.policy_mark, "new greedy policy"), (glyphs.goal, "first reward"))
+    said = [f"{sign} {meaning}" for sign, meaning in events if sign in marks]
+    return (", ".join(said), said[0]) if said else ()
 
 
 _SETTINGS: Final = Setting | OrderSweep

@@ -138,7 +138,7 @@ def product_grid(
         names: Names of the values of each part, as labels.
         body: Body that the parts describe.
     """
-    is_upward = _is_upward(sizes, body)
+    is_upward, parts = _is_upward(sizes, body), _name_parts(sizes, terms)
     if is_upward:
         sizes, terms, names = sizes[::-1], terms[::-1], names[::-1]
     there = _that_count(sizes)
@@ -157,7 +157,17 @@ def product_grid(
         legend=_legend(sizes, terms, is_upward=is_upward),
         axes=_axes(sizes, terms, names, is_upward=is_upward),
         body=body,
+        name_parts=parts,
     )
+
+
+def _name_parts(sizes: Sequence[int], terms: Sequence[str]) -> tuple[str, ...]:
+    """Return forms such as ``angle, angular velocity``, ``angle, velocity`` and ``ang, vel``."""
+    if len(terms) != len(sizes):
+        return ()
+    known = [term for term, size in zip(terms, sizes, strict=True) if size > 1]
+    nouns = [term.split()[-1] for term in known]
+    return ", ".join(known), ", ".join(nouns), ", ".join(noun[:3] for noun in nouns)
 
 
 def _is_upward(sizes: Sequence[int], body: Body | None) -> bool:

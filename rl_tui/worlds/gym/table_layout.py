@@ -40,6 +40,7 @@ _STOPS: Final = ((0, 0), (0, 4), (4, 0), (4, 3))
 TAXI_SHAPE: Final = (len(_PASSENGER) * _PITCH - 1, len(_DESTINATIONS) * _PITCH - 1)
 _TAXI_ROWS, _TAXI_COLUMNS = TAXI_SHAPE
 TAXI_LEGEND: Final = "towns: passenger down, destination across"
+_TAXI_NAME_PARTS: Final = ("row,column passenger→destination", "row,col from→to", "r,c from→to", "r,c p→d")
 TAXI_AXES: Final = Axes(
     ("",) * _TAXI_ROWS,
     ("",) * _TAXI_COLUMNS,
@@ -181,6 +182,7 @@ def _taxi_grid(town: np.ndarray) -> Grid:
         legend=TAXI_LEGEND,
         axes=TAXI_AXES,
         walls=tuple(walls),
+        name_parts=_TAXI_NAME_PARTS,
     )
 
 

@@ -13,7 +13,7 @@ from rich.style import Style
 
 from rl_tui.runs.results import Curve
 from rl_tui.screen.draw.chart_plot import Plot
-from rl_tui.screen.panels.curve.data import MovingMean
+from rl_tui.screen.panels.curve.moving_mean import MovingMean
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.screen.theme.roles import faded
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray

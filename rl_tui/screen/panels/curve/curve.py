@@ -64,6 +64,7 @@ from rl_tui.screen.panels.curve.text import (
     steps_note,
 )
 from rl_tui.screen.panels.policies.studied import policy_ink, studied_answer
+from rl_tui.screen.panels.timeline import event_notes
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
@@ -217,7 +218,9 @@ def _put_behind(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData, lo
         row, along = _level(plot, data, data.optimum)
         free = np.flatnonzero(kind[row] == _NOTHING)
         free = free[(free >= along.start) & (free < along.stop) & (free % 2 == 0)]
-        codes[row, free], kind[row, free] = ord(look.glyphs.dashes), _OPTIMUM
+        # in dots like the greedy line, so that equal values have equal heights
+        sign = plot.level_code(data.optimum) if look.glyphs.braille else ord(look.glyphs.dashes)
+        codes[row, free], kind[row, free] = sign, _OPTIMUM
     changes = {min(plot.column(each.episodes), plot.columns - 1) for each in data.world_changes}
     if len(changes) * _CHANGES_APART <= plot.columns:
         for column in changes:
@@ -413,7 +416,10 @@ class ReturnCurve(Panel, can_focus=True):
             notes.insert(0, seed_remark(data.seeds, self.look))
         if is_calm and snapshot.program is None:
             notes.append(below_note(data, plot, glyphs, decimals))
-        notes = [each for each in (*notes, gap_note(data, plot)) if each]
+        notes.append(gap_note(data, plot))
+        if is_calm and self.is_explained:
+            notes.append(event_notes(snapshot, self.look, width))
+        notes = [each for each in notes if each]
         head = self.fitting(titles[1:] if notes and len(titles) > 2 else titles, width)
         for note in notes:
             head = self.fitting([f"{head} · {form}" for form in note], width) or head

@@ -14,15 +14,22 @@ from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.learner_counters import Counters
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
-from rl_tui.runs.history import RECENT
 from rl_tui.runs.results import Curve, RunResults
 from rl_tui.runs.run import WorldChanged
 from rl_tui.runs.timeline.branches import Furthest
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.draw.braille import NO_STEPS, Steps
 from rl_tui.screen.draw.numbers import NEGLIGIBLE
-from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_greedy, is_secret, keeps_back, reward_range
-from rl_tui.screen.panels.curve.seed_band import SeedBand, seed_bands, smoothed
+from rl_tui.screen.kit.snapshot_facts import (
+    current_study,
+    has_estimates,
+    hides_greedy,
+    is_secret,
+    keeps_back,
+    reward_range,
+)
+from rl_tui.screen.panels.curve.moving_mean import MovingMean, moving_mean, window_of
+from rl_tui.screen.panels.curve.seed_band import SeedBand, seed_bands
 from rl_tui.screen.panels.policies.studied import studied_answer
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
@@ -96,8 +103,6 @@ def _right_end(last: float, limit: float | None, ratio: float) -> float:
 
 
 _MANY_WITHOUT_REWARD: Final = 10
-_LEAST_WINDOW: Final = 10
-_WINDOWS: Final = 20  # on the axis
 _EARLY: Final = 12  # parts of the run: the axis ignores the first
 _OUTLIERS: Final = 0.02
 _COST_OF_ZERO: Final = 0.4
@@ -115,48 +120,10 @@ class StudiedLevel(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MovingMean:
-    """The mean of the last ``window`` episodes at any moment.
-
-    ``end`` and ``total``, [B + 1]: last episode of each bin, and the sum up to it.
-    """
-
-    end: FloatArray
-    total: FloatArray
-    window: int
-
-    @property
-    def finished(self) -> float:
-        """The number of episodes."""
-        return float(self.end[-1])
-
-    def at(self, episode: FloatArray) -> FloatArray:
-        """Return the means after ``episode`` episodes, which are whole numbers ≥ 1."""
-        since = np.maximum(episode - self.window, 0.0)
-        sums = np.interp(episode, self.end, self.total) - np.interp(since, self.end, self.total)
-        return np.asarray(sums / (episode - since))
-
-    @property
-    def means(self) -> FloatArray:
-        """The means at the end of each bin, [B]."""
-        return self.at(self.end[1:])
-
-
-def moving_mean(curve: Curve, mean: FloatArray, right: float) -> MovingMean:
-    """Return the moving mean of ``mean``, [B], over 1/20 of the axis."""
-    count = np.diff(curve.episode, prepend=0)
-    window = int(min(RECENT, max(_LEAST_WINDOW, right // _WINDOWS)))
-    if len(count):
-        window = max(window, int(count[0]))
-    total = np.concatenate(([0.0], np.cumsum(mean * count)))
-    return MovingMean(np.concatenate(([0.0], curve.episode)), total, window)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class LaneLine:
     """One of several runs.
 
-    ``line``: smoothed mean of returns or steps, or a planner's greedy return (``is_exact``). ``value``: its
+    ``line``: moving mean of returns or steps, or a planner's greedy return (``is_exact``). ``value``: its
     end, or None. ``greedy_now``: None if unknown, hidden or already the line.
     """
 
@@ -221,8 +188,7 @@ class CurveData:
     def lines(self) -> list[Steps]:
         """The greedy line, unless a run has it, then one line per run."""
         if not self.lanes:
-            means = self.mean.means
-            return [self.greedy, Steps(self.mean.end[:-1], self.mean.end[1:], means, means)]
+            return [self.greedy, self.mean.line]
         has_greedy = not any(lane.shown and lane.is_exact for lane in self.lanes)
         return [self.greedy if has_greedy else NO_STEPS, *(lane.line for lane in self.lanes)]
 
@@ -263,8 +229,9 @@ def curve_data(snapshot: Snapshot) -> CurveData:
     cut_at = _limit_of_all(shown, snapshot.world.space.time_limit) if same_returns else 0
     of_steps = same_returns and (cut_at > 0 or any(np.ptp(each.length_mean) > 0.0 for each in shown))
     curve = results.curve
-    mean = moving_mean(curve, curve.length_mean if of_steps else curve.return_mean, axis.right)
-    is_short = len(mean.means) > 0 and mean.window != RECENT  # the mean of 100 episodes is exact
+    compares_seeds = not of_steps and current_study(snapshot) is not None
+    window = window_of(shown, axis.right, is_compared=bool(lanes) or compares_seeds)
+    mean = moving_mean(curve.episode, curve.length_mean if of_steps else curve.return_mean, window)
     last_100 = results.length_last_100 if of_steps else results.return_last_100
     hidden = hides_greedy(snapshot) or of_steps
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
@@ -275,7 +242,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         curve=curve,
         greedy=NO_STEPS if hidden else _greedy(results, snapshot.counters.episodes),
         greedy_now=None if hidden else results.greedy_return,
-        mean_now=float(mean.means[-1]) if is_short else last_100,
+        mean_now=mean.now(last_100),
         optimum=None if hides_optimum or of_steps else snapshot.exact_answer.expected_return,
         is_of_steps=of_steps,
         is_bandit=is_bandit,
@@ -290,10 +257,10 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         acting_now=_acting(snapshot),
         studied=None if of_steps else _studied(snapshot),
         lanes=tuple(
-            _lane(number, lane, number - 1 == snapshot.run_group.shown, hidden=hidden, of_steps=of_steps)
+            _lane(number, lane, snapshot.run_group.shown, window, hidden=hidden, of_steps=of_steps)
             for number, lane in enumerate(lanes, 1)
         ),
-        seeds=() if of_steps else seed_bands(snapshot),
+        seeds=seed_bands(snapshot, window) if compares_seeds else (),
         has_estimates=has_estimates(snapshot),
         world_changes=snapshot.world_changes,
     )
@@ -330,33 +297,23 @@ def _studied(snapshot: Snapshot) -> StudiedLevel | None:
     return StudiedLevel(kind, _STUDIED[kind], answer.expected_return)
 
 
-def _lane(number: int, lane: LaneView, shown: bool, *, hidden: bool, of_steps: bool) -> LaneLine:
+def _lane(number: int, lane: LaneView, shown: int, window: int, *, hidden: bool, of_steps: bool) -> LaneLine:
     curve, results = lane.results.curve, lane.results
     is_exact = algorithm_row(lane.algorithm).planner and not len(curve.episode)
     greedy_now = None if hidden else results.greedy_return
-    mean_now = results.length_last_100 if of_steps else results.return_last_100
+    mean = moving_mean(curve.episode, curve.length_mean if of_steps else curve.return_mean, window)
+    last_100 = results.length_last_100 if of_steps else results.return_last_100
     return LaneLine(
         number=number,
         name=lane.name,
-        shown=shown,
+        shown=number - 1 == shown,
         finished=lane.episodes,
-        line=(
-            _greedy(results, lane.episodes)
-            if is_exact and not hidden
-            else _episodes(curve, curve.length_mean if of_steps else curve.return_mean)
-        ),
+        line=_greedy(results, lane.episodes) if is_exact and not hidden else mean.line,
         is_exact=is_exact,
-        value=greedy_now if is_exact else mean_now,
+        value=greedy_now if is_exact else mean.now(last_100),
         greedy_now=None if is_exact else greedy_now,
         greedy_ends=None if hidden else results.greedy_ends,
     )
-
-
-def _episodes(curve: Curve, values: FloatArray) -> Steps:
-    end = curve.episode.astype(np.float64)
-    start = np.concatenate(([0.0], end[:-1])) if len(end) else end
-    mean = smoothed(values)
-    return Steps(start, end, mean, mean)
 
 
 def _greedy(results: RunResults, episodes: int) -> Steps:

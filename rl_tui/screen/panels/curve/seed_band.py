@@ -13,24 +13,11 @@ from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.kit.snapshot_facts import current_study, episodes_reached
+from rl_tui.screen.panels.curve.moving_mean import moving_mean
 from rl_tui.screen.panels.seed_figures import LAST_100, decimals_of, estimate_text, last_100_of, until_of
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.many_seeds.figures import Estimate
-from rl_tui.worlds.mdp.space import FloatArray, IntArray
-
-_SMOOTHED_SHARE: Final = 24  # a window is this fraction of all bins
-
-
-def smoothed(values: FloatArray) -> FloatArray:
-    """Return running means of ``values`` over 1/24 of them."""
-    reach = len(values) // _SMOOTHED_SHARE // 2
-    if reach == 0:
-        return values
-    sums = np.concatenate(([0.0], np.cumsum(values)))
-    places = np.arange(len(values))
-    first, behind = np.maximum(places - reach, 0), np.minimum(places + reach + 1, len(values))
-    return np.asarray((sums[behind] - sums[first]) / (behind - first))
-
+from rl_tui.worlds.mdp.space import IntArray
 
 _ERRORS: Final = 2.0  # standard errors on either side of the mean
 _FULL: Final = 0x28FF
@@ -57,8 +44,8 @@ class SeedBand:
         return None if self.last_100 is None else self.last_100.mean
 
 
-def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
-    """Return a band for each run."""
+def seed_bands(snapshot: Snapshot, window: int) -> tuple[SeedBand, ...]:
+    """Return a band for each run, of means of the last ``window`` episodes."""
     study = current_study(snapshot)
     if study is None:
         return ()
@@ -70,8 +57,12 @@ def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
         end = lane.curve.episode.astype(np.float64)
         start = np.concatenate(([0.0], end[:-1])) if len(end) else end
         there = start < furthest
-        # smoothed like the curve: the error of such a mean is at most the mean of the errors
-        mean, reach = smoothed(lane.curve.mean)[there], _ERRORS * smoothed(lane.curve.stderr)[there]
+        # the error of such a mean is at most the mean of the errors
+        mean, error = (
+            moving_mean(lane.curve.episode, each, window).means[there]
+            for each in (lane.curve.mean, lane.curve.stderr)
+        )
+        reach = _ERRORS * error
         band = Steps(start[there], np.minimum(end[there], furthest), mean - reach, mean + reach)
         last_100 = lane.estimates.get(LAST_100.id)
         found.append(SeedBand(number, study.seeds, until, recent, band, last_100))

@@ -56,6 +56,8 @@ NO_LINE_WITHOUT_END: Final = (
     f"gap in greedy: {MAY_NEVER_END}",
 )
 
+BELOW_AXIS: Final = "below the axis"
+
 NOTHING_YET: Final = {
     "sweep": ("no sweep has ended:", "space: run · e: sweep"),
     "pull": ("no arm was pulled:", "space: run · s: pull"),
@@ -192,7 +194,7 @@ def remark(
     if by_epsilon and values.epsilon_at(snapshot.counters.episodes) == 0.0:
         return ()
     if data.acting_now is None:
-        return _gap(data, snapshot.results.return_last_100, glyphs, decimals) if with_figures else ()
+        return _gap(data, glyphs, decimals) if with_figures else ()
     cost = data.greedy_now - data.acting_now
     if not _is_seen(cost, decimals):
         return ()
@@ -202,10 +204,10 @@ def remark(
     return f"{said} per {data.unit}", said
 
 
-def _gap(data: CurveData, last_100: float | None, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
-    if data.greedy_now is None or last_100 is None or not _has_learned(data):
+def _gap(data: CurveData, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
+    if data.greedy_now is None or data.mean_now is None or not _has_learned(data):
         return ()
-    gap = data.greedy_now - last_100
+    gap = data.greedy_now - data.mean_now
     if not _is_seen(gap, decimals) or gap < 0.0:
         return ()
     said = f"gap: {amount(gap, decimals, glyphs)}"
@@ -219,10 +221,12 @@ def _is_seen(x: float, decimals: int) -> bool:
 
 
 def below_note(data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
-    """Return a note on how far the greedy line goes below the axis."""
-    greedy = data.lines[0]
-    if not data.furthest or not plot.below(greedy).any():
+    """Return a note on the marks of values below the axis, with how low the greedy line goes."""
+    if not data.furthest or not any(plot.below(line).any() for line in data.lines):
         return ()
+    greedy = data.lines[0]
+    if not plot.below(greedy).any():
+        return (f"{glyphs.off_axis[0]} {BELOW_AXIS}",)
     lowest = amount(float(np.nanmin(greedy.low)), decimals, glyphs)
     return (f"{glyphs.off_axis[0]} greedy down to {lowest}",)
 
@@ -326,7 +330,8 @@ def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tu
         return ()
     if data.seeds:
         return seed_remark(data.seeds, look)
-    recent = recent_name(*(lane.finished for lane in data.lanes if not lane.is_exact))
+    finished = (lane.finished for lane in data.lanes if not lane.is_exact)
+    recent = recent_name(*finished, most=data.mean.window)
     if any(lane.is_exact for lane in data.lanes):
         return (f"mean of the {recent}, or exact", "mean or exact")
     one = f"mean of the {recent} of {ONE_SEED}"

@@ -171,7 +171,7 @@ class ChainPicture:
         flag = scene.values.flag(state, scene.signs.differing, look)
         if box.height > 1 and self._put(box, edge, name, style + Style(bold=True)) and flag:
             x = box.x + min(box.width - 1, (box.width + len(name)) // 2 + 1)
-            self.canvas.put(x, box.y + edge, flag, scene.values.flag_style(state, look.palette.you, look))
+            self.canvas.put(x, box.y + edge, flag, scene.values.flag_style(state, look.palette.text, look))
         text = scene.values.text(state, scene.form, look)
         number = self._numbers(box).get(text, ())
         if box.height > 2:

@@ -213,7 +213,7 @@ def draw_edge_list(canvas: Canvas, shape: GraphShape, scene: GraphScene, look: L
                 style = look.palette.focus if state == signs.cursor else look.palette.text + Style(bold=True)
                 canvas.put(1, y, shape.nodes[state].name, style)
                 flag = values.flag(state, signs.differing, look)
-                style = values.flag_style(state, look.palette.you, look)
+                style = values.flag_style(state, look.palette.text, look)
                 after = 1 + len(shape.nodes[state].name) + len(flag)
                 canvas.put(after - len(flag), y, flag, style)
                 # one cell is free after the longest name

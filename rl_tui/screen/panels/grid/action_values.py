@@ -196,7 +196,7 @@ def _put_marks_amid(
     corner = block.top + (form.places is Places.SPREAD_KEYPAD)
     if face.differs:
         here = (centre + 1, block.middle) if is_wide else (block.end - 1, corner)
-        canvas.put(*here, look.glyphs.differs, look.palette.you)
+        canvas.put(*here, look.glyphs.differs, look.palette.text)
     if form.places is not Places.KEYPAD:
         _put_name(canvas, block.left - 1, corner, face, form)
         reward = 2 * block.middle - corner if face.extra.name else corner
@@ -264,7 +264,7 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
             canvas.put(0, 0, " " * form.width, palette.focus)
         _put_mark(canvas, centre, 0, face, look, beside=centre - 1)
         if face.differs:
-            canvas.put(centre + 1, 0, look.glyphs.differs, palette.you)
+            canvas.put(centre + 1, 0, look.glyphs.differs, palette.text)
         _put_name(canvas, 0, 0, face, form)
         put_reward(canvas, 0, 0, _reward_room(form) * (not face.extra.name), face.reward, look)
         return
@@ -278,7 +278,7 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
     if face.differs:
         has_row = form.height > 2 or (form.height > 1 and face.reward is None) or not _has_mark(face)
         if has_row:
-            canvas.put(column, form.height - 1, look.glyphs.differs, palette.you)
+            canvas.put(column, form.height - 1, look.glyphs.differs, palette.text)
 
 
 def _draw_tints(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
@@ -340,7 +340,7 @@ def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge
             canvas.put(x, row, " ", look.palette.focus)
     _put_mark(canvas, left if low else centre, row, face, look)
     if face.differs:
-        canvas.put(right, row, look.glyphs.differs, look.palette.you)
+        canvas.put(right, row, look.glyphs.differs, look.palette.text)
     if low:
         put_reward(canvas, left, 1, 1, face.reward, look)
     elif not _has_mark(face):

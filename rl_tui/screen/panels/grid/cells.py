@@ -23,6 +23,7 @@ from rl_tui.screen.panels.grid.marks import (
     SEVERAL,
     START,
     CellReward,
+    clear_lead,
     differing_style,
     mark_of,
     one_way_sign,
@@ -38,7 +39,6 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import paled
 from rl_tui.worlds.drawing import CellKind
 
-CLEAR_LEAD: Final = 0.15  # share of the range of V: a greedy action with this lead has full colour
 _LEADS: Final = 4
 _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
 _MOST_KEPT: Final = 20_000
@@ -133,7 +133,7 @@ class CellArtist:
         else:
             text = self._text(cell.value, number_form._replace(leading_zero=False))
             text = self.look.glyphs.no_room if "#" in text else text
-        clear = CLEAR_LEAD * (range_of_v.high - range_of_v.low)
+        clear = clear_lead(range_of_v)
         is_clear = not cell.lead < clear  # also true for NaN, the lead over a policy that may never end
         lead = _LEADS if is_clear else int(_LEADS * cell.lead / clear)
         return Face(cell.kind, cell.agent, text, cell.greedy, style, lead, *marks)
@@ -377,7 +377,7 @@ class _Cell:
             self._put_mark(max(0, before))
         is_free = face.differs and self.canvas.is_blank(0, 0, 1) and start > 0
         if is_free:
-            self.canvas.put(0, 0, self.glyphs.differs, self.look.palette.you)
+            self.canvas.put(0, 0, self.glyphs.differs, self.look.palette.text)
         ink = paled(self.ink, 0.3) if is_dot else self._sign_ink
         self.canvas.put(start, 0, letters, differing_style(ink) if face.differs and not is_free else ink)
 
@@ -454,7 +454,7 @@ class _Cell:
         last, bottom = self.form.inner - 1, self.form.height - 1
         for place in ((left, 0), (last, 0), (0, bottom), (last, bottom)):
             if self.canvas.is_blank(*place, 1):
-                self.canvas.put(*place, self.glyphs.differs, self.look.palette.you)
+                self.canvas.put(*place, self.glyphs.differs, self.look.palette.text)
                 return
 
     def _put_agent(self) -> None:

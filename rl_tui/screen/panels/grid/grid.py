@@ -33,7 +33,7 @@ from rl_tui.screen.panels.grid.headings import (
 )
 from rl_tui.screen.panels.grid.landscape import LandscapeArtist, has_landscape
 from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, carried_place, with_extra
-from rl_tui.screen.panels.grid.marks import SEVERAL, sign_text
+from rl_tui.screen.panels.grid.marks import SEVERAL, clear_lead, sign_text
 from rl_tui.screen.panels.grid.motion import Mover
 from rl_tui.screen.panels.grid.signs import (
     action_signs,
@@ -78,6 +78,7 @@ class GridView(WorldView):
     _digits = LEAST_DIGITS
     _action_digits = LEAST_DIGITS
     _longest_name = 0  # of the visible names
+    _has_several = _has_greedy = _has_pale = False  # of the last picture
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
         """Switch to ``world``, and follow the agent unless it ``goes_on``."""
@@ -283,6 +284,10 @@ class GridView(WorldView):
         motion = self.mover.motion if self._moves else None
         cells = cells if motion is None else motion.contents(cells)
         strips = draw_grid(cells, artist, number_form, self.tints, self.range_of_v, part, width, height)
+        self._has_several = any(SEVERAL in strip.text for strip in strips)
+        self._has_greedy = any(each.greedy for each in cells)
+        clear = clear_lead(self.range_of_v)
+        self._has_pale = any(each.lead < clear for each in cells)
         return motion.laid_over(strips, form, part.columns, number_form, self.look) if motion else strips
 
     @property
@@ -382,7 +387,7 @@ class GridView(WorldView):
             yield from self.valueless_signs()
         if actions is not None:
             yield from action_signs(actions, self.look)
-        elif form and len(signs) > form.most_signs and has_arrows and not self.shows_drawing:
+        elif self._has_several and has_arrows and not self.shows_drawing:
             yield LegendSign(SEVERAL, "tie", palette.strong)
         if actions is None and has_arrows:
             yield from letter_signs(self._map, self.look)
@@ -398,10 +403,10 @@ class GridView(WorldView):
         if self.snapshot is not None and form is not None and not self._is_drawn:
             left = traces(self.snapshot, self._map.grid)
             yield from trace_signs(left, self.look, has_ways=form.has_blocks and actions is None)
-        if actions is None and has_arrows and not self.lacks_table:
+        if actions is None and has_arrows and self._has_greedy and not self.lacks_table:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
             is_block = form is not None and form.has_blocks and glyphs.braille and isinstance(greedy, tuple)
-            is_paled = palette.has_shades and not self.shows_drawing
+            is_paled = palette.has_shades and self._has_pale and not self.shows_drawing
             sign = glyphs.head_up if is_block else sign_text(greedy, self.look)
             yield LegendSign(sign, PALE if is_paled else self.policy_shown, palette.strong)
         says_start = form is not None and form.says_start and actions is None

@@ -182,7 +182,7 @@ def _plates_of(content: CellContent, x: int, width: int, look: Look) -> Iterator
     if content.stops:
         yield Plate(x - 2, glyphs.breakpoint, palette.breakpoint)
     if content.differs:
-        yield Plate(x - (width - 1) // 2, glyphs.differs, palette.you)
+        yield Plate(x - (width - 1) // 2, glyphs.differs, palette.text)
 
 
 class LandscapeArtist:

@@ -12,6 +12,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.block_signs import Direction, Sign
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.number_form import NumberForm
+from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
@@ -120,3 +121,11 @@ def reward_text(reward: CellReward, room: int, look: Look) -> str:
 def reward_style(reward: CellReward, look: Look) -> Style:
     """Return the style of a cell's reward."""
     return (look.palette.good if reward.good else look.palette.bad) + _BOLD
+
+
+_CLEAR_LEAD: Final = 0.15  # share of the range of V
+
+
+def clear_lead(range_of_v: ValueScale) -> float:
+    """Return the lead from which a greedy action has full colour."""
+    return _CLEAR_LEAD * (range_of_v.high - range_of_v.low)

@@ -72,7 +72,7 @@ def differing_sign(width: int, name: str, look: Look) -> LegendSign:
     """Return the mark of cells with other arrows in the second run."""
     glyphs, strong = look.glyphs, look.palette.strong
     if width - len(name) > LEAST_ARROWS:
-        sign, style = glyphs.differs, look.palette.you
+        sign, style = glyphs.differs, look.palette.text
     else:
         is_name = width - len(name) < LEAST_ARROWS
         sign, style = name if is_name else glyphs.up, differing_style(strong)

@@ -8,6 +8,7 @@ from functools import cache, partial
 from itertools import product
 from typing import ClassVar, Final, NamedTuple
 
+import numpy as np
 from textual import events
 from textual.binding import BindingType
 from textual.message import Message
@@ -23,10 +24,10 @@ from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Column, Columns, Table, Text, laid
 from rl_tui.screen.kit.charts import Bar, axis_of
-from rl_tui.screen.kit.panel import Panel, key_hints
+from rl_tui.screen.kit.panel import MAY_NEVER_END, Panel, key_hints
 from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.last_step.update_text import setting
-from rl_tui.screen.panels.policies.studied import POLICY_NAMES, is_kept_back, policy_ink
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES, is_kept_back, policy_ink, studied_answer
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -50,7 +51,7 @@ FIGURES: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
 
 
 def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
-    """Yield tables with a row per policy, from high bars to none."""
+    """Yield tables with a row per policy, from spaced bars to none."""
     known = known_answers(snapshot)
     figures = _figures(snapshot, known)
     found = [getattr(each, figure.id) for each in known for figure in figures if figure is not ENDS]
@@ -71,19 +72,20 @@ def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
     ]
     forms.append((named, column(figures[0], WIDEST - 2)))
     gap = dict.fromkeys(range(len(names) - 1), (BLANK,))
-    yield from (Table(forms, 1, charts=_bars(snapshot, look, rows), below=gap) for rows in (3, 2, 1))
-    yield Table(forms, margin=1, charts=_bars(snapshot, look, 1))
+    bars = _bars(snapshot, look)
+    yield Table(forms, margin=1, charts=bars, below=gap)
+    yield Table(forms, margin=1, charts=bars)
     yield Table(forms, margin=1)
 
 
-def _bars(snapshot: Snapshot, look: Look, rows: int) -> dict[int, Bar]:
+def _bars(snapshot: Snapshot, look: Look) -> dict[int, Bar]:
     returns = {
         kind: None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
         for kind in POLICY_NAMES
     }
     axis = axis_of(each for each in returns.values() if each is not None)
     return {
-        place: Bar(each, axis, policy_ink(kind, look.palette), rows)
+        place: Bar(each, axis, policy_ink(kind, look.palette))
         for place, (kind, each) in enumerate(returns.items())
         if each is not None
     }
@@ -207,6 +209,7 @@ class Policies(Panel, can_focus=True):
 
 
 OF_MEANS_NOW: Final = "of the current means"
+NEVER_FROM_THERE: Final = f"no colour: it {MAY_NEVER_END} from there"
 WITHOUT_LIMIT: Final = "without the limit"
 AS_MUCH_AS_OPTIMAL: Final = "greedy earns as much as optimal"
 THAN_OPTIMAL: Final = "than optimal"
@@ -220,6 +223,9 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[str]:
     if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
         yield f"hidden, since returns reveal the arms: {shown_by(snapshot, 'them')}"
         return
+    studied = studied_answer(snapshot)
+    if studied is not None and studied.v is not None and np.isnan(studied.v).any():
+        yield f"{numbers.missing(look.glyphs)} or {NEVER_FROM_THERE}"
     yield from _reasons(snapshot)
     if is_bandit:
         mdp = snapshot.world.mdp

@@ -69,6 +69,8 @@ class MatrixForm:
             reach = self._column if cell_len(following) < width - 1 else width
             head = shortened(name, reach, ellipsis)
             text += padded(" " * ((width - cell_len(head)) // 2) + head, self._column)
+        name_head = self.scene.world.name_head(len(text) - len(text.lstrip()) - _AROUND_LABEL - 1)
+        text = f" {name_head}{text[1 + len(name_head) :]}"
         return [Segment(text, self.scene.look.palette.dim)]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
@@ -312,7 +314,10 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
     action_head = next((head for head in ("action", "act") if len(head) <= action + end), "a")
     return [
         Column("", 1, 1, mark),
-        Column(shortened("state", state + gap - 1, ""), state + gap, 2, state_name),
+        Column(
+            world.name_head(state + gap - 1) or shortened("state", state + gap - 1, ""),
+            *(state + gap, 2, state_name),
+        ),
         Column(action_head, action + end, 1, action_name),
         *_value_columns(scene, values),
         _count_column(scene),

@@ -55,6 +55,7 @@ from rl_tui.screen.panels.q_table.sheet import (
     headings,
     layer_at,
     no_answer,
+    rare_signs,
 )
 from rl_tui.screen.panels.q_table.world import NO_ROW, Scene, TableWorld, state_followed
 from rl_tui.screen.panels.world.edit_marks import mark_signs
@@ -115,6 +116,7 @@ class QTable(Panel, can_focus=True):
         self._height = 0  # of the last picture
         self._world: TableWorld | None = None
         self._sheet: Sheet | None = None
+        self._rare: Legend = ()
         self._cache = LRUCache[tuple[Segment, ...], Strip](_MOST_CACHED)
         self._requested: RowRange | None = None
         self._forms = SteadyForms()
@@ -206,7 +208,9 @@ class QTable(Panel, can_focus=True):
         self.free_rows = sheet.free_rows
         self.heading = self.fitting(headings(snapshot, layer, self, self.lane), width)
         self.footing = self._footing(width, sheet.part if sheet.is_scrolled and not self.pointed else "")
-        return sheet.strips(self._cache)
+        strips = sheet.strips(self._cache)
+        self._rare = rare_signs(strips, self.look)
+        return strips
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of cells."""
@@ -224,6 +228,7 @@ class QTable(Panel, can_focus=True):
             *([no_value_sign(self.look)] if lacks_values(snapshot, layer) else []),
             *([LegendSign(glyphs.lit, "just updated", palette.good)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
+            *self._rare,
             *([LegendSign(glyphs.untried, "not tried", palette.unvisited)] if is_learned else []),
             *([LegendSign(glyphs.cursor, "cursor", palette.you)] if self.has_focus else []),
         )

@@ -11,15 +11,16 @@ from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import Piece, wrapped
+from rl_tui.screen.draw.number_form import TINY
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.layers import Layer, other_lane
-from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.panel import LegendSign, Panel
 from rl_tui.screen.kit.scrolling import kept_in_view, scroll_bar, scrolled_to
 from rl_tui.screen.kit.snapshot_facts import has_estimates
 from rl_tui.screen.panels.policies.studied import policy_name
 from rl_tui.screen.panels.q_table.forms import ListForm, MatrixForm, greedy_line
 from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene
-from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.glyphs import ASCII, Glyphs
 from rl_tui.screen.theme.look import Look
 
 # The visible rows
@@ -155,6 +156,15 @@ _NAMES: Final[tuple[dict[Layer, str], ...]] = (
     {Layer.ERROR: "err", Layer.LANES: "other", Layer.VISITS: "N", Layer.LANDSCAPE: "land"},
 )
 """Names of layers, in full and in short."""
+
+
+def rare_signs(strips: Sequence[Strip], look: Look) -> tuple[LegendSign, ...]:
+    """Return the signs beside or instead of a number that occur in ``strips``."""
+    glyphs, text = look.glyphs, "".join(strip.text for strip in strips)
+    signs = [*zip(TINY[glyphs is ASCII], ("just below 0", "just above 0"), strict=True)]
+    if glyphs is not ASCII:  # its < is also part of <.01
+        signs += zip(glyphs.beyond, ("below the scale", "above the scale"), strict=True)
+    return tuple(LegendSign(sign, meaning, look.palette.text) for sign, meaning in signs if sign in text)
 
 
 def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> tuple[str, ...]:

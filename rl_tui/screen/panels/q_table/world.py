@@ -27,7 +27,7 @@ from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.world.edit_marks import marks_of
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.mdp.space import IntArray, NumberNames
 from rl_tui.worlds.world import World
 
@@ -62,6 +62,13 @@ class TableWorld:
         self.action_width = max(map(cell_len, self.action_names))
         self.state_name = lru_cache(_MOST_NAMES)(self._state_name)
         """The name of a state: complete, compact or shortened."""
+
+    def name_head(self, width: int) -> str:
+        """Return the longest heading of state names in ``width`` cells, or nothing."""
+        drawing, names = self.world.drawing, self.space.state_names
+        forms = drawing.name_parts if isinstance(drawing, Grid) else ()
+        fitting = (each for each in forms if len(each) <= width and each.count(", ") == names[0].count(", "))
+        return next(fitting, "")
 
     @cached_property
     def brief_width(self) -> int:
@@ -170,7 +177,7 @@ class Scene:
         """Return the mark after a state: difference or edit."""
         look = self.look
         if state in self.differing:
-            return Segment(look.glyphs.differs, look.palette.you)
+            return Segment(look.glyphs.differs, look.palette.text)
         return next((Segment(*mark) for mark in marks_of(self.editor, state).signs(look)), None)
 
 

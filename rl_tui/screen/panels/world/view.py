@@ -38,6 +38,7 @@ from rl_tui.screen.panels.world.scale_line import (
     scale_line,
 )
 from rl_tui.screen.panels.world.shown_policy import TITLE
+from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
@@ -331,7 +332,9 @@ class WorldView(DrawnPicture, can_focus=True):
             ink = policy_ink(self.studied, palette) if self.studied is not None and not says_lane else Style()
             said += [Piece(heading, palette.strong + ink)]
         if footing:
-            said += [Piece("  " if said else "", palette.text), Piece(footing, palette.dim)]
+            mark = self.look.glyphs.differs if footing.startswith(UNICODE.differs) else ""
+            said += [Piece("  " if said else "", palette.text), Piece(mark, palette.text)]
+            said += [Piece(footing[len(mark) :], palette.dim)]
         # of two runs, one shows scale and legend: below both maps, else the one with fewer words
         tells = not self.lane or self.has_note is self._is_named_beside
         signs = self.legend(snapshot) if self.is_explained and tells else ()
