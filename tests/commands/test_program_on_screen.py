@@ -109,9 +109,9 @@ def test_a_program_that_makes_no_environment_for_long_is_told_of(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("rl_tui.commands.line.screen.WORTH_TELLING", 1.0)
-    text = "import gymnasium, time\ngymnasium.make('CartPole-v1')\ntime.sleep(2)\n"
+    text = "import gymnasium, time\ngymnasium.make('Pendulum-v1')\ntime.sleep(2)\n"
     request = ProgramRequest(Path(written(tmp_path, text)))
-    why = "CartPole-v1 is not watched: it has Box observations"
+    why = "Pendulum-v1 is not watched: it has Box observations"
     with pytest.raises(UserError, match=why), started(request):
         pass
     said = capsys.readouterr().err

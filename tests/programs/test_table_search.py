@@ -147,7 +147,7 @@ def test_what_cannot_be_watched_is_refused(tmp_path: Path, text: str, refused: s
     [
         ("print('nothing')", "nothing to watch"),
         ("import copy; env = copy.deepcopy(gym.make('FrozenLake-v1')); env.reset(); env.step(0)", "copies"),
-        ("env = gym.make('CartPole-v1'); env.reset()", "CartPole-v1 is not watched"),
+        ("env = gym.make('CartPole-v1'); env.reset()", "the state is what indexes the table"),
     ],
 )
 def test_a_program_of_which_nothing_was_seen_is_told_why(tmp_path: Path, text: str, note: str) -> None:

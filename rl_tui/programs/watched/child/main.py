@@ -25,6 +25,7 @@ from typing import Any, Final, NoReturn
 import numpy as np
 
 from rl_tui.common.after_import import after_import
+from rl_tui.programs.watched.child.boxes.box_worlds import BoxWorlds
 from rl_tui.programs.watched.child.channel import Channel, Gate
 from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.errors import described, users_place
@@ -234,6 +235,8 @@ def main(said: dict[str, Any]) -> None:
     offer_old_gym(making, note)
     own_worlds = OwnWorlds(recorder, making, note)
     own_worlds.install()
+    boxes = BoxWorlds(recorder, making, note, said["table"])
+    boxes.install()
     seed_all(said["seed"])
     flush_at_exit(recorder)
     Watchman(channel, gate, recorder).begin()
@@ -241,14 +244,17 @@ def main(said: dict[str, Any]) -> None:
     try:
         if said["agent"] is None:
             path = Path(said["path"])
-            script = with_watched_functions(read_script(path), path, own_worlds)
+            script = boxes.sites.with_calls(read_script(path), path)
+            script = with_watched_functions(script, path, own_worlds)
             run_script(script, path, said["arguments"], note)
         else:
             from rl_tui.programs.watched.child.agent import run_agent
 
             run_agent(said, channel.message)
         own_worlds.finish()
+        boxes.finish()
         making.tell_what_was_missed()
     except BaseException as error:
+        boxes.finish()
         channel.message(MessageKind.ERROR, **described(error))
     recorder.end()

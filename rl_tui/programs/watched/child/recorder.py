@@ -16,6 +16,7 @@ from rl_tui.programs.watched.child.channel import Channel, Gate
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import is_users_file, users_place
 from rl_tui.programs.watched.child.line_trace import TRACED_AT_FIRST, LineTrace, Place
+from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
 from rl_tui.programs.watched.child.tables.search import TableCandidate, attributes, candidates, turned_table
 from rl_tui.programs.watched.child.tables.tracker import TableTracker
 from rl_tui.programs.watched.messages import MessageKind
@@ -206,6 +207,8 @@ class Recorder:
         """Number of episodes begun, also those without a step."""
         self._most, self._wanted = most, wanted
         self._tracker: TableTracker | None = None
+        self._late_form: HeldTable | None = None
+        """Form of the table given to `follow`."""
         self._next_look = self._next_numbers = 0
         self._episodes = self._rebound = 0
         self._recent: tuple[int, ...] = (0,)
@@ -260,11 +263,47 @@ class Recorder:
         if self._stop is not None:
             self._last = (state, step[2], step[3], next_state, step[6])
 
+    def follow(
+        self, name: str, form: HeldTable, table: Any, initial: Doubles, others: Mapping[str, str]
+    ) -> None:
+        """Report the table `name` in `form`, whose changes are given to `after_late` from now on.
+
+        Args:
+            name: Name of the table.
+            form: Its form.
+            table: The object.
+            initial: Its content before the next reported step.
+            others: Names of other tables, with their forms.
+        """
+        self._late_form = form
+        self._send_table(name, form, table, initial, others)
+
+    def after_late(
+        self,
+        step: Step,
+        numbering: Numbering,
+        before: Sequence[float],
+        changes: Sequence[float],
+        *,
+        is_end: bool,
+    ) -> None:
+        """Record a step after the program has gone on. `before` and `changes` are differences of the table
+        before and after it. `is_end` is True if the episode is over.
+        """
+        number = self.count
+        self._add_changes(max(number - 1, 0), before)
+        self.after(step, numbering)
+        self._add_changes(number, changes)
+        if self._last is not None:
+            self._look_at_stop(StepSeen(*self._last, changes), is_end=is_end)
+        self._last = None
+
     def end(self) -> None:
         """Report the last changes, and the end of the program."""
         self._trace.stop()
         self.tell_rest()
-        if self._tracker is None and self._wanted is not None and self.count:
+        is_found = self._tracker is not None or self._late_form is not None
+        if not is_found and self._wanted is not None and self.count:
             text = f"no table is called {self._wanted} where env.step was called"
             self.channel.message(MessageKind.NOTE, text=text)
         self.channel.message(MessageKind.END, step=self.count)
@@ -306,6 +345,10 @@ class Recorder:
 
     def _take_changes(self, frame: FrameType | None, numbering: Numbering, *, at_reset: bool) -> list[float]:
         tracker = self._tracker
+        if self._late_form is not None:
+            if self.count >= self._next_numbers:
+                self._tell_numbers(frame)
+            return []
         if tracker is None:
             # before the first step, its content is not the initial one
             if self.count >= self._next_look and not (at_reset and self.count == 0):
@@ -354,21 +397,26 @@ class Recorder:
     def _tell_table(self, others: list[TableCandidate]) -> None:
         tracker = self._tracker
         assert tracker is not None
-        numbering, table = tracker.numbering, tracker.table
         self._is_shared = tracker.rows_are_shared()
+        forms = {each.way.name(): each.form.name for each in others}
+        self._send_table(tracker.way.name(), tracker.form, tracker.table, tracker.form.values(), forms)
+
+    def _send_table(
+        self, name: str, form: HeldTable, table: Any, content: Doubles, others: Mapping[str, str]
+    ) -> None:
         self.channel.message(
             MessageKind.TABLE,
             step=self.count,
-            name=tracker.way.name(),
-            form=tracker.form.name,
-            shape=_shape_of(table, numbering.actions),
+            name=name,
+            form=form.name,
+            shape=_shape_of(table, form.actions),
             dtype=str(table.dtype) if type(table) is np.ndarray else "",
-            actions=numbering.actions,
-            others=[each.way.name() for each in others],
-            other_forms=[each.form.name for each in others],
+            actions=form.actions,
+            others=list(others),
+            other_forms=list(others.values()),
             shared=self._is_shared,
         )
-        self.channel.table(tracker.form.values())
+        self.channel.table(content)
 
     def _tell_changes(self, found: list[float], tracker: TableTracker) -> None:
         if self._traces_left > 0 and not self._trace.is_on:
@@ -378,14 +426,17 @@ class Recorder:
         if len(found) == _NUMBERS:  # one cell, the usual case, even if each step makes a new table
             self.channel.changes += (step, *found)
         else:
-            for place in range(0, len(found), _NUMBERS):
-                self.channel.changes += (step, *found[place : place + _NUMBERS])
+            self._add_changes(step, found)
             if tracker.is_another and self._rebound < _MOST_REBOUND:
                 self._rebound += 1
                 self.channel.message(MessageKind.REBOUND, step=step)
             if not self._is_shared and tracker.rows_are_shared():
                 self._is_shared = True
                 self.channel.message(MessageKind.SHARED, step=step)
+
+    def _add_changes(self, step: int, found: Sequence[float]) -> None:
+        for place in range(0, len(found), _NUMBERS):
+            self.channel.changes += (step, *found[place : place + _NUMBERS])
 
     def _tell_numbers(self, frame: FrameType | None) -> None:
         self._next_numbers = 20 + self.count * 10
@@ -419,7 +470,8 @@ class Recorder:
                 self._stop = None
 
     def _row(self, state: int) -> Sequence[float]:
-        return () if self._tracker is None else self._tracker.form.row(state)
+        form = self._late_form if self._tracker is None else self._tracker.form
+        return () if form is None else form.row(state)
 
 
 def _shape_of(table: Any, actions: int) -> list[int]:

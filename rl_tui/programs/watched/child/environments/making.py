@@ -19,6 +19,7 @@ from rl_tui.programs.watched.child.environments.watched_env import (
 )
 from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.tables.search import attributes
+from rl_tui.programs.watched.child.worlds.met import MetNumbering
 from rl_tui.programs.watched.messages import MessageKind
 
 Make = Callable[..., Any]
@@ -47,6 +48,8 @@ class Making:
         self._original: Make = registration.make
         self._all: list[StepReports] = []
         self._numbers: dict[tuple[type, Numbering], int] = {}
+        self.without_states: Callable[[gymnasium.Env[Any, Any]], StepReports | None] = lambda _: None
+        """Returns what reports the steps of an environment without finite observations, if anything does."""
         self.direct = DirectEnvs(self._announce, self._without_limit)
 
     def install(self) -> None:
@@ -69,12 +72,21 @@ class Making:
         """True while an environment runs that reports its own steps."""
         return any(each.is_inside for each in self._all)
 
-    def announce_own(self, name: str, numbering: Numbering) -> int:
-        """Report a world of the program's own class `name`, and return its number."""
+    def announce_own(self, name: str, numbering: Numbering, time_limit: int = 0) -> int:
+        """Report a world whose states only the program knows, called `name`, and return its number."""
         number = self._made
         self._made += 1
-        self._tell_sizes(number, name, numbering)
+        self._tell_sizes(number, name, numbering, time_limit=time_limit)
         return number
+
+    def tell_names(self, number: int, numbering: MetNumbering) -> None:
+        """Report the names of the states and actions met so far."""
+        self._recorder.channel.message(
+            MessageKind.NAMES,
+            number=number,
+            state_names=[str(numbering.key(each)) for each in numbering.met],
+            action_names=[str(numbering.action_key(each)) for each in range(numbering.actions)],
+        )
 
     def make(self, *arguments: Any, **more: Any) -> Any:
         """Make an environment as Gymnasium does, and a withdrawn one in its newest version."""
@@ -90,9 +102,13 @@ class Making:
             return env
         numbering = numbering_of(env)
         if numbering is None:
+            if (reports := self.without_states(env)) is not None:
+                self._all.append(reports)
+                env.action_space.seed(self._seed)
+                return WatchedEnv(env, reports, self._seed, self.direct.hand_out)
             spaces = f"{type(env.observation_space).__name__} observations"
             spaces += f" and {type(env.action_space).__name__} actions"
-            self._note(f"{_id_of(env)} is not watched: it has {spaces}, no finite numbers of them")
+            self._note(f"{id_of(env)} is not watched: it has {spaces}, no finite numbers of them")
             return env
         return self._watched(env, numbering)
 
@@ -133,7 +149,8 @@ class Making:
 
     def _without_limit(self, env: gymnasium.Env[Any, Any], reports: StepReports) -> None:
         """Report again an environment that the program took out of its wrappers."""
-        self._tell(env, reports, time_limit=0)
+        if reports.number >= 0:
+            self._tell(env, reports, time_limit=0)
 
     def _tell(
         self, env: gymnasium.Env[Any, Any], reports: StepReports, time_limit: int | None = None
@@ -144,7 +161,7 @@ class Making:
             time_limit = (0 if spec is None else spec.max_episode_steps) or 0
         self._tell_sizes(
             reports.number,
-            _id_of(env),
+            id_of(env),
             numbering,
             kwargs=kwargs if spec is not None and _is_data(kwargs) else None,
             time_limit=time_limit,
@@ -227,7 +244,8 @@ def _start_of(chances: Any, numbering: Numbering) -> list[float] | None:
     return start if is_fit else None
 
 
-def _id_of(env: gymnasium.Env[Any, Any]) -> str:
+def id_of(env: gymnasium.Env[Any, Any]) -> str:
+    """Return the name of an environment."""
     return type(env.unwrapped).__name__ if env.spec is None else env.spec.id
 
 

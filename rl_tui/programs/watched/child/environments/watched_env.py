@@ -20,7 +20,9 @@ _STRANGE: Final = "a step was left out: an observation or action outside of its 
 
 
 class StepReports:
-    """Reports the steps of environment `number`. While `is_inside`, the environment itself runs."""
+    """Reports the steps of environment `number`, which is −1 until it has one. While `is_inside`, the
+    environment itself runs.
+    """
 
     def __init__(self, number: int, numbering: Numbering, recorder: Recorder) -> None:
         self.number, self.numbering, self._recorder = number, numbering, recorder

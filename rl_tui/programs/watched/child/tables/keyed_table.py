@@ -90,7 +90,7 @@ def keyed_form(value: Any, numbering: Numbering) -> HeldTable | None:
         return None
     if not is_met and found.shape is Shape.ARRAY:  # a larger array may be anything
         return None
-    if not is_met and found.shape is Shape.LISTS and _sizes(value)[:-1] != numbering.parts:
+    if not is_met and found.shape is Shape.LISTS and sizes_of(value)[:-1] != numbering.parts:
         return None
     return KeyedTable(numbering, states, found.shape, found.has_texts)
 
@@ -104,9 +104,9 @@ def _states_in(table: dict[Any, Any], numbering: Numbering) -> Iterator[Any]:
                 yield each
 
 
-def _sizes(lists: Any) -> tuple[int, ...]:
+def sizes_of(lists: Any) -> tuple[int, ...]:
     """Return the lengths of nested lists, one of each depth."""
-    return (len(lists), *_sizes(lists[0])) if type(lists) is list and lists else ()
+    return (len(lists), *sizes_of(lists[0])) if type(lists) is list and lists else ()
 
 
 def _parts(key: Any) -> tuple[Any, ...]:

@@ -79,10 +79,19 @@ class FixedStates:
 
 class MetNumbering(Numbering):
     """Numbers of the states in `observations`, and of later ones up to a limit. Actions are numbered from
-    0, and whole numbers below `actions` are their own numbers.
+    0, and whole numbers below `actions` are their own numbers. Observations may have fractions if
+    `has_fractions`. `most` is the limit.
     """
 
-    def __init__(self, observations: Iterable[Any], actions: int) -> None:
+    def __init__(
+        self,
+        observations: Iterable[Any],
+        actions: int,
+        *,
+        has_fractions: bool = False,
+        most: int = MOST_STATES,
+    ) -> None:
+        self._has_fractions = has_fractions
         self._numbers: dict[Key, int] = {}
         self._originals: list[Any] = []
         self._action_numbers: dict[Key, int] = {}
@@ -91,7 +100,7 @@ class MetNumbering(Numbering):
         are_sorted = len({type(each) for each in known}) == 1 and all(map(_has_order, known))
         for key in sorted(known) if are_sorted else known:
             self._add(key, known[key])
-        super().__init__((MOST_STATES,), (0,), False, actions, 0)
+        super().__init__((most,), (0,), False, actions, 0)
 
     @property
     def met(self) -> range:
@@ -105,7 +114,7 @@ class MetNumbering(Numbering):
 
     def state(self, observation: Any) -> int:
         """Return the number of an observation. Raises UnfitError if it has none and gets none."""
-        key = state_key(observation)
+        key = key_of(observation) if self._has_fractions else state_key(observation)
         found = self._numbers.get(key)
         if found is not None:
             return found

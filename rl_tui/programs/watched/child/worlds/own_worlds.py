@@ -310,7 +310,7 @@ class OwnWorlds:
         for world, each in held:
             self._emit(kind, world, each)
         if isinstance(numbering, MetNumbering):
-            self._tell_names(kind, numbering)
+            self._making.tell_names(kind.number, numbering)
 
     def _stay_awake(self) -> None:
         """Let the program's pauses between steps return at once."""
@@ -323,14 +323,6 @@ class OwnWorlds:
                 sleep(seconds)
 
         time.sleep = no_sleep  # type: ignore[assignment]
-
-    def _tell_names(self, kind: _Kind, numbering: MetNumbering) -> None:
-        self._recorder.channel.message(
-            MessageKind.NAMES,
-            number=kind.number,
-            state_names=[str(numbering.key(each)) for each in numbering.met],
-            action_names=[str(numbering.action_key(each)) for each in range(numbering.actions)],
-        )
 
     def _drop(self, kind: _Kind) -> None:
         """Report no further step of `kind`."""

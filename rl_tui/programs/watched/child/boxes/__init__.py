@@ -1,0 +1,1 @@
+"""Environments whose observations have fractions: the state is what indexes the table."""

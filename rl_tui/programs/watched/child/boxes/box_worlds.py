@@ -1,0 +1,335 @@
+"""Steps of an environment whose states are known by the table's index, each reported one step late."""
+
+from __future__ import annotations
+
+import sys
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+from time import monotonic
+from types import FrameType
+from typing import Any, Final
+
+import gymnasium
+
+from rl_tui.programs.watched.child.boxes.candidate import Candidate, Seen
+from rl_tui.programs.watched.child.boxes.sites import Sites
+from rl_tui.programs.watched.child.environments.making import Making, id_of
+from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.environments.watched_env import StepReports
+from rl_tui.programs.watched.child.recorder import Recorder
+from rl_tui.programs.watched.child.tables.search import rank
+from rl_tui.programs.watched.child.worlds.first_steps import FEW_STEPS, step_of
+from rl_tui.programs.watched.child.worlds.met import MOST_STATES, MetNumbering, UnfitError
+from rl_tui.programs.watched.messages import MessageKind
+
+_MOST_HELD: Final = 5_000
+"""Steps without a table, after which the oldest are not reported any more."""
+_PATIENCE: Final = 5.0  # seconds without a table before a message
+_UNREAD: Final = (
+    "{}: the state is what indexes the table; no table was written yet by an index that can be read"
+)
+_OF_OTHERS: Final = (
+    "{}: the state is what indexes the table; {} is not used, because each step changes other actions than "
+    "its own"
+)
+_UNKNOWN: Final = "unknown"
+"""Name of a state that no index shows."""
+
+
+@dataclass
+class _Pending:
+    """A step that is not reported yet."""
+
+    action: int
+    reward: float
+    flags: int
+    place: int
+    seen: dict[str, Seen] = field(default_factory=dict)
+    """What each table showed after it."""
+
+
+class BoxReports(StepReports):
+    """Reports the steps of the environment called `name`, once a table is found.
+
+    Args:
+        name: Name of the environment.
+        actions: Number of actions.
+        recorder: Receives the steps.
+        announce: Reports the environment and its numbering, and returns its number.
+        note: Receives a message.
+        wanted: Name of the table, if given by the user.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        actions: int,
+        recorder: Recorder,
+        announce: Callable[[MetNumbering], int],
+        note: Callable[[str], None],
+        wanted: str | None,
+    ) -> None:
+        super().__init__(-1, Numbering((MOST_STATES,), (0,), False, actions, 0), recorder)
+        self._name, self._announce, self._note, self._wanted = name, announce, note, wanted
+        self._candidates: dict[str, Candidate] = {}
+        self._table: Candidate | None = None
+        self._pending: deque[_Pending] = deque()
+        self._began = monotonic()
+        self._episode = -1
+        self._next_state: int | None = None
+        """State after the last reported step."""
+        self._open: tuple[int, Candidate, set[int], Seen] | None = None
+        self.is_over = False
+        """True if no further step is reported."""
+
+    def step(self, frame: Any, take: Callable[[Any], Any], action: Any) -> Any:
+        """Call `take` with `action`, once permitted, and keep the step."""
+        self._before(frame, "step")
+        result = self._call(lambda: take(action))
+        step = step_of(result)
+        try:
+            number = self.numbering.action(action)
+        except (TypeError, ValueError):
+            step = None
+        if step is None:
+            self._leave_out()
+        elif not self.is_over:
+            self._pending.append(_Pending(number, step.reward, step.flags, self._place))
+            self._place += 1
+        return result
+
+    def reset(self, frame: Any, begin: Callable[[], Any]) -> Any:
+        """Call `begin`, once permitted."""
+        self._before(frame, "reset")
+        self._recorder.resets += self._table is not None
+        self._place = 0
+        return self._call(begin)
+
+    def before_put(self, site: int, sites: Sites, frame: FrameType) -> None:
+        """Read the index of an assignment that the program is about to make."""
+        self._open = None
+        if self.is_over or not self._pending:
+            return
+        index = sites[site].index
+        if self._wanted not in (None, index.name, index.name.split(".")[-1]):
+            return
+        candidate = self._candidates.get(index.name)
+        if candidate is None:
+            if self._table is not None:
+                return
+            candidate = self._candidates[index.name] = Candidate(index.name, self.numbering.actions)
+        if candidate.is_hopeless:
+            return
+        step = self._pending[-1]
+        seen = step.seen.setdefault(index.name, Seen())
+        states = candidate.look(sites[site], site, frame, step.action, seen)
+        if states is not None:
+            self._open = site, candidate, states, seen
+
+    def after_put(self, site: int) -> None:
+        """Compare the rows of an assignment that the program has made."""
+        if self._open is not None and self._open[0] == site:
+            _, candidate, states, seen = self._open
+            candidate.compare(states, seen)
+        self._open = None
+
+    def finish(self) -> None:
+        """Report the last steps of the program."""
+        if self.is_over or (self._table is None and self._recorder.count):
+            return
+        if self._table is None:
+            self._choose()
+        if self._table is not None:
+            self._report_until(0, None, "reset")
+        else:
+            self._note(self._reason())
+        self.is_over = True
+
+    def _call(self, call: Callable[[], Any]) -> Any:
+        self.is_inside = self.is_used = True
+        try:
+            return call()
+        finally:
+            self.is_inside = False
+
+    def _before(self, frame: Any, method: str) -> None:
+        """Report the steps whose next state is known now, and wait for permission."""
+        self._open = None
+        if self.is_over:
+            return
+        if self._table is None:
+            self._look_for_table()
+        if self._table is not None:
+            if len(self._pending) > 1:
+                self._judge(self._pending[-2], self._pending[-1])
+            self._report_until(0 if method == "reset" else 1, frame, method)
+
+    def _look_for_table(self) -> None:
+        if self._recorder.count:  # a world around this one reports
+            self._drop()
+        elif len(self._pending) >= FEW_STEPS:
+            self._choose()
+            if self._table is None:
+                self._wait_for_table()
+
+    def _reason(self) -> str:
+        """Return a message about the missing table."""
+        others = [each.name for each in self._candidates.values() if each.wrong > each.right]
+        return (_OF_OTHERS if others else _UNREAD).format(self._name, *others)
+
+    def _wait_for_table(self) -> None:
+        are_too_many = len(self._pending) >= _MOST_HELD
+        if are_too_many or monotonic() > self._began + _PATIENCE:
+            self._note(self._reason())
+        if are_too_many:
+            self._forget()
+
+    def _forget(self) -> None:
+        """Begin anew with the search for a table."""
+        self._pending.clear()
+        for each in self._candidates.values():
+            each.begin()
+
+    def _drop(self) -> None:
+        self.is_over = True
+        self._pending.clear()
+
+    def _choose(self) -> None:
+        """Choose the most likely table, if there is one, and report it."""
+        usable = [each for each in self._candidates.values() if each.is_usable]
+        if not usable:
+            return
+        usable.sort(key=lambda each: (rank(each.name.split(".")[-1], each.table), -each.right))
+        self._candidates = {each.name: each for each in usable}
+        self._table = table = usable[0]
+        self.number = self._announce(table.numbering)
+        assert table.form is not None
+        assert table.initial is not None
+        others = {each.name: each.form.name for each in usable[1:] if each.form is not None}
+        self._recorder.follow(table.name, table.form, table.table, table.initial, others)
+        self._recorder.channel.message(MessageKind.LINES, lines=table.lines)
+        for step, after in pairwise(list(self._pending)[:-1]):
+            self._judge(step, after)
+
+    def _judge(self, step: _Pending, after: _Pending) -> None:
+        table = self._table
+        assert table is not None
+        state, next_state = self._state(step), self._state(after)
+        if after.place and state is not None and next_state is not None:
+            table.judge(step.seen.get(table.name, Seen()), state, next_state)
+
+    def _state(self, step: _Pending) -> int | None:
+        """Return the state of a step, if one of the tables shows it."""
+        assert self._table is not None
+        keys = [step.seen[name].key for name in self._candidates if name in step.seen]
+        known = [each for each in keys if each is not None]
+        try:
+            return self._table.numbering.state(known[0]) if known else None
+        except UnfitError:
+            return None
+
+    def _report_until(self, left: int, frame: Any, method: str) -> None:
+        """Report pending steps until only `left` are left, each once permitted."""
+        assert self._table is not None
+        numbering = self._table.numbering
+        self._recorder.before(frame, numbering, method)
+        while len(self._pending) > left:
+            step = self._pending.popleft()
+            self._report(step, self._pending[0] if self._pending and self._pending[0].place else None)
+            self._recorder.before(frame, numbering, method)
+
+    def _report(self, step: _Pending, after: _Pending | None) -> None:
+        """Report a step, and what is known of the state after it."""
+        table = self._table
+        assert table is not None
+        seen = step.seen.get(table.name, Seen())
+        if step.place == 0 or self._episode < 0:
+            self._next_state = None
+            self._episode = self._recorder.begin_episode()
+        state = self._state(step)
+        if state is None:
+            state = self._next_state
+        self._next_state = None if after is None else self._state(after)
+        if self._next_state is None:
+            self._next_state = table.next_state(seen)
+        try:
+            state, next_state = (
+                table.numbering.state(_UNKNOWN) if each is None else each
+                for each in (state, self._next_state)
+            )
+        except UnfitError as why:
+            self._note(f"{self._name} is not watched any more: {why}")
+            self._drop()
+            return
+        told = (
+            self.number,
+            state,
+            step.action,
+            step.reward,
+            next_state,
+            step.flags,
+            self._episode,
+            step.place,
+        )
+        self._recorder.after_late(told, table.numbering, seen.before, seen.changes, is_end=after is None)
+
+
+class BoxWorlds:
+    """Watches the first environment whose observations have fractions, and others with its name.
+
+    Args:
+        recorder: Receives the steps.
+        making: Makes the environments.
+        note: Receives messages.
+        wanted: Name of the table, if given by the user.
+    """
+
+    def __init__(
+        self, recorder: Recorder, making: Making, note: Callable[[str], None], wanted: str | None
+    ) -> None:
+        self._recorder, self._making, self._note, self._wanted = recorder, making, note, wanted
+        self._name = ""
+        self._reports: BoxReports | None = None
+        self.sites = Sites()
+
+    def install(self) -> None:
+        """Watch the environments made from now on."""
+        self._making.without_states = self._reports_of
+        self.sites.call(self._before_put, self._after_put)
+
+    def finish(self) -> None:
+        """Report the last steps of the program."""
+        if self._reports is not None:
+            self._reports.finish()
+
+    def _reports_of(self, env: gymnasium.Env[Any, Any]) -> BoxReports | None:
+        name, actions = id_of(env), env.action_space
+        is_free = self._reports is None or not (self._reports.is_used or self._name == name)
+        if is_free and isinstance(actions, gymnasium.spaces.Discrete) and actions.start == 0:
+            time_limit = (0 if env.spec is None else env.spec.max_episode_steps) or 0
+            self.sites.begin()
+            self._name = name
+            self._reports = BoxReports(
+                name,
+                int(actions.n),
+                self._recorder,
+                lambda numbering: self._announce(name, numbering, time_limit),
+                self._note,
+                self._wanted,
+            )
+        return self._reports if self._name == name else None
+
+    def _announce(self, name: str, numbering: MetNumbering, time_limit: int) -> int:
+        number = self._making.announce_own(name, numbering, time_limit)
+        self._making.tell_names(number, numbering)
+        return number
+
+    def _before_put(self, site: int) -> None:
+        if self._reports is not None:
+            self._reports.before_put(site, self.sites, sys._getframe(1))
+
+    def _after_put(self, site: int) -> None:
+        if self._reports is not None:
+            self._reports.after_put(site)

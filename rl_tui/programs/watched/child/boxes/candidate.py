@@ -1,0 +1,169 @@
+"""A table that may be the program's, because its index has the action of each step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import prod
+from types import FrameType
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.programs.watched.child.boxes.sites import Index, Site
+from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
+from rl_tui.programs.watched.child.tables.keyed_table import keyed_form, sizes_of
+from rl_tui.programs.watched.child.worlds.met import Key, MetNumbering, UnfitError
+
+_ENOUGH: Final = 20
+_MANY: Final = 500
+_ENOUGH_MOVED: Final = 3
+"""Steps to another state among them, because an index of the state itself is right at the others."""
+_MOST_IN_ORDER: Final = 2_000
+"""Largest number of states to number at once."""
+_MOST_WRONG: Final = 0.02
+"""Most assignments with another action, for each with that of its step."""
+ReadPlace = tuple[int, int]
+"""A site, and an index that its function reads."""
+
+
+@dataclass
+class Seen:
+    """What a table showed between a step and the next call. Differences are flat lists of cell, old value
+    and new value.
+    """
+
+    key: Key | None = None
+    """The state of the step."""
+    reads: dict[ReadPlace, int] = field(default_factory=dict)
+    """States that were read beside it."""
+    before: list[float] = field(default_factory=list)
+    """Differences that were there before the first assignment."""
+    changes: list[float] = field(default_factory=list)
+
+
+class Candidate:
+    """A table of `actions` actions, called `name`, and the assignments to it."""
+
+    def __init__(self, name: str, actions: int) -> None:
+        self.name = name
+        self.numbering = MetNumbering((), actions, has_fractions=True)
+        self.form: HeldTable | None = None
+        self.table: Any = None
+        self.initial: Doubles | None = None
+        self._lines: dict[tuple[str, int], int] = {}
+        self.right = self.wrong = 0
+        """Assignments with the action of the step, and others."""
+        self._votes: dict[ReadPlace, list[int]] = {}
+        """Counts of each index: right, right after a step to another state, and wrong."""
+
+    def begin(self) -> None:
+        """Begin anew: the table of now is the initial one."""
+        if not self.is_hopeless:
+            self.right = self.wrong = 0
+        self.initial = None if self.form is None else self.form.values()
+
+    @property
+    def lines(self) -> list[tuple[str, int, int]]:
+        """File, line and number of assignments of each place."""
+        return [(*place, count) for place, count in self._lines.items()]
+
+    @property
+    def is_usable(self) -> bool:
+        """True if enough assignments had the action of their step."""
+        return self.right >= _ENOUGH and self.wrong <= self.right * _MOST_WRONG
+
+    @property
+    def is_hopeless(self) -> bool:
+        """True if many assignments had another action than that of their step."""
+        return self.wrong > max(_MANY, self.right * _MOST_WRONG)
+
+    def look(self, site: Site, number: int, frame: FrameType, action: int, seen: Seen) -> set[int] | None:
+        """Read the index of an assignment before it is made, and the rows of its states. Return these
+        states, or None for other assignments.
+        """
+        keys, table = site.index.keys(frame), site.index.table(frame)
+        if keys is None or len(keys) < 2 or type(keys[-1]) is not int:
+            return None
+        key = keys[0] if len(keys) == 2 else keys[:-1]
+        if not 0 <= keys[-1] < self.numbering.actions:
+            return None
+        if self.form is None:
+            self._number_in_order(table, len(keys))
+        try:
+            state = self.numbering.state(key)
+        except UnfitError:
+            return None
+        if not self._take(table):
+            return None
+        assert self.form is not None
+        is_right = keys[-1] == action and seen.key in (None, key)
+        self.right, self.wrong = self.right + is_right, self.wrong + (not is_right)
+        if is_right:
+            seen.key = key
+            place = frame.f_code.co_filename, site.line
+            self._lines[place] = self._lines.get(place, 0) + 1
+        states = {state}
+        for at, index in enumerate(site.reads):
+            read = self._state_read(index, frame, len(keys) - 1)
+            if read is not None:
+                states.add(read)
+                if is_right:
+                    seen.reads[number, at] = read
+        found = self.form.differences(table, states)
+        if seen.changes:
+            seen.changes += found
+        else:
+            seen.before += found
+        return states
+
+    def compare(self, states: set[int], seen: Seen) -> None:
+        """Read the rows of `states` after an assignment."""
+        if self.form is not None:
+            seen.changes += self.form.differences(self.table, states)
+
+    def judge(self, seen: Seen, state: int, next_state: int) -> None:
+        """Learn from a step between known states which index reads the next one."""
+        for place, read in seen.reads.items():
+            votes = self._votes.setdefault(place, [0, 0, 0])
+            votes[0] += read == next_state
+            votes[1] += read == next_state != state
+            votes[2] += read != next_state
+
+    def next_state(self, seen: Seen) -> int | None:
+        """Return the next state that an index showed which was never wrong, or None."""
+        votes = {place: self._votes.get(place, (0, 0, 0)) for place in seen.reads}
+        sure = [
+            place
+            for place, (right, moved, wrong) in votes.items()
+            if right >= _ENOUGH and moved >= _ENOUGH_MOVED and not wrong
+        ]
+        return seen.reads[max(sure, key=lambda place: votes[place])] if sure else None
+
+    def _number_in_order(self, table: Any, parts: int) -> None:
+        """Give numbers to the states of a small array or lists, in order. An index has `parts` parts."""
+        sizes = table.shape if type(table) is np.ndarray else sizes_of(table)
+        count = prod(sizes[:-1])
+        if len(sizes) == parts and sizes[-1] == self.numbering.actions and count <= _MOST_IN_ORDER:
+            places = np.ndindex(*sizes[:-1])
+            states = [each[0] if parts == 2 else each for each in places]
+            self.numbering = MetNumbering(states, sizes[-1], most=count + 1)  # one more for unknown states
+
+    def _take(self, table: Any) -> bool:
+        """Follow `table`. Return False if it has no numbers for the states met so far."""
+        if self.form is None:
+            self.form = keyed_form(table, self.numbering)
+            if self.form is not None:
+                self.form.take(table)
+                self.initial = self.form.values()
+        self.table = table
+        return self.form is not None
+
+    def _state_read(self, index: Index, frame: FrameType, parts: int) -> int | None:
+        """Return the state whose row, or one number of it, is read, or None."""
+        keys = index.keys(frame)
+        if keys is None or len(keys) not in (parts, parts + 1):
+            return None
+        try:
+            return self.numbering.state(keys[0] if parts == 1 else keys[:parts])
+        except UnfitError:
+            return None
