@@ -332,7 +332,7 @@ def test_the_spotlight_names_the_key_of_a_panel_that_has_no_place() -> None:
     panel = panel_of(at("predict"))
     for spotlight, said in (
         (Spotlight("Q"), "▸ look at Q"),
-        (Spotlight("Microscope", is_seen=False, key="d"), "▸ look at Microscope: d opens it"),
+        (Spotlight("Microscope", is_seen=False, key="d"), "▸ look at Microscope: d shows it"),
     ):
         panel.spotlight = spotlight
         rows = (row.text.strip(" ┃│█") for row in panel.picture(panel.snapshot, 42, 20))

@@ -505,7 +505,7 @@ async def test_the_spotlight_marks_its_panel_while_the_page_is_open(size: tuple[
         await press(pilot, "pagedown")
         assert not board.table.has_class("-spotlit")
         assert board.panel(MICROSCOPE).has_class("-spotlit")
-        assert "look at Microscope: d opens it" in screen_text(pilot.app)
+        assert "look at Microscope: d shows it" in screen_text(pilot.app)
 
 
 async def test_keys_palette_and_help_offer_a_lesson_only_where_there_is_one() -> None:

@@ -132,7 +132,10 @@ class LessonPlace:
         self.panel.spotlight = None
         if row is not None:
             key = "" if row.opened_by is None else row.opened_by.key
-            self.panel.spotlight = Spotlight(row.title, self._arrangement.has_place(row.id, size), key)
+            if self.reads and self._arrangement.has_place(row.id, size):
+                key = "esc"
+            is_seen = row.id in self._arrangement.regions(size, self._arrangement.zoomed)
+            self.panel.spotlight = Spotlight(row.title, is_seen, key)
 
 
 # The board

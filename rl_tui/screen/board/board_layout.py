@@ -55,7 +55,7 @@ class BoardLayout(Layout):
         return not self.has_lesson_in_a_row(size) and LESSON in self.regions(size, self.zoomed)
 
     def has_place(self, panel: str, size: Size) -> bool:
-        """Return True if ``panel`` has a place together with the lesson page."""
+        """Return True if ``panel`` has a place while the lesson page has one row, or is beside the world."""
         return panel in self._place(size, replace(self.shape, reads=False), self.zoomed).regions
 
     def is_pair(self, size: Size) -> bool:

@@ -51,7 +51,6 @@ _BELOW_LANES: Final = 18  # rows below the worlds of two runs that leave space f
 _UPPER: Final = {MEDIUM: 13, ROOMY: 16}  # rows of the upper band if the table needs them beside a low map
 _MOST_CURVE: Final = 16
 _CURVE_BESIDE_PANEL: Final = {MEDIUM: 5, ROOMY: 10}  # most rows, not to outgrow the map
-_EMPTY_AT_FIRST: Final = frozenset({TABLE, CURVE, TIMELINE, LAST_STEP})
 _LAST_STEP: Final = 8  # rows of the full text
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
@@ -98,7 +97,7 @@ def arrange(
             glance = replace(shape, shown=frozenset({WORLD}), lanes=False, is_drawn=False)
             return _Bands(ScreenPlan(size, glance), None, 0, glances=True).place()
         if shape.reads:
-            return sheet.alone(LESSON)
+            return sheet.page()
         sheet.put(LESSON, Region(0, 1, size.width, 1))
         sheet.top = 2
     if sheet.room is SMALL and opened is not None:
@@ -107,11 +106,9 @@ def arrange(
     if opened is not None and sheet.room is not ROOMY:
         sheet.lanes = False
     is_wide = sheet.room is ROOMY and not (shape.has_lesson or shape.is_drawn or sheet.lanes)
-    place = _Bands(sheet, opened, wide_rows if is_wide else 0).place()
-    is_fresh = shape.is_fresh and shape.has_lesson and sheet.room is ROOMY and shape.shown is None
-    for panel in _EMPTY_AT_FIRST - {shape.spotlight} if is_fresh else ():
-        place.regions.pop(panel, None)  # nothing else moves when it comes
-    return place
+    if shape.is_fresh and shape.has_lesson and sheet.room is ROOMY and shape.shown is None:
+        sheet.shape = shape.at_first()
+    return _Bands(sheet, opened, wide_rows if is_wide else 0).place()
 
 
 class _Bands:
@@ -137,7 +134,9 @@ class _Bands:
             self.below_page, self.aside = (self.below_page, self.aside) if docked else (self.aside, None)
         has_column = self.aside or sheet.shows(TABLE) or sheet.shows(LAST_STEP)
         self.is_alone = self.shape.shown is not None and not has_column
-        self.has_lower = bool(self.below_page or sheet.shows(CURVE) or sheet.shows(self.shape.settings))
+        self.has_band = sheet.shows(CURVE) or sheet.shows(TABLE)
+        lower = (CURVE, self.shape.settings, LAST_STEP) if docked else (CURVE, self.shape.settings)
+        self.has_lower = bool(self.below_page) or any(sheet.shows(each) for each in lower)
         self.wind = int(isinstance(self.drawing, Grid) and bool(self.drawing.wind))
         self.is_place = isinstance(self.drawing, Grid) and not self.drawing.legend
         self.chain = len(self.drawing.chain) if isinstance(self.drawing, Graph) else 0
@@ -231,14 +230,16 @@ class _Bands:
     def _least_below(self) -> int:
         sheet = self.sheet
         if self.glances:
-            return (sheet.foot - sheet.top) * 2 // 5
+            return (sheet.foot - sheet.top) // 4
         if not self.has_lower:
             return 0
         if self.wide is not None:
             return self.wide_rows + 2  # with timeline and sliders
         if self.below_page is not None:
             return min(_BELOW_A_WORLD, (sheet.foot - sheet.top) // 2)
-        if self.aside == LESSON and self.shape.shown is None:
+        if self.aside == LESSON and not self.has_band:
+            return sheet.shows(self.shape.settings) + (_SHORT_STEP + 1) * sheet.shows(LAST_STEP)
+        if self.aside == LESSON and (self.shape.shown is None or self.shape.is_fresh):
             return _BESIDE_PAGE + 2
         rows = 0
         if isinstance(self.drawing, Grid):
@@ -421,15 +422,14 @@ class _Bands:
         panels += [(BUDGET, _BUDGET)] if isinstance(self.drawing, Arms) else []
         return [each for each in panels if each[0] not in taken]
 
-    def _put_below_lanes_or_page(self, low: int, left: int) -> None:
+    def _put_below_lanes_or_page(self, low: int, width: int) -> None:
         sheet, foot, x, shape = self.sheet, self.sheet.foot, self.sheet.margin, self.shape
-        width = left
         if sheet.shows(shape.settings):
             foot -= 1
             sheet.put(shape.settings, Region(x, foot, width, 1))
         if LAST_STEP not in sheet.regions and sheet.shows(LAST_STEP):
             is_beside = self.aside is not None and self.below_page is None
-            kept = self._most_curve + 1 + sheet.blank if is_beside else _BESIDE_PAGE
+            kept = self.has_band * (self._most_curve + 1 + sheet.blank if is_beside else _BESIDE_PAGE)
             sizes = (_LAST_STEP, _SHORT_STEP, 1) if is_beside else (1,)
             rows = next((each for each in sizes if foot - low - each >= kept), 0)
             foot -= rows

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import Final, NamedTuple
 
@@ -11,6 +11,7 @@ from textual.geometry import Region, Size
 
 from rl_tui.lessons.file.schema import Page
 from rl_tui.screen.kit.row import (
+    BUDGET,
     CAPTION,
     CONTROLS,
     CURVE,
@@ -64,6 +65,12 @@ class Shape:
         """The id of the panel about the agent: settings, or the watched program."""
         return PROGRAM if self.is_program else CONTROLS
 
+    def at_first(self) -> Shape:
+        """Return the shape without the panels that are empty until the first step."""
+        pointed = {self.spotlight} if self.spotlight else set()
+        pointed |= {CURVE, TIMELINE} if pointed & {CURVE, TIMELINE} else set()
+        return replace(self, shown=frozenset({WORLD, BUDGET, CONTROLS} | pointed))
+
 
 def expected_shape(
     section: WorldSection,
@@ -96,6 +103,7 @@ class SizeClass(IntEnum):
 
 
 SMALL, MEDIUM, ROOMY = SizeClass
+_BELOW_A_PAGE: Final = {TABLE: 5, BUDGET: 4, LAST_STEP: 3, CURVE: 4, CONTROLS: 1}  # rows
 _AT_THE_RIGHT: Final = frozenset({TABLE, LAST_STEP, CONTROLS})
 
 
@@ -225,6 +233,17 @@ class ScreenPlan:
             self.put(TIMELINE, Region(body.x, body.bottom - 1, body.width, 1))
             return Arrangement(self.regions, Size(0, 0))
         self.put(panel, body)
+        return Arrangement(self.regions, Size(0, 0))
+
+    def page(self) -> Arrangement:
+        """Return the arrangement of a lesson page, with the panel that it points at below."""
+        panel = self.shape.spotlight
+        rows = _BELOW_A_PAGE.get(panel or "", 0) if self.room is MEDIUM else 0
+        if panel is not None and rows and self.shows(panel):
+            self.foot -= rows
+            panel = self.shape.settings if panel == CONTROLS else panel
+            self.put(panel, Region(self.margin, self.foot, self.usable, rows))
+        self.put(LESSON, Region(self.margin, 1, self.usable, self.foot - 1))
         return Arrangement(self.regions, Size(0, 0))
 
     def _big(self, world: str) -> Arrangement:

@@ -60,7 +60,7 @@ _LEAST_TEXT: Final = 6  # rows kept for the text above the task
 
 @dataclass(frozen=True, slots=True)
 class Spotlight:
-    """The panel that a page points at, and the ``key`` that opens it.
+    """The panel that a page points at, and the ``key`` that shows it.
 
     ``is_seen``: it is on the screen.
     """
@@ -249,7 +249,7 @@ class _Page:
 
     def _look_at(self, spotlight: Spotlight) -> Block:
         mark = self._look.glyphs.cursor
-        opens = f": {spotlight.key} opens it" if spotlight.key else ": not in view, f fills the screen"
+        opens = f": {spotlight.key} shows it" if spotlight.key else ": not in view, f fills the screen"
         where = "" if spotlight.is_seen else opens
         return self._row(Piece(f"{mark} look at {spotlight.title}{where}", self._palette.you))
 
