@@ -36,6 +36,7 @@ from rl_tui.programs.watched.child.script import read_script, run_script
 from rl_tui.programs.watched.child.stand_ins import stand_in
 from rl_tui.programs.watched.child.worlds.functions import with_watched_functions
 from rl_tui.programs.watched.child.worlds.own_worlds import OwnWorlds
+from rl_tui.programs.watched.child.worlds.windows import offer_windows
 from rl_tui.programs.watched.messages import MessageKind
 
 # Seeds of all random generators
@@ -230,6 +231,7 @@ def main(said: dict[str, Any]) -> None:
     surround(note)
     give_back_removed_names(note)
     stand_in(note)
+    offer_windows(note)
     making = Making(recorder, said["seed"])
     making.install()
     offer_old_gym(making, note)

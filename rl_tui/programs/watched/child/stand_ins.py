@@ -13,8 +13,6 @@ from rl_tui.programs.watched.child.errors import is_users_file
 
 Note = Callable[[str], None]
 _LOGGING: Final = frozenset({"IPython", "wandb", "tensorboardX"})
-_TKINTER: Final = ("tkinter", "Tkinter")
-_NO_WINDOWS: Final = "tkinter opens no window: rl-tui shows the world"
 _SHELL: Final = "get_ipython() belongs to notebooks: its commands are skipped"
 
 
@@ -61,7 +59,6 @@ def stand_in(note: Note) -> None:
     builtins.get_ipython = get_ipython  # type: ignore[attr-defined]
     builtins.display = print  # type: ignore[attr-defined]
     sys.meta_path.append(_LastFinder(note))
-    sys.meta_path.insert(0, _Windows(note))
 
 
 class _LastFinder:
@@ -91,29 +88,3 @@ class _LastFinder:
         self._note(f"{top} is not installed: its functions do nothing")
         shows_nothing = {"display": print} if top == "IPython" else {}
         module.__dict__.update(shows_nothing, __path__=[], __getattr__=Nothing().__getattr__)
-
-
-class _Windows:
-    """Finds tkinter, whose windows a watched program may not open."""
-
-    def __init__(self, note: Note) -> None:
-        self._note = note
-
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        """Return a spec for tkinter and its modules."""
-        if fullname.partition(".")[0] not in _TKINTER:
-            return None
-        return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
-
-    def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """Return an empty module."""
-        return ModuleType(spec.name)
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Fill `module` with widgets that do nothing."""
-        from rl_tui.programs.watched.child.worlds.windows import content
-
-        self._note(_NO_WINDOWS)
-        module.__dict__.update(content(), __path__=[])

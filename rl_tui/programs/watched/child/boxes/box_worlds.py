@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import gymnasium
 
-from rl_tui.programs.watched.child.boxes.candidate import Candidate, Seen
+from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, Seen
 from rl_tui.programs.watched.child.boxes.sites import Sites
 from rl_tui.programs.watched.child.environments.making import Making, id_of
 from rl_tui.programs.watched.child.environments.numbering import Numbering
@@ -73,14 +73,14 @@ class BoxReports(StepReports):
     ) -> None:
         super().__init__(-1, Numbering((MOST_STATES,), (0,), False, actions, 0), recorder)
         self._name, self._announce, self._note, self._wanted = name, announce, note, wanted
-        self._candidates: dict[str, Candidate] = {}
-        self._table: Candidate | None = None
+        self._candidates: dict[str, IndexedTable] = {}
+        self._table: IndexedTable | None = None
         self._pending: deque[_Pending] = deque()
         self._began = monotonic()
         self._episode = -1
         self._next_state: int | None = None
         """State after the last reported step."""
-        self._open: tuple[int, Candidate, set[int], Seen] | None = None
+        self._open: tuple[int, IndexedTable, set[int], Seen] | None = None
         self.is_over = False
         """True if no further step is reported."""
 
@@ -119,7 +119,7 @@ class BoxReports(StepReports):
         if candidate is None:
             if self._table is not None:
                 return
-            candidate = self._candidates[index.name] = Candidate(index.name, self.numbering.actions)
+            candidate = self._candidates[index.name] = IndexedTable(index.name, self.numbering.actions)
         if candidate.is_hopeless:
             return
         step = self._pending[-1]

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.programs.watched.child.boxes.sites import Index, Site
+from rl_tui.programs.watched.child.boxes.sites import Index, IndexSite
 from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
 from rl_tui.programs.watched.child.tables.keyed_table import keyed_form, sizes_of
 from rl_tui.programs.watched.child.worlds.met import Key, MetNumbering, UnfitError
@@ -41,7 +41,7 @@ class Seen:
     changes: list[float] = field(default_factory=list)
 
 
-class Candidate:
+class IndexedTable:
     """A table of `actions` actions, called `name`, and the assignments to it."""
 
     def __init__(self, name: str, actions: int) -> None:
@@ -77,7 +77,9 @@ class Candidate:
         """True if many assignments had another action than that of their step."""
         return self.wrong > max(_MANY, self.right * _MOST_WRONG)
 
-    def look(self, site: Site, number: int, frame: FrameType, action: int, seen: Seen) -> set[int] | None:
+    def look(
+        self, site: IndexSite, number: int, frame: FrameType, action: int, seen: Seen
+    ) -> set[int] | None:
         """Read the index of an assignment before it is made, and the rows of its states. Return these
         states, or None for other assignments.
         """

@@ -140,7 +140,7 @@ def _index_of(node: ast.expr) -> Index | None:
     return Index(copy.deepcopy(node), copy.deepcopy(parts))
 
 
-class Site:
+class IndexSite:
     """An assignment to `index` in a line of a file, and the indexes of the same table that its function
     reads.
     """
@@ -162,8 +162,8 @@ class _Calls(ast.NodeTransformer):
 
     def __init__(self, first: int) -> None:
         self._first = first
-        self.sites: list[Site] = []
-        self._here: list[Site] = []
+        self.sites: list[IndexSite] = []
+        self._here: list[IndexSite] = []
 
     def visit_Module(self, node: ast.Module) -> ast.AST:
         return self._scope(node)
@@ -194,7 +194,7 @@ class _Calls(ast.NodeTransformer):
         if index is None or NO_TABLE.search(index.name.split(".")[-1]):
             return node
         number = self._first + len(self.sites)
-        self.sites.append(Site(index, node.lineno))
+        self.sites.append(IndexSite(index, node.lineno))
         self._here.append(self.sites[-1])
         before, after = (_call(name, number, node) for name in (BEFORE, AFTER))
         return [before, node, after]
@@ -219,10 +219,10 @@ class Sites:
     """
 
     def __init__(self) -> None:
-        self._sites: list[Site] = []
+        self._sites: list[IndexSite] = []
         self._is_on = False
 
-    def __getitem__(self, number: int) -> Site:
+    def __getitem__(self, number: int) -> IndexSite:
         return self._sites[number]
 
     def with_calls(self, script: Script, path: Path) -> Script:

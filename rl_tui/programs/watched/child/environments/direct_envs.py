@@ -21,7 +21,7 @@ Answer = Callable[[Any, str, Any], Any]
 """Returns the result of a method for the frame that called it."""
 
 
-class Worlds(Protocol):
+class MetWorlds(Protocol):
     """Watches worlds without spaces."""
 
     def step(self, it: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
@@ -53,7 +53,7 @@ class DirectEnvs:
     ) -> None:
         self._announce, self._announce_again = announce, announce_again
         self.answer: Answer = _as_it_is
-        self.without_spaces: Worlds | None = None
+        self.without_spaces: MetWorlds | None = None
         """Watches environments without finite spaces."""
         self.more_methods: Mapping[str, Any] = {}
         """Further methods of Gymnasium's own classes."""

@@ -30,7 +30,7 @@ from rl_tui.programs.watched.child.worlds.met import (
 _MOST_EXAMPLES: Final = 8
 
 
-class Shape(StrEnum):
+class KeyShape(StrEnum):
     """The place of the rows in a table."""
 
     ARRAY = "array"
@@ -52,12 +52,12 @@ class Shape(StrEnum):
 class KnownShape(NamedTuple):
     """The shape of a table, whether its keys are texts of the states, and its number of actions."""
 
-    shape: Shape
+    shape: KeyShape
     has_texts: bool
     actions: int
 
 
-_BY_PLACE: Final = (Shape.ARRAY, Shape.LISTS, Shape.ROWS)
+_BY_PLACE: Final = (KeyShape.ARRAY, KeyShape.LISTS, KeyShape.ROWS)
 """Shapes in which an action is a place of a row."""
 
 
@@ -88,9 +88,9 @@ def keyed_form(value: Any, numbering: Numbering) -> HeldTable | None:
         return None
     if found.shape in _BY_PLACE and not (states.are_actions_places and found.actions == numbering.actions):
         return None
-    if not is_met and found.shape is Shape.ARRAY:  # a larger array may be anything
+    if not is_met and found.shape is KeyShape.ARRAY:  # a larger array may be anything
         return None
-    if not is_met and found.shape is Shape.LISTS and sizes_of(value)[:-1] != numbering.parts:
+    if not is_met and found.shape is KeyShape.LISTS and sizes_of(value)[:-1] != numbering.parts:
         return None
     return KeyedTable(numbering, states, found.shape, found.has_texts)
 
@@ -124,7 +124,7 @@ def _shape_of_array(value: Any, plain: Sequence[Any]) -> KnownShape | None:
         is_index = len(parts) == value.ndim - 1 and all(type(each) is int for each in parts)
         if not (is_index and all(0 <= each < size for each, size in zip(parts, value.shape, strict=False))):
             return None
-    return KnownShape(Shape.ARRAY, False, value.shape[-1])
+    return KnownShape(KeyShape.ARRAY, False, value.shape[-1])
 
 
 def _shape_of_lists(value: Any, plain: Sequence[Any]) -> KnownShape | None:
@@ -138,7 +138,7 @@ def _shape_of_lists(value: Any, plain: Sequence[Any]) -> KnownShape | None:
         if not _is_row(row):
             return None
         widths.add(len(row))
-    return KnownShape(Shape.LISTS, False, widths.pop()) if len(widths) == 1 else None
+    return KnownShape(KeyShape.LISTS, False, widths.pop()) if len(widths) == 1 else None
 
 
 def _is_row(row: Any) -> bool:
@@ -155,9 +155,9 @@ def _shape_of_frame(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -
         return None
     index = set(value.index.tolist())
     if any(str(each) in index for each in examples):
-        return KnownShape(Shape.FRAME, True, value.shape[1])
+        return KnownShape(KeyShape.FRAME, True, value.shape[1])
     is_there = any(each in index for each in plain)
-    return KnownShape(Shape.FRAME, False, value.shape[1]) if is_there else None
+    return KnownShape(KeyShape.FRAME, False, value.shape[1]) if is_there else None
 
 
 def _shape_of_dict(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -> KnownShape | None:
@@ -168,9 +168,9 @@ def _shape_of_dict(value: Any, examples: Sequence[Any], plain: Sequence[Any]) ->
             row: Any = dict.get(value, each)
             if issubclass(type(row), dict) and _is_width(dict.__len__(row)):
                 if all(map(is_number, dict.values(row))):
-                    return KnownShape(Shape.DICTS, has_texts, dict.__len__(row))
+                    return KnownShape(KeyShape.DICTS, has_texts, dict.__len__(row))
             elif row is not None and _is_row(row):
-                return KnownShape(Shape.ROWS, has_texts, len(row))
+                return KnownShape(KeyShape.ROWS, has_texts, len(row))
     return _shape_of_pairs(value, examples, plain)
 
 
@@ -183,9 +183,9 @@ def _shape_of_pairs(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -
         return None
     for original, key in zip(examples, plain, strict=True):
         for shape, has_texts, start in (
-            (Shape.PAIRS, False, (key,)),
-            (Shape.PAIRS, True, (str(original),)),
-            (Shape.FLAT, False, _parts(key)),
+            (KeyShape.PAIRS, False, (key,)),
+            (KeyShape.PAIRS, True, (str(original),)),
+            (KeyShape.FLAT, False, _parts(key)),
         ):
             if any(dict.__contains__(value, (*start, action)) for action in actions):
                 return KnownShape(shape, has_texts, len(actions))
@@ -198,7 +198,7 @@ class KeyedTable(HeldTable):
     """
 
     def __init__(
-        self, numbering: Numbering, states: MetNumbering | FixedStates, shape: Shape, has_texts: bool
+        self, numbering: Numbering, states: MetNumbering | FixedStates, shape: KeyShape, has_texts: bool
     ) -> None:
         super().__init__(numbering)
         self.name, self._states = shape.value, states
@@ -238,7 +238,7 @@ class KeyedTable(HeldTable):
     def all_differences(self, table: Any) -> list[float]:
         """Return and store what has changed anywhere."""
         self._length = self._count(table)
-        if self._shape is Shape.FRAME:
+        if self._shape is KeyShape.FRAME:
             self._read_frame(table)
         found: list[float] = []
         for state in self._states.met:
@@ -250,9 +250,9 @@ class KeyedTable(HeldTable):
         return self._row(table, state)
 
     def _count(self, table: Any) -> int:
-        if self._shape in (Shape.ARRAY, Shape.LISTS):
+        if self._shape in (KeyShape.ARRAY, KeyShape.LISTS):
             return len(self._states.met)
-        return len(table.index) if self._shape is Shape.FRAME else dict.__len__(table)
+        return len(table.index) if self._shape is KeyShape.FRAME else dict.__len__(table)
 
     def _compare(self, state: int, row: tuple[float, ...] | None, found: list[float]) -> None:
         before = self._kept.get(state)
@@ -277,23 +277,23 @@ class KeyedTable(HeldTable):
 
     def _row_of(self, table: Any, key: Any) -> tuple[float, ...] | None:
         match self._shape:
-            case Shape.ARRAY | Shape.LISTS:
+            case KeyShape.ARRAY | KeyShape.LISTS:
                 row = table
                 for part in _parts(key):
                     row = row[part]
                 return _numbers(row)
-            case Shape.FRAME:
+            case KeyShape.FRAME:
                 found = [NAN] * self.actions
                 numbers = table.to_numpy()[self._places[key]]
                 for action, value in zip(self._columns, numbers, strict=True):
                     if action is not None:
                         found[action] = float(value)
                 return tuple(found)
-            case Shape.ROWS:
+            case KeyShape.ROWS:
                 return _numbers(dict.__getitem__(table, key))
-            case Shape.DICTS:
+            case KeyShape.DICTS:
                 return self._by_action(dict.__getitem__(table, key), ())
-        return self._by_action(table, (key,) if self._shape is Shape.PAIRS else _parts(key))
+        return self._by_action(table, (key,) if self._shape is KeyShape.PAIRS else _parts(key))
 
     def _by_action(self, table: Any, start: tuple[Any, ...]) -> tuple[float, ...] | None:
         """Return the numbers of a dict by action, or by `start` and action."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.tables.forms import MOST_CELLS
-from rl_tui.programs.watched.child.tables.keyed_table import Shape, shape_of
+from rl_tui.programs.watched.child.tables.keyed_table import KeyShape, shape_of
 from rl_tui.programs.watched.child.tables.search import GOOD, LIKE_Q, NO_TABLE, Way, rank, ways
 from rl_tui.programs.watched.child.worlds.met import MOST_ACTIONS, Key, UnfitError, key_of, state_key
 from rl_tui.programs.watched.messages import StepFlag
@@ -140,7 +140,7 @@ class TableSearch:
                     found = shape_of(value, observations[-8:])
                 except (LookupError, TypeError, ValueError, AttributeError, UnfitError):
                     continue
-                if found is not None and found.shape not in (Shape.ARRAY, Shape.LISTS):
+                if found is not None and found.shape not in (KeyShape.ARRAY, KeyShape.LISTS):
                     return found.actions
         return None
 

@@ -4,12 +4,17 @@ from them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from importlib.machinery import ModuleSpec
+from types import ModuleType
 from typing import Any, Final
 
-from rl_tui.programs.watched.child.stand_ins import Nothing
+from rl_tui.programs.watched.child.stand_ins import Note, Nothing
 
 _SIZE: Final = 400
+_TKINTER: Final = ("tkinter", "Tkinter")
+_NO_WINDOWS: Final = "tkinter opens no window: rl-tui shows the world"
 _WIDGETS: Final = (
     *("Frame", "Label", "Button", "Entry", "Toplevel", "Scale", "Text", "Menu", "Scrollbar", "Radiobutton"),
     *("Checkbutton", "StringVar", "IntVar", "DoubleVar", "BooleanVar", "PhotoImage", "LabelFrame", "Spinbox"),
@@ -75,7 +80,7 @@ class Tk(Widget):
         self._waiting.clear()
 
 
-class Canvas(Tk):
+class PlacingCanvas(Tk):
     """A canvas that knows where its items are."""
 
     def __init__(self, *_: Any, **__: Any) -> None:
@@ -128,10 +133,39 @@ def _flat(numbers: Any) -> Iterator[float]:
             yield float(each)
 
 
-def content() -> dict[str, Any]:
+def _content() -> dict[str, Any]:
     """Return the names of the module."""
-    names: dict[str, Any] = {"Tk": Tk, "Canvas": Canvas, "Widget": Widget, "Misc": Widget}
+    names: dict[str, Any] = {"Tk": Tk, "Canvas": PlacingCanvas, "Widget": Widget, "Misc": Widget}
     names |= {"TclError": RuntimeError, "TkVersion": 8.6}
     names |= {name: type(name, (Widget,), {}) for name in _WIDGETS}
     names |= {name: name.lower() for name in _CONSTANTS}
     return {**names, "__all__": [*names]}
+
+
+def offer_windows(note: Note) -> None:
+    """Answer imports of tkinter. `note` receives a message at the first one."""
+    sys.meta_path.insert(0, _Windows(note))
+
+
+class _Windows:
+    """Finds tkinter, whose windows a watched program may not open."""
+
+    def __init__(self, note: Note) -> None:
+        self._note = note
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return a spec for tkinter and its modules."""
+        if fullname.partition(".")[0] not in _TKINTER:
+            return None
+        return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        """Return an empty module."""
+        return ModuleType(spec.name)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Fill `module` with widgets that do nothing."""
+        self._note(_NO_WINDOWS)
+        module.__dict__.update(_content(), __path__=[])
