@@ -28,7 +28,7 @@ PALETTE = look().palette
         ([-0.2, 3.0], (-0.2, 3.0)),  # the smaller end is less than a tenth
         ([-100.0, *range(1, 17)], (1.0, 16.0)),  # one outlier
         ([0.0, *range(1, 17)], (0.0, 16.0)),
-        ([0.01, 0.03, 0.15, 0.52, *[0.0] * 60], (0.0, 0.52)),  # zeros are no reason to cut
+        ([0.01, 0.03, 0.15, 0.52, *[0.0] * 60], (0.0, 0.52)),  # zeros do not make outliers
         ([-0.3, 0.34, *[-0.1] * 5, *[0.0] * 30], (-0.34, 0.34)),  # most are unknown: few have the other sign
     ],
 )
