@@ -21,7 +21,7 @@ def test_opposite_arrows_are_mirror_images(columns: int, rows: int) -> None:
 
 
 @pytest.mark.parametrize(("columns", "rows"), SIZES)
-@pytest.mark.parametrize("name", ["disc", "ring", "square"])
+@pytest.mark.parametrize("name", ["agent", "ring", "square"])
 def test_round_signs_are_symmetric_and_fill_their_size(name: SignName, columns: int, rows: int) -> None:
     sign = block_sign(name, columns, rows)
     assert [len(row) for row in sign] == [columns] * rows

@@ -28,6 +28,7 @@ PALETTE = look().palette
         ([-0.2, 3.0], (-0.2, 3.0)),  # the smaller end is less than a tenth
         ([-100.0, *range(1, 17)], (1.0, 16.0)),  # one outlier
         ([0.0, *range(1, 17)], (0.0, 16.0)),
+        ([0.01, 0.03, 0.15, 0.52, *[0.0] * 60], (0.0, 0.52)),  # zeros do not make outliers
         ([-0.3, 0.34, *[-0.1] * 5, *[0.0] * 30], (-0.34, 0.34)),  # most are unknown: few have the other sign
     ],
 )
@@ -81,3 +82,13 @@ def test_it_is_drawn_with_both_ends() -> None:
     pieces = scale_pieces(ValueScale(0.0, 0.86), look())
     assert [piece.text for piece in pieces] == ["0 ", *" " * len(PALETTE.values), " .86"]
     assert not scale_pieces(ValueScale(), look())
+    pieces = scale_pieces(ValueScale(-13.0, 0.002, cuts=(True, True)), look())
+    assert (pieces[0].text, pieces[-1].text) == ("≤−13 ", " ≥.002")
+
+
+def test_it_knows_what_lies_beyond_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    start, values = lake(0), np.array([*np.linspace(0.0, 1.0, 40), 90.0])
+    monkeypatch.setattr("rl_tui.screen.kit.value_scale.scale_numbers", lambda *_: values)
+    scale = SteadyScale().of(start)
+    assert scale.high < 90.0
+    assert scale.cuts == (False, True)

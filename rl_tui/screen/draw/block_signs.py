@@ -12,7 +12,7 @@ from typing import Final, Literal
 
 Direction = tuple[int, int]  # rows down and columns right, −1, 0 or 1 each
 Sign = Direction | str  # an arrow by its direction, or a letter
-SignName = Literal["arrow", "disc", "ring", "square", "star"]
+SignName = Literal["agent", "arrow", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
 
 QUADRANTS: Final = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # by bits: upper left, upper right, lower left, lower right
@@ -96,8 +96,8 @@ def _shape(name: SignName, direction: Direction, rows: int) -> _Inside:
     match name:
         case "arrow":
             return _arrow(*direction, rows)
-        case "disc":
-            return lambda x, y: x * x + y * y <= 0.92
+        case "agent":
+            return lambda x, y: not 0.1 < x * x + y * y < 0.45 and x * x + y * y <= 1.0
         case "ring":
             return lambda x, y: 0.30 <= x * x + y * y <= 0.95
         case "square":

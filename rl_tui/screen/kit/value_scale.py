@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from typing import Final
 
@@ -41,12 +41,14 @@ RAMPS: Final = {Layer.ERROR: Ramp.ERRORS, Layer.LANES: Ramp.ERRORS, Layer.VISITS
 class ValueScale:
     """The range of numbers over which colours change.
 
-    ``is_signed``: both signs matter. Visits use a logarithmic scale.
+    ``is_signed``: both signs matter. ``cuts``: numbers exist below and above, which have the colours of the
+    ends. Visits use a logarithmic scale.
     """
 
     low: float = 0.0
     high: float = 0.0
     ramp: Ramp = Ramp.VALUES
+    cuts: tuple[bool, bool] = (False, False)
     is_signed: bool = field(init=False)
     ends: tuple[float, float] = field(init=False)
 
@@ -86,20 +88,21 @@ class ValueScale:
 def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | None:
     """Return a scale of finite ``values``, robust to outliers, or None.
 
-    It covers the middle 7/8 if the full range is over four times as wide, and starts at 0 if the minimum is
-    below half of the maximum. Visits are not cut.
+    It covers the middle 7/8 of the numbers other than 0 if the full range is over four times as wide, and
+    starts at 0 if the minimum is below half of the maximum. Visits are not cut.
     """
     if not len(values):
         return None
     low, high = float(values.min()), float(values.max())
     if ramp is Ramp.VISITS:
         return ValueScale(0.0, high, ramp)
-    if len(values) >= _LEAST_TO_CUT:
-        tail = len(values) // _TAIL
-        parts = np.partition(values, (tail, len(values) - 1 - tail))
-        below, above = float(parts[tail]), float(parts[len(values) - 1 - tail])
+    learned = values[values != 0.0]
+    if len(learned) >= _LEAST_TO_CUT:
+        tail = len(learned) // _TAIL
+        parts = np.partition(learned, (tail, len(learned) - 1 - tail))
+        below, above = float(parts[tail]), float(parts[len(learned) - 1 - tail])
         if high - low > _FAR * (above - below) > 0.0:
-            low, high = below or low, above or high  # cut at 0, the few other numbers would have no colour
+            low, high = low and below, high and above  # a scale that ends at 0 still does
     if low == high:
         return ValueScale(min(low, 0.0), max(high, 0.0), ramp)
     return ValueScale(0.0 if 0.0 <= low < _NEAR_ZERO * high else low, high, ramp)
@@ -130,9 +133,13 @@ class SteadyScale:
         if self._is_study and not is_study:
             self.clear()
         self._is_study = is_study
-        now, before = value_scale(scale_numbers(snapshot, layer), ramp), self._scales.get(layer)
+        values = scale_numbers(snapshot, layer)
+        now, before = value_scale(values, ramp), self._scales.get(layer)
         if now is not None and before is not None:
             now = ValueScale(min(before.low, now.low), max(before.high, now.high), ramp)
+        if now is not None:
+            cuts = now.side(float(values.min())) < 0, now.side(float(values.max())) > 0
+            now = replace(now, cuts=cuts)
         scale = now or before or ValueScale(ramp=ramp)
         if now is not None:
             self._scales[layer] = scale
@@ -143,6 +150,7 @@ class SteadyScale:
 
 
 _END: Final = 4  # characters of an end value
+_TWO_DECIMALS_FROM: Final = 0.01
 
 
 def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piece, ...]:
@@ -154,8 +162,13 @@ def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piec
     if scale.ramp is Ramp.VISITS:
         ends = [numbers.count(int(end)) for end in (low, high)]
     else:
-        ends = [numbers.value(end, _END, look.glyphs, 2) if end else "0" for end in (low, high)]
+        ends = [_end_text(end, look) for end in (low, high)]
     if not palette.tints:
         return (Piece(f"{ends[0]} to {ends[1]}", palette.dim),)
     tints = (Piece(" ", style) for style in scale.tints(palette)[::every])
-    return Piece(f"{ends[0]} ", palette.dim), *tints, Piece(f" {ends[1]}", palette.dim)
+    first, last = ("≤" if scale.cuts[0] else "", "≥" if scale.cuts[1] else "")
+    return Piece(f"{first}{ends[0]} ", palette.dim), *tints, Piece(f" {last}{ends[1]}", palette.dim)
+
+
+def _end_text(end: float, look: Look) -> str:
+    return numbers.value(end, _END, look.glyphs, 2 if abs(end) >= _TWO_DECIMALS_FROM else 3) if end else "0"

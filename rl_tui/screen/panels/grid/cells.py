@@ -11,7 +11,7 @@ from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.block_signs import Direction, Sign, SignName, block_sign, sign_size
+from rl_tui.screen.draw.block_signs import Direction, Sign, SignName, block_number, block_sign, sign_size
 from rl_tui.screen.draw.canvas import Canvas, Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.layers import veiled
@@ -43,7 +43,8 @@ _LEADS: Final = 4
 _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
 _MOST_KEPT: Final = 20_000
 _LEAST_STAR: Final = 4  # rows of a cell
-_LEAST_ARROW: Final = 4  # columns of a block arrow
+_LEAST_ARROW: Final = 6  # columns of a block arrow
+_CORNER: Final = 3  # columns of the agent in a corner
 _BOLD: Final = Style(bold=True)
 MOST_ROWS: Final = 512
 
@@ -95,7 +96,7 @@ class CellArtist:
 
     def drawn(self, face: Face) -> Drawn:
         """Return the rows of a cell. Cells with other digits share a cached drawing."""
-        if not face.text:
+        if not face.text or self.form.has_block_values:
             return self._drawn(face)
         digits, place = _DIGIT * len(face.text), self.form.value_row
         rows = self._drawn(face._replace(text=digits))
@@ -179,9 +180,9 @@ class _Cell:
             self._draw_row()
         else:
             self._draw_sign()
-            form, text = self.form, self._text
-            if form.has_values and text:
-                self.canvas.put((form.inner - len(text)) // 2, form.value_row, text, self.ink + _BOLD)
+            form, rows = self.form, self._value_rows
+            for y, text in enumerate(rows, form.height - len(rows)):
+                self.canvas.put((form.inner - len(text)) // 2, y, text, self.ink + _BOLD)
 
     # The ground
 
@@ -234,7 +235,8 @@ class _Cell:
             self.canvas.put_where_blank(0, last, below * width, blank)
 
     def _put_cursor(self) -> None:
-        self.canvas.restyle(0, self.form.value_row, self.form.inner, self.look.palette.focus)
+        for row in range(self.form.height - max(1, len(self._value_rows)), self.form.height):
+            self.canvas.restyle(0, row, self.form.inner, self.look.palette.focus)
         if self.glyphs.braille and self.form.width >= 5:
             put_frame(self.canvas, self.look.palette.you, self.look)
 
@@ -263,7 +265,7 @@ class _Cell:
         return signs.get(self.face.kind, "")
 
     def _put_block(self, name: SignName, rows: int, ink: Style) -> None:
-        free = self._plate_end
+        free = self._agent_end(0)
         if free + 2 * rows > self.form.inner:
             self.canvas.put(self.form.inner - 2, (self.form.height - 1) // 2, self._end_sign, ink)
             return
@@ -290,11 +292,11 @@ class _Cell:
             middle = (form.inner - 1) // 2, (form.height - 1) // 2
             canvas.put(*middle, self.glyphs.untried, paled(self.ink, 0.3))
             return
-        if not self.has_blocks:
-            self._draw_letters(form.value_row - 1)
+        if not (self.has_blocks and form.has_block_arrows):
+            self._draw_letters(form.value_row // 2)
             return
-        free = self._plate_end + (self._plate_end > 0 and form.has_plate)  # a gap, because both may be black
         top = 0 if form.height <= 4 else 1
+        free = self._agent_end(top)
         if not self._put_blocks(free, top):
             self._draw_letters(top + 1)
 
@@ -305,43 +307,37 @@ class _Cell:
         """
         form, signs = self.form, self.face.greedy
         directions = sorted((each for each in signs if isinstance(each, tuple)), key=lambda each: -each[1])
-        room, most = form.inner - free, sign_size(form.width, form.height)[0]
+        room, most = form.inner - free, 2 * form.arrow_rows
         if len(directions) < len(signs) or room < _LEAST_ARROW * len(signs):
             return False
         columns = min(most, max(_LEAST_ARROW, (room + 1) // len(signs) - 1)) & ~1
         step = columns + min(2, room // len(signs) - columns)
-        left = free + (room - step * (len(signs) - 1) - columns) // 2
+        left = free + (room - step * (len(signs) - 1) - columns + (free > 0)) // 2
         for place, direction in enumerate(directions):
             sign = block_sign("arrow" if any(direction) else "square", columns, columns // 2, direction)
             self._put_rows(left + place * step, top + (most - columns + 2) // 4, sign, self._sign_ink)
         return True
 
-    @property
-    def _plate_end(self) -> int:
-        """The first column right of the agent, or 0."""
-        if not self.face.agent or not self.has_blocks:
+    def _agent_end(self, row: int) -> int:
+        """Return the first column of ``row`` to the right of the agent, or 0."""
+        if not self.face.agent:
             return 0
-        if not self.form.has_plate:
-            return 3 if self.form.width < 11 else 0
-        left, width, _ = self._plate
-        return left + width
+        rows = self._plate_rows
+        if rows:
+            return 2 * rows + 4  # with a margin and a gap, because sign and plate may both be black
+        return _CORNER if row == 0 else 0
 
     @property
-    def _plate(self) -> tuple[int, int, int]:
-        """First column, columns and rows of the agent's plate."""
-        rows = 2 if self.form.height < 8 else 3
-        columns = sign_size(self.form.width, self.form.height)[0]
-        margins = self.form.inner - 2 * rows - columns
-        more = 2 if margins >= 4 else 1 if margins >= 2 else 0  # a smaller arrow leaves space for one more
-        return (1 if self.form.width >= 13 else 0), 2 * rows + more, rows
+    def _plate_rows(self) -> int:
+        return self.form.plate_rows if self.has_blocks else 0
 
     def _draw_letters(self, row: int) -> None:
         form = self.form
         text = self._letters(form.most_signs, form.width - 2)
         left = (form.inner - len(text)) // 2
-        if self.face.agent and left < max(3, self._plate_end):
+        if left < self._agent_end(row):
             left = form.inner - len(text)
-        self.canvas.put(max(0, left), max(0, row), text, self._sign_ink)
+        self.canvas.put(max(0, left), row, text, self._sign_ink)
 
     def _letters(self, most: int, room: int) -> str:
         """Return several greedy letters in ``most`` characters, one in ``room``."""
@@ -353,6 +349,14 @@ class _Cell:
         """The value, or a sign if it does not fit."""
         text = self.face.text or ""
         return text if len(text) <= self.form.inner else self.glyphs.no_room
+
+    @property
+    def _value_rows(self) -> tuple[str, ...]:
+        """The value in three rows, else in one, or none."""
+        if not (self.form.has_values and self._text):
+            return ()
+        rows = block_number(self._text) if self.has_blocks and self.form.has_block_values else ()
+        return rows if rows and len(rows[0]) < self.form.inner else (self._text,)
 
     def _draw_row(self) -> None:
         form, has_signs = self.form, bool(self.face.greedy)
@@ -413,7 +417,7 @@ class _Cell:
                 canvas.put(start, 0, self.name, style)
             put_trail(canvas, self.extra.trace, self.look, inner=inner, ink=self.ink)
             return
-        left = 3 if face.agent and not (self.has_blocks and form.has_plate) else 0
+        left = _CORNER if face.agent and not self._plate_rows else 0
         if self.name and (canvas.is_blank(left, 0, len(self.name)) or not self.extra.is_reached):
             canvas.put(left, 0, self.name, paled(self.ink, 0.5))
             left += len(self.name) + 1
@@ -461,14 +465,14 @@ class _Cell:
         form, style = self.form, self.look.palette.agent
         if form.height == 1:
             return
-        if not (self.has_blocks and form.has_plate):
+        rows = self._plate_rows
+        if not rows:
             text = f" {self.glyphs.agent} " if form.width >= 5 else self.glyphs.agent
             self.canvas.put(0, 0, text, style)
             return
-        left, columns, rows = self._plate
         for row in range(1, 1 + rows):
-            self.canvas.put(left, row, " " * columns, style)
-        self._put_rows(left + (columns - 2 * rows) // 2, 1, block_sign("disc", 2 * rows, rows), style)
+            self.canvas.put(1, row, " " * (2 * rows + 2), style)
+        self._put_rows(2, 1, block_sign("agent", 2 * rows, rows), style)
 
     def _take_name(self) -> None:
         """Choose the place of the name: a corner, the value's, or the arrows'."""

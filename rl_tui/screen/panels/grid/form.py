@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
+from rl_tui.screen.draw.block_signs import sign_size
+
 LEAST_DIGITS: Final = 3  # .54
 MOST_DIGITS_NEEDED: Final = 4  # −100, −12k
 _WITH_DIGITS: Final = 2  # mark and arrow beside a value in one row
@@ -12,7 +14,10 @@ MOST_HEIGHT: Final = 5
 _WITH_CORNER: Final = 10  # columns of a cell with two rows
 _LEAST_WITH_SEAM: Final = 5
 _LEAST_BLOCKS: Final = (7, 3)
-_LEAST_PLATE: Final = (9, 4)
+_LEAST_PLATES: Final = ((23, 8, 4), (17, 6, 3))  # columns and rows of a cell, rows of the agent's plate
+_LEAST_ARROW_ROWS: Final = 3  # with fewer, an arrow in blocks has no shape
+_LEAST_WITH_BLOCK_VALUES: Final = 9  # rows of a cell
+_AROUND_AN_ARROW: Final = 5  # rows of a value in blocks, and one above and below the arrow
 _LEAST_START: Final = 13
 _LEAST_NUMBERED: Final = (11, 5)
 
@@ -20,7 +25,7 @@ _LEAST_NUMBERED: Final = (11, 5)
 class CellForm(NamedTuple):
     """The size of a cell in characters, which decides its contents.
 
-    From 7 × 3 on, the greedy action is a block arrow, else a letter. From 5 columns on, seams separate
+    From 9 × 4 on, the greedy action is a block arrow, else a letter. From 5 columns on, seams separate
     neighbours if they fit.
     """
 
@@ -46,13 +51,32 @@ class CellForm(NamedTuple):
 
     @property
     def has_blocks(self) -> bool:
-        """Whether signs are blocks, and step paths are shown."""
+        """Whether holes are blocks, and step paths are shown."""
         return self.width >= _LEAST_BLOCKS[0] and self.height >= _LEAST_BLOCKS[1]
 
     @property
-    def has_plate(self) -> bool:
-        """Whether the agent is a block disc."""
-        return self.width >= _LEAST_PLATE[0] and self.height >= _LEAST_PLATE[1]
+    def has_block_arrows(self) -> bool:
+        """Whether greedy actions are blocks."""
+        return self.has_blocks and self.arrow_rows >= _LEAST_ARROW_ROWS
+
+    @property
+    def has_block_values(self) -> bool:
+        """Whether values have three rows."""
+        return self.height >= _LEAST_WITH_BLOCK_VALUES
+
+    @property
+    def arrow_rows(self) -> int:
+        """The rows of an arrow in blocks."""
+        rows = sign_size(self.width, self.height)[1]
+        return min(rows, self.height - _AROUND_AN_ARROW) if self.has_block_values else rows
+
+    @property
+    def plate_rows(self) -> int:
+        """The rows of the agent in blocks, 0 for a letter in the corner."""
+        sizes = (
+            rows for width, height, rows in _LEAST_PLATES if self.width >= width and self.height >= height
+        )
+        return next(sizes, 0)
 
     @property
     def has_number(self) -> bool:
