@@ -14,7 +14,7 @@ from rl_tui.screen.kit.row import MICROSCOPE
 from rl_tui.screen.panels.microscope.microscope import ENDED
 from rl_tui.worlds.drawing import CellKind, Grid
 
-_NUMBERED = re.compile(r"\b(?:ep|episode|sweep) +([\d,]*\d)")
+_NUMBERED = re.compile(r"\b(?:ep|episode|sweep) +([\d,]*\d)(?!\d| +[━●★◆])")  # not the first of the axis
 
 
 def numbers_of(pilot: Pilot[UserError]) -> set[str]:

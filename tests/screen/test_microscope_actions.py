@@ -125,7 +125,8 @@ async def test_the_cursor_of_the_world_chooses_the_state_and_its_greedy_or_updat
         await settle(pilot)
         assert board(pilot).microscope.pair == last.updated_pair
         widget = board(pilot).microscope
-        assert any("History of Q(" in widget.render_line(y).text for y in range(widget.size.height))
+        lines = [widget.render_line(y).text for y in range(widget.size.height)]
+        assert any("Q(" in line and "now" in line for line in lines)  # the heading of its history
         await press(pilot, "up", "full_stop")
         assert board(pilot).microscope.pair == last.updated_pair
 

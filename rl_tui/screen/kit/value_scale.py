@@ -33,6 +33,7 @@ class Ramp(Enum):
     VISITS = auto()
 
 
+_COLUMNS: Final = {Ramp.VALUES: 11, Ramp.ERRORS: 11, Ramp.VISITS: 6}
 RAMPS: Final = {Layer.ERROR: Ramp.ERRORS, Layer.LANES: Ramp.ERRORS, Layer.VISITS: Ramp.VISITS}
 """Colour ramps of layers, by default ``VALUES``."""
 
@@ -154,7 +155,10 @@ _TWO_DECIMALS_FROM: Final = 0.01
 
 
 def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piece, ...]:
-    """Return the ends of ``scale`` with every ``every``-th colour between."""
+    """Return the ends of ``scale`` with a bar between, which is as wide with few colours as with many.
+
+    ``every`` leaves out columns of the bar.
+    """
     low, high = scale.ends
     if high <= low:
         return ()
@@ -165,7 +169,8 @@ def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piec
         ends = [_end_text(end, look) for end in (low, high)]
     if not palette.tints:
         return (Piece(f"{ends[0]} to {ends[1]}", palette.dim),)
-    tints = (Piece(" ", style) for style in scale.tints(palette)[::every])
+    colours, columns = scale.tints(palette), _COLUMNS[scale.ramp]
+    tints = (Piece(" ", colours[place * len(colours) // columns]) for place in range(0, columns, every))
     first, last = ("≤" if scale.cuts[0] else "", "≥" if scale.cuts[1] else "")
     return Piece(f"{first}{ends[0]} ", palette.dim), *tints, Piece(f" {last}{ends[1]}", palette.dim)
 

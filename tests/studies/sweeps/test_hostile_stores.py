@@ -81,9 +81,9 @@ ENDLESS = "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELEC
         ("CREATE TABLE more (x)", "more"),
         ("CREATE INDEX i ON rows (seconds)", "index"),
         ("ALTER TABLE cells ADD COLUMN more", "cells"),
-        ("DELETE FROM meta", "format is missing"),
-        ("UPDATE meta SET value = 'soon' WHERE name = 'format'", "format is"),
-        ("UPDATE meta SET value = printf('%.*c', 500, '9') WHERE name = 'format'", "format is"),
+        ("DELETE FROM meta", "format in table meta is missing"),
+        ("UPDATE meta SET value = 'soon' WHERE name = 'format'", "format in table meta is"),
+        ("UPDATE meta SET value = printf('%.*c', 500, '9') WHERE name = 'format'", "format in table meta is"),
     ],
 )
 def test_what_is_not_our_schema_is_refused(path: Path, tmp_path: Path, script: str, named: str) -> None:
