@@ -106,7 +106,7 @@ def frame(rows: list[Strip], cell: int) -> Color | None:
 
 def arrow(rows: list[Strip], cell: int) -> Color | None:
     row, column = divmod(cell, 4)
-    return style_of(rows, row * HEIGHT, column * WIDTH + 6).color
+    return style_of(rows, row * HEIGHT + 1, column * WIDTH + 6).color
 
 
 def chip(rows: list[Strip], text: str) -> tuple[int, int] | None:
