@@ -39,7 +39,8 @@ WARNED: Final = re.compile(
     r"|[\d,]+ states: the exact values|.*: Q differs from the saved one: "
 )
 FAULT: Final = re.compile(
-    r"^(:\d+)?: (.*(found .*|missing); expected |line \d+(, column \d+)?: not valid TOML \()"
+    r"^(:\d+)?: (.*(found .*|missing); expected |line \d+(, column \d+)?: not valid TOML \("
+    r"|more than \d+ errors: fix these first$)"
 )
 AS_IT_IS: Final = (
     10  # one in this many scenarios trains with its own algorithm, which takes seconds to compile
