@@ -188,10 +188,24 @@ class ArrayTable(HeldTable):
         return numbers
 
 
+class ListedTable(HeldTable):
+    """A table whose content is kept in one list."""
+
+    _numbers: list[float]
+
+    def values(self) -> Doubles:
+        """Return the stored content, `[S·A]`."""
+        return np.array(self._numbers, np.float64)
+
+    def row(self, state: int) -> Sequence[float]:
+        """Return a stored row, `[A]`."""
+        return self._numbers[state * self.actions : (state + 1) * self.actions]
+
+
 # Dicts by observation and action
 
 
-class PairTable(HeldTable):
+class PairTable(ListedTable):
     """A dict of numbers by (observation, action)."""
 
     name = "dict-of-pairs"
@@ -204,14 +218,6 @@ class PairTable(HeldTable):
         self._read_keys(table)
         self._kept: list[object] = []
         self.all_differences(table)
-
-    def values(self) -> Doubles:
-        """Return the stored content, `[S·A]`."""
-        return np.array(self._numbers, np.float64)
-
-    def row(self, state: int) -> Sequence[float]:
-        """Return a stored row, `[A]`."""
-        return self._numbers[state * self.actions : (state + 1) * self.actions]
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return and store what has changed in the rows of `states`."""
@@ -287,7 +293,7 @@ class PairTable(HeldTable):
 # Lists and dicts of rows
 
 
-class RowTable(HeldTable):
+class RowTable(ListedTable):
     """A row for each state: a list of rows, an array of objects, or a dict of rows by observation. Rows
     are stored by key: the observation in a dict, else the index.
     """
@@ -305,14 +311,6 @@ class RowTable(HeldTable):
         self._kept: list[Any] = []
         self._place: dict[Any, int] = {}
         self.all_differences(table)
-
-    def values(self) -> Doubles:
-        """Return the stored content, `[S·A]`."""
-        return np.array(self._numbers, np.float64)
-
-    def row(self, state: int) -> Sequence[float]:
-        """Return a stored row, `[A]`."""
-        return self._numbers[state * self.actions : (state + 1) * self.actions]
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return and store what has changed in the rows of `states`."""
