@@ -115,5 +115,5 @@ def test_a_program_that_makes_no_environment_for_long_is_told_of(
     with pytest.raises(UserError, match=why), started(request):
         pass
     said = capsys.readouterr().err
-    assert "has not made an environment yet (1 s" in said
+    assert "is not ready for its first step yet (1 s" in said
     assert why in said

@@ -207,7 +207,7 @@ def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
 
 @contextmanager
 def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
-    """Yield a callback that shows on stderr how long the program has not made an environment.
+    """Yield a callback that shows on stderr how long the program has not been ready for its first step.
 
     The line disappears at the end. Notes of the program are printed and stay. The callback always returns
     True.
@@ -221,7 +221,7 @@ def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
             said = waited
             at = "" if program.log.stands_at is None else f", now in line {program.log.stands_at[1]}"
             name = printable(program.request.path.name)
-            text = f"{name} has not made an environment yet ({waited} s{at}); ctrl+c ends it"
+            text = f"{name} is not ready for its first step yet ({waited} s{at}); ctrl+c ends it"
             click.echo("\r\x1b[K", err=True, nl=False)
             for note in program.log.notes[noted:]:
                 complain(f"rl-tui: {name}: {note}")
