@@ -61,7 +61,7 @@ def noted_way() -> Iterator[Way]:
 
 @pytest.mark.parametrize(
     ("key", "functions", "files"),
-    [("s", 555, 106), ("b", 584, 107), ("right", 602, 109)],
+    [("s", 554, 106), ("b", 582, 107), ("right", 602, 109)],
     ids=["step", "back", "slider"],
 )
 async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:
