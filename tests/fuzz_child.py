@@ -39,7 +39,7 @@ WARNED: Final = re.compile(
     r"|[\d,]+ states: the exact values|.*: Q differs from the saved one: "
 )
 FAULT: Final = re.compile(
-    r"^(:\d+)?: (.*(found .*|missing); expected |line \d+(, column \d+)?: not valid TOML \("
+    r"^(:\d+)?: (.*(found .*|missing); expected |line \d+(, column \d+)?: not valid TOML \(.+\)$"
     r"|more than \d+ errors: fix these first$)"
 )
 AS_IT_IS: Final = (
