@@ -1,4 +1,4 @@
-"""Q-learning as many write it at first, with one line in the wrong place: rl-tui watch docs/lake.py"""
+"""Q-learning as many write it at first, with one line in the wrong place: rl-tui watch --example"""
 
 import gymnasium as gym
 import numpy as np

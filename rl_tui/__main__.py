@@ -1,6 +1,6 @@
-"""Where the program starts: ``rl-tui``, and ``python -m rl_tui`` where that is not on the path.
+"""Where the program starts: ``rl-tui``, or ``python -m rl_tui``.
 
-It imports nothing before it looks out for ctrl+C: the rest takes a tenth of a second to import.
+It looks out for ctrl+C first: the rest takes a tenth of a second to import.
 """
 
 import os

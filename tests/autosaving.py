@@ -1,4 +1,4 @@
-"""Autosaves of a student's evening, and the content of their folder."""
+"""Autosaves of a student's evening."""
 
 from __future__ import annotations
 
@@ -21,14 +21,12 @@ def at(step: int) -> Record:
 
 
 def only(folder: Path) -> StoredSession:
-    """The only session in ``folder``, and nothing else in it."""
     assert len(os.listdir(folder)) == 1
     (session,), _ = sessions_in(folder)
     return session
 
 
 def kept(folder: Path, *offered: Record, **how: Any) -> Autosave:
-    """Return a closed autosave that has received these records."""
     autosave = Autosave(OPENED, folder, **how)
     for record in offered:
         autosave.offer(record)

@@ -1,4 +1,4 @@
-"""How often a comparison calls a cell worse although it ties with the best."""
+"""How often a comparison calls a tied cell worse."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ Cells = tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]
 
 
 def equal_cells(kind: str, cells: int = 20) -> Callable[[np.random.Generator, int], Cells]:
-    """Return a function that draws cells of one kind."""
     return lambda random, runs: (RESULTS[kind].draw(random, (cells, runs)), np.ones(cells, np.bool_))
 
 
@@ -28,7 +27,6 @@ def _alike_by_seed(random: np.random.Generator, runs: int) -> Cells:
 
 
 def _noisy_and_worse(random: np.random.Generator, runs: int) -> Cells:
-    """Ten steady cells, and ten worse ones that may look better by luck."""
     noisy, steady = random.normal(-0.1, 1.0, (10, runs)), random.normal(0.0, 0.05, (10, runs))
     return np.vstack([noisy, steady]), np.arange(20) >= 10
 
@@ -40,7 +38,6 @@ def _five_best(random: np.random.Generator, runs: int) -> Cells:
 
 
 def _unlike_shapes(random: np.random.Generator, runs: int) -> Cells:
-    """Ten cells that fail in one run of five, and ten steady ones of the same mean."""
     failing, steady = RESULTS["two clusters"].draw(random, (10, runs)), random.normal(0.8, 0.1, (10, runs))
     return np.vstack([failing, steady]), np.ones(20, np.bool_)
 
@@ -59,7 +56,6 @@ SWEEPS: Final = {
 
 
 def errors(sweep: str, runs: int, trials: int, seed: int = 1) -> float:
-    """Return the share of trials in which a truly best cell was called different."""
     random = np.random.Generator(np.random.PCG64([seed, runs]))
     wrong = 0
     for _ in range(trials):

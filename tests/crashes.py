@@ -30,7 +30,7 @@ STEP: Final = re.compile(r"step\s+([\d,]+)\b")
 
 
 class Crash(NamedTuple):
-    """The result of one kill. ``lost`` is the age, in seconds, of the oldest action that was not saved."""
+    """``lost`` is the age, in seconds, of the oldest action that was not saved."""
 
     actions: int
     lost: float
@@ -38,17 +38,12 @@ class Crash(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """The content of the screen at a moment: a whole record, or the step of a run."""
-
     moment: float
     stand: Any
 
 
 def crash(folder: Path, session: Path | None, chance: random.Random) -> Crash:
-    """Start the program, on ``session`` if there is one, act, and kill it. Raise if the saved state is wrong.
-
-    Each action counts as done once the screen shows it.
-    """
+    """Start the program, act, and kill it. Each action counts as done once the screen shows it."""
     lane = lane_of(session)
     before = stand_of(lane.record)
     name = str(session) if session else SCENARIO
@@ -76,7 +71,6 @@ def crash(folder: Path, session: Path | None, chance: random.Random) -> Crash:
 
 
 def act(terminal: PseudoTerminal, lane: BranchingRun, chance: random.Random) -> Iterator[Seen]:
-    """Press keys (a step, a step back, or a change and a step) and yield each result."""
     for _ in range(chance.randint(1, 25)):
         keys = chance.choice(["s", "s", "ats", "b" if lane.run.step > 1 else "s"])
         stands = []
@@ -95,7 +89,6 @@ def act(terminal: PseudoTerminal, lane: BranchingRun, chance: random.Random) -> 
 
 
 def run(terminal: PseudoTerminal, chance: random.Random) -> Iterator[Seen]:
-    """Let it run at full speed and yield the steps that the screen shows."""
     terminal.press(" " + FASTER[: chance.randint(0, 9)])
     for moment, text in terminal.reading(chance.uniform(0.2, 2.5)):
         for match in STEP.finditer(text):
@@ -103,7 +96,6 @@ def run(terminal: PseudoTerminal, chance: random.Random) -> Iterator[Seen]:
 
 
 def stand_of(record: RunRecord) -> Any:
-    """Return the position and history of a run, without the values that were set."""
     branches = [
         (each.parent, each.fork, each.end, each.here, [entry.step for entry in each.journal])
         for each in record.branches
@@ -112,7 +104,6 @@ def stand_of(record: RunRecord) -> Any:
 
 
 def lane_of(session: Path | None) -> BranchingRun:
-    """Return the expected state of the program after its start."""
     if session is None:
         recipe = recipe_for(find(SCENARIO))
         return BranchingRun(RunRecord(recipe), EditedWorld(begin(recipe).world))
@@ -124,13 +115,11 @@ def lane_of(session: Path | None) -> BranchingRun:
 
 
 def arrive(lane: BranchingRun) -> None:
-    """Let ``lane`` finish its seek."""
     while lane.seek:
         lane.continue_seek(1_000_000)
 
 
 def in_the_past(folder: Path, chance: random.Random) -> Path:
-    """Write a session that was left before its end, and return its file."""
     branch = replace(FIRST, end=30, here=chance.randint(5, 25))
     folder.mkdir(parents=True)
     path = folder / "past.json"
@@ -139,14 +128,12 @@ def in_the_past(folder: Path, chance: random.Random) -> Path:
 
 
 def newest(folder: Path) -> StoredSession | None:
-    """Return the only session in ``folder``, or None if it does not exist yet."""
     files = files_in(folder)
     assert len(files) <= 1
     return read_session(files[0]) if files else None
 
 
 def check_bits(session: StoredSession) -> None:
-    """Raise if the replay of ``session`` gives another table than the saved one."""
     target = replay_target(session.record())
     run, _ = replayed(target)
     assert run.step == session.step
@@ -154,11 +141,7 @@ def check_bits(session: StoredSession) -> None:
 
 
 def crashes(count: int, seed: int) -> Iterator[Crash]:
-    """Yield the results of ``count`` kills.
-
-    After some kills the session continues and is killed again. Some sessions begin in their past, where a
-    change makes another branch.
-    """
+    """Continue the session after some kills. Others begin in their past, where a change makes a branch."""
     chance = random.Random(seed)
     with tempfile.TemporaryDirectory() as name:
         session = None
@@ -172,7 +155,6 @@ def crashes(count: int, seed: int) -> Iterator[Crash]:
 
 
 def main() -> None:
-    """Print figures for this many kills (first argument)."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 50
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else random.randrange(2**32)
     print(f"{count} kills, seed {seed}", flush=True)

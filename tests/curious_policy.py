@@ -1,8 +1,4 @@
-"""A made-up policy: it shows that a new policy needs only its own row in the program.
-
-It has an ε but is not ε-greedy. With probability ε it takes one of the untried actions, if any are left.
-Otherwise it takes the first of the best actions.
-"""
+"""A made-up policy: with probability ε an untried action, if any, otherwise the first of the best."""
 
 from __future__ import annotations
 
@@ -30,25 +26,20 @@ CURIOUS = Policy(
 
 @pytest.fixture
 def curious(monkeypatch: pytest.MonkeyPatch) -> str:
-    """Add the policy to the catalogue and return its id."""
     monkeypatch.setitem(POLICY_BY_ID, CURIOUS.id, CURIOUS)
     return CURIOUS.id
 
 
 class Rule(NamedTuple):
-    """The current ε."""
-
     epsilon: float
 
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule of these hyper-parameters."""
     return Rule(hyperparameters.epsilon)
 
 
 @inlined
 def untried(visits: IntArray, first: int, last: int) -> int:
-    """Return the number of untried pairs from ``first`` to ``last``."""
     count = 0
     for pair in range(first, last):
         count += visits[pair] == 0

@@ -44,8 +44,6 @@ map = '''
 
 
 class EditTimes(NamedTuple):
-    """Medians in milliseconds: the delay after the command, and the time of a frame of the new world."""
-
     drawn: float
     """Until a snapshot has the drawing."""
     made: float
@@ -59,7 +57,6 @@ class EditTimes(NamedTuple):
 
 
 def map_with_walls(side: int) -> Recipe:
-    """Return a run on a side × side map, a fifth of it walls, with noise, to make ties rare."""
     cells = np.random.default_rng(0).choice(list("....#"), (side, side))
     cells[0, 0], cells[-1, -1] = "S", "G"
     cells[-1, :-1], cells[1:, 0] = ".", "."
@@ -75,7 +72,6 @@ async def _until(snapshots: AsyncIterator[Snapshot], holds: Callable[[Snapshot],
 
 
 async def edit_times(side: int, edits: int = 10) -> EditTimes:
-    """Return the delays of edits on a side × side map: each adds a wall or a hole near the middle."""
     player = Player(map_with_walls(side))
     snapshots = player.snapshots()
     player.send(OpenEditor(is_open=True))
@@ -106,7 +102,6 @@ def _is_answered(snapshot: Snapshot) -> bool:
 
 
 async def _frame(side: int, snapshots: list[Snapshot]) -> float:
-    """Return the drawing time of each of ``snapshots``, all of different worlds, at 120×40."""
     app = RlTuiApp(Display(fps=1000.0), map_with_walls(side), picture=True)
     taken = []
     async with app.run_test(size=SIZE) as pilot:
@@ -128,7 +123,6 @@ def _edit(side: int, number: int) -> DrawWorld:
 
 
 async def _seen(side: int, edits: int) -> float:
-    """Return the delay from an edit to its exact values in the app, at 120×40, with all threads."""
     app = RlTuiApp(Display(), map_with_walls(side), picture=True)
     taken = []
     async with app.run_test(size=SIZE) as pilot:
@@ -149,7 +143,6 @@ async def _seen(side: int, edits: int) -> float:
 
 
 def main() -> None:
-    """Print the figures for maps of some sizes."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("sides", nargs="*", type=int, default=[10, 30, 100, 1_000])
     for side in parser.parse_args().sides:

@@ -1,4 +1,4 @@
-"""A small map, and edits of its world, good and bad."""
+"""A small map, and edits of it."""
 
 from __future__ import annotations
 
@@ -71,7 +71,6 @@ def small_map(**overrides: Any) -> Recipe:
 
 
 def large_map(**overrides: Any) -> Recipe:
-    """A map with this many states, large enough for the solver of large worlds."""
     cells = np.random.default_rng(0).choice(list("......#"), (25, 25))
     cells[0, :], cells[:, -1], cells[0, 0], cells[-1, -1] = ".", ".", "S", "G"
     text = "\n".join("".join(row) for row in cells)

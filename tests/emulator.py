@@ -1,4 +1,4 @@
-"""A terminal emulator for tests: pyte's parser reads a program's output and fills a screen."""
+"""A terminal emulator for tests, on pyte's parser."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import pyte
 from pyte.screens import Char
 from wcwidth import wcwidth
 
-# Most output is text and colours. Colours are taken out: pyte reads sequences slowly, one character at a
-# time. Sequences that pyte 0.8.2 misreads are taken out too: those with <, = or > before their numbers or a
-# character after them, the query of the keyboard protocol, and strings for the terminal
+# Most output is text and colours. Colours are taken out, because pyte reads sequences slowly. So are those
+# that pyte 0.8.2 misreads: with <, = or > before their numbers or a character after them, the query of the
+# keyboard protocol, and strings for the terminal
 _TAKEN_OUT: Final = re.compile(
     r"\x1b(?:\[(?P<colours>[0-9;]*)m"
     r"|\[[<=>][0-?]*[ -/]*[@-~]|\[[0-?]*[ -/]+[@-~]|\[\?[0-9;]*u|[P_^X][^\x1b]*\x1b\\)"
@@ -26,10 +26,7 @@ _PRIVATE: Final = 5  # pyte shifts the number of a private mode by this many bit
 
 
 class Emulator(pyte.Screen):
-    """Shows its input on a screen; ``answer`` receives the replies of the terminal to the program.
-
-    It reports its cursor if ``tells_position``. It supports synchronised output if it ``synchronises``.
-    """
+    """Shows its input on a screen; ``answer`` receives the replies of the terminal."""
 
     def __init__(
         self,
@@ -72,7 +69,6 @@ class Emulator(pyte.Screen):
 
     @property
     def text(self) -> str:
-        """The text on the screen, one line per row, without trailing blanks."""
         if len(self._rows) != self.lines:
             self._rows = [""] * self.lines
             self.dirty.update(range(self.lines))
@@ -85,15 +81,14 @@ class Emulator(pyte.Screen):
 
     @property
     def is_whole(self) -> bool:
-        """Whether no synchronised frame is in progress."""
+        """No synchronised frame is in progress."""
         return _SYNCHRONISED << _PRIVATE not in self.mode
 
     def cell(self, column: int, row: int) -> Char:
-        """Return the character in a cell, from (0, 0), with its colours."""
         return self.buffer[row][column]
 
     def draw(self, data: str) -> None:
-        """Write ``data`` at the cursor like pyte, but faster for plain text, the usual case."""
+        """Write ``data`` at the cursor like pyte, but faster for plain text."""
         cursor = self.cursor
         is_plain = data.isascii() or all(map(self._is_narrow, data))
         if not is_plain or cursor.x + len(data) > self.columns or pyte.modes.IRM in self.mode or self.charset:
@@ -109,7 +104,7 @@ class Emulator(pyte.Screen):
         self.dirty.add(cursor.y)
 
     def set_mode(self, *modes: int, **options: Any) -> None:
-        """Set modes, including the alternate screen, which pyte lacks."""
+        """Add the alternate screen, which pyte lacks."""
         super().set_mode(*modes, **options)
         if options.get("private") and _ALTERNATE in modes and self._main is None:
             self._main = (dict(self.buffer), (self.cursor.x, self.cursor.y))
@@ -117,7 +112,6 @@ class Emulator(pyte.Screen):
             self.dirty.update(range(self.lines))
 
     def reset_mode(self, *modes: int, **options: Any) -> None:
-        """Reset modes. Leaving the alternate screen discards its content."""
         super().reset_mode(*modes, **options)
         if options.get("private") and _ALTERNATE in modes and self._main is not None:
             self.buffer.clear()
@@ -128,16 +122,13 @@ class Emulator(pyte.Screen):
             self.dirty.update(range(self.lines))
 
     def report_device_status(self, mode: int = 0, **options: Any) -> None:
-        """Report the cursor's place, if enabled."""
         if self._tells_position or mode != 6:
             super().report_device_status(mode)
 
     def write_process_input(self, data: str) -> None:
-        """Send ``data`` to the program, as if it had been typed."""
         self._answer(data)
 
     def _colour(self, numbers: str) -> None:
-        """Set the colours of the text that follows."""
         key = (self.cursor.attrs, numbers)
         if key not in self._coloured:
             self.select_graphic_rendition(*(int(number or 0) for number in numbers.split(";")))
@@ -159,8 +150,6 @@ class Emulator(pyte.Screen):
 
 
 class _Cells(dict[str, Char]):
-    """Each character with the same attributes, made once."""
-
     def __init__(self, attributes: Char) -> None:
         self._attributes = attributes
 

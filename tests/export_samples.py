@@ -1,4 +1,4 @@
-"""Export scripts for tests, and the results of running them here."""
+"""Exported scripts, and their results."""
 
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ ALLOWED: Final = {"gymnasium", "numpy", "bisect", "collections"}
 
 
 def has_script(row: Algorithm | Policy) -> bool:
-    """Return whether its module has a text for scripts."""
     return (PACKAGE.parent / row.module.replace(".", "/")).with_suffix(ENDING).is_file()
 
 
@@ -41,14 +40,12 @@ def script_of(scenario: str, episodes: int = 100, **overrides: object) -> str:
 
 
 def ran(text: str, until: str = "\nprint(") -> dict[str, Any]:
-    """Run a script up to its printing and return the values of its names."""
     names: dict[str, Any] = {"__name__": "script"}
     exec(compile(text.split(until)[0], "script", "exec"), names)
     return names
 
 
 def q_of(names: dict[str, Any], mdp: TabularMDP) -> np.ndarray:
-    """Return the estimates of a script, [P]. Its states are numbered as in ``mdp``, or by cell."""
     rows = names["Q"]
     numbers = range(mdp.states)
     if len(rows) != mdp.states:
@@ -65,7 +62,6 @@ def q_of(names: dict[str, Any], mdp: TabularMDP) -> np.ndarray:
 
 
 def imported(text: str) -> set[str]:
-    """Return the packages that a script imports."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):

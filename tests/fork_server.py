@@ -1,6 +1,6 @@
 """A process that imports the modules of test programs once, and then forks those programs.
 
-:mod:`warm_start` starts it and sends requests. It has only one thread, because a fork would lose others.
+:mod:`warm_start` starts it. It has only one thread, because a fork would lose others.
 """
 
 # ruff: noqa: F401
@@ -34,12 +34,10 @@ Request = dict[str, Any]
 
 
 class _Ending:
-    """The exit status of a program that ends normally."""
-
     status: int | None = None
 
     def leave(self) -> None:
-        """Skip Python's own shutdown, which destroys every imported module in a tenth of a second."""
+        """Skip Python's own shutdown, which takes a tenth of a second."""
         if self.status is not None:
             for stream in (sys.stdout, sys.stderr):
                 with suppress(Exception):
@@ -48,7 +46,7 @@ class _Ending:
 
 
 def serve(door: socket.socket) -> tuple[Request, list[int]] | None:
-    """Fork a process for each request and return the request there. Return None once the door is closed."""
+    """Fork a process for each request and return the request there, or None once the door is closed."""
     while True:
         message, descriptors, *_ = socket.recv_fds(door, LARGEST, MOST_DESCRIPTORS)
         if not message:
@@ -75,7 +73,6 @@ def serve(door: socket.socket) -> tuple[Request, list[int]] | None:
 
 
 def prepare(request: Request, descriptors: Sequence[int]) -> None:
-    """Give this process the state of a newly started one."""
     if request["session"]:
         os.setsid()
     os.umask(request["umask"])
@@ -93,7 +90,7 @@ def prepare(request: Request, descriptors: Sequence[int]) -> None:
 
 
 def _place(descriptors: Sequence[int], numbers: Sequence[int]) -> None:
-    """Give each of ``descriptors`` the number that the program expects, and close all others."""
+    """Give ``descriptors`` these ``numbers``, and close all others."""
     high = [fcntl.fcntl(each, fcntl.F_DUPFD, _ABOVE) for each in descriptors]
     os.closerange(0, _ABOVE)
     for each, number in zip(high, numbers, strict=True):
@@ -102,7 +99,6 @@ def _place(descriptors: Sequence[int], numbers: Sequence[int]) -> None:
 
 
 def _stream(number: int, like: Any) -> io.TextIOWrapper:
-    """Open a descriptor as Python does at its start, with the encoding of ``like``."""
     mode = "r" if number == 0 else "w"
     is_raw = like.write_through
     binary: Any = open(number, f"{mode}b", 0 if is_raw and number else -1, closefd=False)  # noqa: SIM115
@@ -120,7 +116,6 @@ def _stream(number: int, like: Any) -> io.TextIOWrapper:
 
 
 def run(command: Sequence[str], path: Sequence[str], ending: _Ending) -> None:
-    """Run ``command``, which begins with Python and its options: a module or a text."""
     arguments = list(command[1:])
     is_safe = arguments[0] == "-P"
     how, what, *rest = arguments[is_safe:]
@@ -142,16 +137,12 @@ def run(command: Sequence[str], path: Sequence[str], ending: _Ending) -> None:
 
 
 def import_for_watched_programs() -> None:
-    """Import the modules around a watched program, and those that nearly every such program needs."""
     import rl_tui.programs.watched.child.agent
     import rl_tui.programs.watched.child.main
 
 
 def import_for_ours() -> None:
-    """Import the modules of commands, screens and workers, except the compiler cache.
-
-    The environment of each program chooses the cache folder when that module is imported.
-    """
+    """Import all but the compiler cache, whose folder depends on the environment."""
     import gymnasium.envs.classic_control
     import gymnasium.envs.toy_text
     import numba
@@ -179,7 +170,6 @@ IMPORTS: Final = {"ours": import_for_ours, "watched": import_for_watched_program
 
 
 def begin(door: int, kind: str) -> None:
-    """Import the modules for this kind of program, report it at the ``door``, and serve there."""
     ending, path = _Ending(), [each for each in sys.path if each]
     atexit.register(ending.leave)  # callbacks run in reverse order
     IMPORTS[kind]()

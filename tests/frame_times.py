@@ -1,4 +1,4 @@
-"""The time of a frame for maps of any size: the player's snapshot and the drawn screen."""
+"""The time of a frame for maps of any size."""
 
 from __future__ import annotations
 
@@ -19,21 +19,17 @@ STEPS: Final = 20_000  # between two frames, so that each differs much
 
 
 class FrameTimes(NamedTuple):
-    """Medians, in milliseconds."""
-
     snapshot: float
     frame: float
 
 
 async def painted(screen: Playground) -> None:
-    """Wait until the drawing is on screen."""
     done = asyncio.Event()
     screen.call_after_refresh(done.set)
     await done.wait()
 
 
 async def frame_times(side: int, frames: int = 40) -> FrameTimes:
-    """Return the times of snapshot and frame on an open side × side map at 120×40, with steps between."""
     app = app_at(open_grid_recipe(side))
     snapshots: list[Snapshot] = []
     copied: list[float] = []
@@ -59,7 +55,6 @@ async def frame_times(side: int, frames: int = 40) -> FrameTimes:
 
 
 def main() -> None:
-    """Print the figures of a small and of a large map."""
     for side in (4, 1_000):
         times = asyncio.run(frame_times(side))
         print(f"{side:,}×{side:,}: snapshot {times.snapshot:.2f} ms, frame {times.frame:.2f} ms")

@@ -1,7 +1,6 @@
 """Break files of scenarios, sessions and lessons: ``python tests/fuzz.py 10000 [SEED] [KIND]``.
 
-Every file must work or be refused in one clear line. The command prints faults and counts. ``python
-tests/fuzz.py --show KIND SEED NUMBER`` writes a single input.
+Every file must work or be refused in one clear line. ``--show KIND SEED NUMBER`` writes a single input.
 """
 
 from __future__ import annotations
@@ -31,8 +30,6 @@ SCREENS: Final = 40
 
 @dataclass
 class Figures:
-    """Counts for a number of inputs. ``found`` are faults: the input and the failure."""
-
     inputs: int = 0
     results: Counter[str] = field(default_factory=Counter)
     found: list[tuple[int, str]] = field(default_factory=list)
@@ -59,7 +56,6 @@ def fuzz(
 
 
 def _child(figures: Figures, kind: str, seed: int, first: int, count: int, screens: int, quick: bool) -> int:
-    """Let a process try ``count`` inputs and return the number of the first it did not reach."""
     arguments = [kind, *map(str, (seed, first, count, screens)), *(["quick"] if quick else [])]
     with tempfile.TemporaryDirectory() as home, tempfile.TemporaryFile() as stderr:
         places = dict.fromkeys(("XDG_CONFIG_HOME", "XDG_DATA_HOME", "RL_TUI_SESSIONS_DIR"), home)
@@ -114,7 +110,6 @@ def _killed(found: str, seconds: float) -> dict[str, object]:
 
 
 def main() -> None:
-    """Fuzz all kinds, or show one input."""
     if sys.argv[1] == "--show":
         kind, seed, number = sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
         sys.stdout.buffer.write(input_of(kind, seed, number))

@@ -1,4 +1,4 @@
-"""Whole scenario documents for every kind of world, most of them nearly valid."""
+"""Scenario documents, most of them nearly valid."""
 
 from __future__ import annotations
 
@@ -34,18 +34,16 @@ odd: st.SearchStrategy[Any] = st.recursive(
 
 
 def mostly(strategy: st.SearchStrategy[Any], wild: st.SearchStrategy[Any] = odd) -> st.SearchStrategy[Any]:
-    """Draw from ``strategy`` nine times in ten."""
     return st.integers(0, 9).flatmap(lambda dice: wild if dice == 9 else strategy)
 
 
 def table(required: dict[str, Any], optional: dict[str, Any]) -> st.SearchStrategy[dict[str, Any]]:
-    """Draw tables of these keys."""
     return st.fixed_dictionaries(required, optional=optional)
 
 
 @st.composite
 def shares(draw: st.DrawFn) -> dict[str, Any]:
-    """Draw a distribution over a few names. It sums to 1 unless an odd value is in it."""
+    """Draw a distribution. It sums to 1 unless an odd value is in it."""
     over = draw(st.lists(names, min_size=1, max_size=3, unique=True))
     found: dict[str, Any] = {name: 1 / len(over) for name in over}
     if draw(st.integers(0, 5)) == 0:
@@ -176,7 +174,6 @@ documents = st.one_of(
 
 @cache
 def block(number: int) -> list[dict[str, Any]]:
-    """Return documents, equal for equal ``number``."""
     drawn: list[dict[str, Any]] = []
 
     @seed(number)

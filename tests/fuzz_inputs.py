@@ -1,4 +1,4 @@
-"""The inputs of the fuzzer. Kind, seed and number determine each input."""
+"""The inputs of the fuzzer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ LESSON: Final = "lesson"
 
 
 def input_of(kind: str, seed: int, number: int) -> bytes:
-    """Return input ``number`` of a ``kind``: SCENARIO, SESSION or LESSON."""
     chance = random.Random(f"{kind} {seed} {number}")
     if kind == SCENARIO:
         return _scenario(chance, seed, number)
@@ -73,7 +72,6 @@ def _session(chance: random.Random, seed: int, number: int) -> bytes:
 
 
 def _plain(value: Any) -> Any:
-    """Return ``value`` without anything that JSON lacks."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""Ways to break a file: its bytes, and the document that they spell."""
+"""Ways to break a file."""
 
 # ruff: noqa: E501
 
@@ -43,7 +43,6 @@ HUGE: tuple[Callable[[], Any], ...] = (
 
 
 def nested(levels: int) -> list[Any]:
-    """Return an empty list inside ``levels`` others."""
     value: list[Any] = []
     for _ in range(levels):
         value = [value]
@@ -51,7 +50,6 @@ def nested(levels: int) -> list[Any]:
 
 
 def mutated_bytes(text: str, other: str, chance: Chance) -> bytes:
-    """Return ``text`` with one to four faults in its bytes, some of them taken from ``other``."""
     content = bytearray(text.encode("utf-8", "surrogatepass"))
     for _ in range(chance.choice((1, 1, 1, 2, 4))):
         at = chance.randrange(len(content) + 1)
@@ -82,7 +80,6 @@ def mutated_bytes(text: str, other: str, chance: Chance) -> bytes:
 
 
 def mutated_document(document: dict[str, Any], chance: Chance) -> dict[str, Any]:
-    """Return a copy of ``document`` with one to four faults in its structure."""
     document = copy.deepcopy(document)
     for _ in range(chance.choice((1, 1, 1, 2, 4))):
         places = list(_places(document))
@@ -97,7 +94,6 @@ def mutated_document(document: dict[str, Any], chance: Chance) -> dict[str, Any]
 
 
 def _places(value: Any) -> list[tuple[Any, Any]]:
-    """Return every table and list in ``value`` with each of its keys."""
     places: list[tuple[Any, Any]] = []
     to_visit = [value]
     while to_visit:
@@ -178,7 +174,6 @@ def _other_value(value: Any, chance: Chance) -> Any:
 
 
 def as_toml(document: dict[str, Any]) -> str:
-    """Return ``document`` in TOML, each table but the outermost written inline."""
     return "".join(f"{_toml_text(key)} = {_toml_value(value)}\n" for key, value in document.items())
 
 

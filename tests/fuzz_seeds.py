@@ -1,4 +1,4 @@
-"""Valid scenario files and sessions, the sources of broken ones."""
+"""Valid files, the sources of broken ones."""
 
 from __future__ import annotations
 
@@ -74,7 +74,6 @@ B = { kind = "floor", only = ["left", "up"] }
 
 @cache
 def scenario_seeds() -> tuple[str, ...]:
-    """The texts of valid scenario files: shipped ones, and some with other features."""
     shipped = [path.read_text(encoding="utf-8") for path in sorted(shipped_folder().glob("*.toml"))]
     # in a large map, mutations would rarely touch anything else
     return (*(text for text in shipped if len(text) < 10_000), BINS, EDGES, OUTCOMES, LEGEND)
@@ -82,12 +81,10 @@ def scenario_seeds() -> tuple[str, ...]:
 
 @cache
 def session_seeds() -> tuple[str, ...]:
-    """The texts of valid session files."""
     return tuple(encoded(record).decode() for record in _records())
 
 
 def lesson_seeds() -> tuple[str, ...]:
-    """The texts of valid lesson files, small for fast checks."""
     return EVENING, SOUND
 
 
@@ -124,7 +121,6 @@ def _with_branches(record: Record) -> Record:
 
 
 def signed(fields: dict[str, Any]) -> str:
-    """Return the text of a session file with ``fields`` and their checksum."""
     unsigned = {key: value for key, value in fields.items() if key != "checksum"}
     text = json.dumps(unsigned, sort_keys=True, separators=(",", ":"))
     return json.dumps({**unsigned, "checksum": hashlib.sha256(text.encode()).hexdigest()})

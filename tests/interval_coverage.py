@@ -1,4 +1,4 @@
-"""How often the 95 % interval of the mean covers the true mean, for results with a known mean."""
+"""How often the 95 % interval covers the true mean."""
 
 from __future__ import annotations
 
@@ -17,8 +17,6 @@ Draw = Callable[[np.random.Generator, tuple[int, int]], npt.NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class Results:
-    """Results of one kind: how ``draw`` makes trials × runs of them, and their true mean."""
-
     draw: Draw
     mean: float
 
@@ -64,13 +62,11 @@ HELD: Final = ("normal", "mostly learned")
 
 
 def coverage_of_mean(kind: str, runs: int, trials: int, seed: int = 1) -> Coverage:
-    """Return how often the interval of ``runs`` results covers the true mean, over many trials."""
     ends = [interval_of(each) for each in _trials(kind, runs, trials, seed)]
     return _coverage(ends, RESULTS[kind].mean)
 
 
 def coverage_of_difference(kind: str, runs: int, trials: int) -> Coverage:
-    """Return how often the interval of the difference between two equal cells covers 0."""
     pairs = zip(_trials(kind, runs, trials, 1), _trials(kind, runs, trials, 2), strict=True)
     found = [shrinkage_of(first, again) for first, again in pairs]
     return _coverage([(each.low, each.high) for each in found if each], 0.0)

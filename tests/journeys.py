@@ -1,4 +1,4 @@
-"""The time to jump to any step of a long run, and the size of its checkpoints."""
+"""The time to jump to any step of a long run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from rl_tui.runs.recipe import SetParameter
 
 
 def journeys(scenario: str, steps: int, count: int = 100) -> Iterator[tuple[str, float]]:
-    """Yield kind and milliseconds of ``count`` journeys of each kind in a run of ``steps`` steps."""
     playback = Playback(
         recipe_for(find(scenario)),
         speed=None,

@@ -32,7 +32,6 @@ COMPILED: Final = "compiled: loops run as machine code from their first step"
 
 
 def kind_of(item: pytest.Item) -> str:
-    """Return the mark of a test or its file. Unmarked tests have the kind of their folder."""
     marked = next((kind for kind in KINDS if item.get_closest_marker(kind)), None)
     if marked is not None:
         return marked
@@ -44,10 +43,7 @@ def kind_of(item: pytest.Item) -> str:
 
 
 def may_be_about(path: Path, subject: str) -> bool:
-    """Return whether the file at ``path`` can have tests about ``subject``, judged by its text.
-
-    It names the subject, or its tests loop over a catalogue that contains the subject.
-    """
+    """It names the subject, or its tests loop over a catalogue that contains it."""
     text = path.read_text(encoding="utf-8")
     if _plain(subject) in _plain(f"{path.stem} {text}"):
         return True
@@ -59,10 +55,9 @@ def may_be_about(path: Path, subject: str) -> bool:
 
 
 def about(items: list[pytest.Item], subject: str) -> list[pytest.Item]:
-    """Return the tests about ``subject``: an id, a panel or a module.
+    """Return the tests about an id, a panel or a module. Raises UsageError.
 
-    Tests of real programs are slow; they are returned only if there are no others. Raises UsageError with
-    similar names if there is no test.
+    Slow tests of real programs are returned only if there are no others.
     """
     wanted = _plain(subject)
     found = [item for item in items if wanted in _names(item) or _stands_in(wanted, _title(item))]
@@ -76,7 +71,6 @@ def about(items: list[pytest.Item], subject: str) -> list[pytest.Item]:
 
 @cache
 def _ids() -> dict[str, frozenset[str]]:
-    """Return the ids of each catalogue, by the name of the parameter that takes them."""
     return {
         "algorithm": frozenset(ALGORITHM_BY_ID),
         "policy": frozenset(POLICY_BY_ID),
@@ -93,12 +87,10 @@ def _stands_in(wanted: str, text: str) -> bool:
 
 
 def _title(item: pytest.Item) -> str:
-    """Return file and function of a test, without its parameters."""
     return _plain(f"{item.path.stem} {item.function.__name__}")
 
 
 def _names(item: pytest.Item) -> set[str]:
-    """Return the ids among the parameters of a test, and the modules that its file imports."""
     parameters = item.callspec.params.values() if hasattr(item, "callspec") else ()
     return {_plain(text) for value in parameters for text in _texts(value)} | _imported(item.path)
 
@@ -122,7 +114,6 @@ def _imported(path: Path) -> frozenset[str]:
 
 
 def is_everyday(item: pytest.Item, named: Collection[str]) -> bool:
-    """Return whether a test runs without ``--all``: it is not exhaustive, or the command line names it."""
     mark = item.get_closest_marker("exhaustive")
     if mark is None or any("::" in name for name in named):
         return True
@@ -137,7 +128,6 @@ def take_few_examples(test: Any) -> None:
 
 
 def is_quick(item: pytest.Item) -> bool:
-    """True for fast unit tests, and for the small pictures, which show every screen."""
     if item.path.stem == "test_pictures":
         return "80x24" in item.name
     return kind_of(item) == "unit" and not item.get_closest_marker("slow")

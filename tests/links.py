@@ -47,15 +47,11 @@ KEYS: Final = (
 
 
 class Key(NamedTuple):
-    """The key ``name`` and the seconds until its effect was visible."""
-
     name: str
     delay: float
 
 
 class Frames(NamedTuple):
-    """Arrivals in a period: bytes per frame, frames and bytes per second, steps per second."""
-
     sizes: list[int]
     frames_per_second: float
     bytes_per_second: float
@@ -63,7 +59,6 @@ class Frames(NamedTuple):
 
 
 def start(rate: float | None, depth: str, room: int, options: argparse.Namespace) -> ThrottledTerminal:
-    """Start the playground over the link and let it train at full speed."""
     terminal = ThrottledTerminal(
         [*RL_TUI, "play", options.scenario, "--colors", depth],
         rate=rate,
@@ -85,7 +80,6 @@ def finish(terminal: ThrottledTerminal) -> None:
 
 
 def watch(terminal: ThrottledTerminal, seconds: float) -> Frames:
-    """Read for a while, at least until the run has advanced."""
     before, began = len(terminal.written), time.perf_counter()
     steps: list[tuple[float, float]] = []
     while time.perf_counter() < began + seconds or len({step for _, step in steps}) < 3:
@@ -98,7 +92,6 @@ def watch(terminal: ThrottledTerminal, seconds: float) -> Frames:
 
 
 def step_of(screen: str) -> float | None:
-    """Return the step shown on ``screen``."""
     found = STEPS.search(screen)
     return float(found[1].replace(",", "")) * {"": 1, "M": 1e6, "G": 1e9}[found[2]] if found else None
 
@@ -118,14 +111,12 @@ def press_keys(terminal: ThrottledTerminal, count: int) -> Iterator[Key]:
 
 
 def headless(scenario: str) -> float:
-    """Return steps a second without a screen."""
     command = [*RL_TUI, "train", scenario, "--steps", "100000000", "--json"]
     done = subprocess.run(command, check=True, capture_output=True)
     return float(json.loads(done.stdout)["steps_per_second"])
 
 
 def report(rate: float | None, depth: str, room: int, options: argparse.Namespace) -> None:
-    """Print the measures of one link."""
     with start(rate, depth, room, options) as terminal:
         frames = watch(terminal, options.seconds)
         keys = list(press_keys(terminal, options.keys))
@@ -152,7 +143,6 @@ def report(rate: float | None, depth: str, room: int, options: argparse.Namespac
 
 
 def come_back(options: argparse.Namespace) -> None:
-    """Print the frame rate before, during and after a slow period of the link."""
     with start(None, "256", SSH_BUFFER, options) as terminal:
         rates = []
         for rate in (None, 10_000, None):

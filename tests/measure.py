@@ -83,13 +83,12 @@ Rows = Iterator[tuple[str, str, str]]
 
 
 def start_up(rounds: int) -> Rows:
-    """Time ``rl-tui --version``."""
     taken = [_time_of((*RL_TUI, "--version")) for _ in range(rounds)]
     yield "rl-tui --version", f"{median(taken):.3f} s", "at most 0.25 s"
 
 
 def beginnings(rounds: int) -> Rows:
-    """Measure the first output of each command, as a multiple of the slow imports, in turns."""
+    """The first output of each command, as a multiple of the slow imports."""
     imports: list[float] = []
     times: dict[str, list[float]] = {what: [] for what in (*BEGINNINGS, FIRST_STEP)}
     for _ in range(rounds):
@@ -125,7 +124,6 @@ def _time_to_first_step(variables: Mapping[str, str]) -> float:
 
 
 def bench(rounds: int) -> Rows:
-    """Headless training against the plain Gymnasium loop."""
     done = subprocess.run(
         [*RL_TUI, "bench", "--rounds", str(rounds), "--json"], check=True, capture_output=True
     )
@@ -137,7 +135,7 @@ def bench(rounds: int) -> Rows:
 
 
 def algorithms(rounds: int) -> Rows:
-    """Every one-step rule on its own scenario, against the plain Gymnasium loop, in turns."""
+    """Every one-step rule on its own scenario, against the plain Gymnasium loop."""
     speeds: dict[str, list[float]] = {name: [] for name in ONE_STEP}
     plain = []
     for _ in range(rounds):
@@ -152,7 +150,7 @@ def algorithms(rounds: int) -> Rows:
 
 
 def sizes(rounds: int) -> Rows:
-    """Q-learning on open grids of growing size: the cost of a step should stay constant."""
+    """Q-learning on growing grids: the cost of a step should stay constant."""
     with TemporaryDirectory() as folder:
         speeds: dict[int, list[float]] = {side: [] for side in SIDES}
         for side in SIDES:
@@ -174,7 +172,6 @@ def _write_open_grid(path: Path, side: int, limit: int) -> None:
 
 
 def evaluation(rounds: int) -> Rows:
-    """Time the exact evaluation of a policy in a large world, and the start in it."""
     limits = {"without a time limit": 0, "within 1,000 steps": 1_000}
     started: list[float] = []
     taken: dict[str, list[float]] = {what: [] for what in limits}
@@ -192,7 +189,6 @@ def evaluation(rounds: int) -> Rows:
 
 
 def frames(rounds: int) -> Rows:
-    """A frame on a small and on a large map at 120×40, and its snapshot."""
     small, large = ([asyncio.run(frame_times(side)) for _ in range(rounds)] for side in (4, 1_000))
     for name in ("frame", "snapshot"):
         few, many = (median(getattr(each, name) for each in times) for times in (small, large))
@@ -201,7 +197,6 @@ def frames(rounds: int) -> Rows:
 
 
 def edits(rounds: int) -> Rows:
-    """Time a drawn wall until the snapshot, until the exact values, and until the screen."""
     for side in (10, 30, 100):
         times = asyncio.run(edit_times(side, 4 * rounds))
         what = f"edit of a {side}×{side} map"
@@ -216,7 +211,6 @@ def edits(rounds: int) -> Rows:
 
 
 def first_paint(rounds: int) -> Rows:
-    """Compare the time to the first visible frame with that of an empty Textual app."""
     empty, ours = [], []
     for _ in range(rounds):
         empty.append(_time_to(EMPTY_APP, _is_filled))
@@ -228,7 +222,6 @@ def first_paint(rounds: int) -> Rows:
 
 
 def _is_filled(terminal: PseudoTerminal) -> bool:
-    """Whether the last row has a background colour."""
     return terminal.emulator.cell(0, terminal.emulator.lines - 1).bg != "default"
 
 
@@ -242,7 +235,7 @@ def _time_to(command: tuple[str, ...], is_painted: Callable[[PseudoTerminal], bo
 
 
 def live(rounds: int) -> Rows:
-    """The playground at full speed at 120×40 against headless training, and the delay of keys meanwhile."""
+    """Full speed at 120×40 against headless training, and the delay of keys."""
     headless, on_screen, changes, layers = [], [], [], []
     for _ in range(rounds):
         headless.append(_headless_speed())
@@ -282,7 +275,6 @@ def _live_speed(terminal: PseudoTerminal) -> float:
 
 
 def _delay(terminal: PseudoTerminal, turn: int, key: str, text: str) -> float:
-    """Return the milliseconds from pressing ``key``, at a random moment of a frame, to ``text``."""
     for _ in terminal.reading(0.1 + 0.011 * turn):
         pass
     start = time.perf_counter()
@@ -296,7 +288,6 @@ def _percentile(delays: list[float]) -> float:
 
 
 def travel(steps: int) -> Rows:
-    """Yield the time to jump to a random moment of a long run: median and slowest."""
     for scenario, length in ((SCENARIO, steps), ("cliff", steps), ("blackjack", min(steps, 20_000))):
         kinds: dict[str, list[float]] = {}
         for kind, milliseconds in journeys(scenario, length):
@@ -308,7 +299,7 @@ def travel(steps: int) -> Rows:
 
 
 def seeds(rounds: int) -> Rows:
-    """Measure the live run's speed during a study of many seeds. It needs two quiet cores."""
+    """The live run's speed during a study of many seeds. It needs two quiet cores."""
     speeds, thrifts = zip(*asyncio.run(seed_study_cost(8 * rounds)), strict=True)
     load = f"load {os.getloadavg()[0]:.1f} of {os.cpu_count()}"
     yield "live speed beside many seeds", f"{median(speeds):.1%}, {load}", "at least 95 %"

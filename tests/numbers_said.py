@@ -7,7 +7,7 @@ Each file belongs to one text, to the help, or to all guides. Its keys are:
 * ``[copies.NAME]``: a copy of the scenario file with other values of some keys, as the setup NAME.
 * ``[constants]``: numbers that the program holds under a name.
 * ``quoted``: numbers with another source, named beside them.
-* ``chosen``: numbers that the text chooses, such as settings to try, and that match no rule below.
+* ``chosen``: numbers that the text chooses and that match no rule below.
 """
 
 from __future__ import annotations
@@ -48,8 +48,6 @@ _SENTENCE: Final = re.compile(r"(?<=[.?!])\*{0,2} (?:\* )?(?=[^a-z])")
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """The demands of one file of ``tests/said/`` on a text."""
-
     id: str
     pieces: tuple[str, ...]
     names_in: tuple[tuple[str, ...], ...]
@@ -63,18 +61,15 @@ class Said:
 
     @property
     def expressions(self) -> str:
-        """All expressions of its figures."""
         return " ".join(figure.by for figure in self.figures_by_name.values())
 
     @property
     def figures_by_name(self) -> Mapping[str, Figure]:
-        """The figures by name."""
         return self.lesson.figures
 
 
 @functools.cache
 def said_of(text_id: str) -> Said:
-    """Return the demands on the text of this name; empty if it has no file."""
     path = FOLDER / f"{text_id}.toml"
     table = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     copies = {name: copied(find(text_id), changes) for name, changes in table.get("copies", {}).items()}
@@ -98,7 +93,6 @@ def said_of(text_id: str) -> Said:
 
 
 def _put_in(value: str, form: str | None) -> str:
-    """Return a figure in the form of its piece: digits, a word, or an ordinal."""
     if form is None:
         return value
     word = _WORDS[int(number(value))]
@@ -129,13 +123,11 @@ def _held(name: str) -> float:
 
 
 def plain(text: str) -> str:
-    """Return ``text`` without line breaks."""
     return " ".join(text.split())
 
 
 @functools.cache
 def held_by_tests(path: Path) -> tuple[str, ...]:
-    """Return the strings with numbers in a test module, the pieces of texts that its tests check."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     strings = {each.value for each in ast.walk(tree) if isinstance(each, ast.Constant)}
     return tuple(
@@ -171,11 +163,7 @@ _SETTINGS: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Mention:
-    """A number outside all pieces and rules, with its surroundings and its sentence.
-
-    ``is_setting``: it is written like a setting. ``has_piece``: its sentence contains a piece, so the number
-    may be a condition of that claim.
-    """
+    """A number outside all pieces and rules. With ``has_piece`` it may be a condition of that claim."""
 
     number: str
     before: str
@@ -186,12 +174,10 @@ class Mention:
 
     @property
     def is_setting_to_try(self) -> bool:
-        """Whether the text claims no effect of that setting."""
         return self.is_setting and not self.has_piece
 
 
 def mentions(text: str, pieces: Sequence[str], others: Sequence[str] = ()) -> Iterator[Mention]:
-    """Yield the numbers of ``text`` outside all ``pieces``, ``others`` and rules."""
     held = [span for piece in pieces for span in _places(text, piece)]
     free = [span for piece in others for span in _places(text, piece)]
     free += [match.span() for pattern in RULES.values() for match in re.finditer(pattern, text)]
@@ -224,14 +210,12 @@ def _places(text: str, piece: str) -> Iterator[tuple[int, int]]:
 
 
 def number(text: str) -> float:
-    """Return the value of a number in a text."""
     found = written_number(text)
     assert found is not None, text
     return found.value
 
 
 def numbers_in(value: Any) -> Iterator[float]:
-    """Yield the numbers of a table of TOML, without their signs."""
     if isinstance(value, dict):
         for inner in value.values():
             yield from numbers_in(inner)

@@ -1,4 +1,4 @@
-"""Open square maps of any size, made from arrays: four moves, a goal in the last corner, −1 a step."""
+"""Open square maps of any size, made from arrays."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ MOVES = ((0, -1), (1, 0), (0, 1), (-1, 0))
 
 
 def open_grid(side: int, time_limit: int = 0) -> World:
-    """side × side cells, each a state with its number as its name. The start is in the middle."""
     states = side * side
     goal = states - 1
     row, column = np.divmod(np.arange(goal), side)
@@ -56,8 +55,6 @@ def open_grid(side: int, time_limit: int = 0) -> World:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OpenSection:
-    """Replaces the world's table of a scenario file."""
-
     side: int
     drawn_from_seed: bool = False
 
@@ -69,7 +66,6 @@ class OpenSection:
 
 
 def open_grid_recipe(side: int, seed: int = 0) -> Recipe:
-    """Q-learning with ε 0.1 on an open map."""
     scenario = Scenario(
         id=f"open-{side}",
         title=f"Open {side}×{side}",

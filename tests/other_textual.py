@@ -1,8 +1,6 @@
-"""rl-tui with a Textual in which some private names are renamed.
+"""rl-tui with a Textual in which some private names are renamed, as a later version may do.
 
 ``python other_textual.py NAME,NAME play …``
-
-Textual itself uses the new names, and so works like a later version with internal renames.
 """
 
 from __future__ import annotations
@@ -14,7 +12,6 @@ from types import CodeType
 
 
 def rename(names: list[str]) -> None:
-    """Replace each of ``names`` in every module of Textual that is imported later."""
     found = re.compile(rf"(?<!drivers\.)(?<!textual\.)\b(?:{'|'.join(map(re.escape, names))})\b".encode())
     get_code = SourceFileLoader.get_code
 

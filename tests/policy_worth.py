@@ -9,9 +9,5 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def evaluate(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyValue:
-    """Return the exact value of ``policy``, [P] probabilities that sum to 1 in each state.
-
-    There is no time limit; ``gamma`` is in [0, 1]. At γ = 1 an endless part without rewards adds 0. Raises
-    NoExactAnswer if rounding would spoil the value.
-    """
+    """Return the exact value of ``policy``, [P]. Raises NoExactAnswer if rounding would spoil it."""
     return PolicyChain(exact_model(mdp), policy).value(gamma)

@@ -23,8 +23,6 @@ _FIGURES = ("alpha", "gamma", "epsilon")
 
 
 class Seen(NamedTuple):
-    """The result of one run of one program."""
-
     faults: tuple[str, ...]
     lines: tuple[str, ...]
     rule: str
@@ -33,7 +31,6 @@ class Seen(NamedTuple):
 
 
 def seen(script: Path, seed: int) -> Seen:
-    """Watch ``script`` once."""
     log, verdict = watched(script, seed)
     return Seen(
         tuple(each.fault.value for each in verdict.findings),
@@ -45,7 +42,6 @@ def seen(script: Path, seed: int) -> Seen:
 
 
 def row_of_faulty(script: Path, runs: Iterable[Seen]) -> tuple[bool, str]:
-    """Return whether all is well, and what to print."""
     wanted, line = tuple(expected(script)), expected(script, "line")
     runs = list(runs)
     found = sum(run.faults == wanted for run in runs)
@@ -56,7 +52,6 @@ def row_of_faulty(script: Path, runs: Iterable[Seen]) -> tuple[bool, str]:
 
 
 def row_of_correct(script: Path, runs: Iterable[Seen]) -> tuple[bool, str]:
-    """Return whether nothing was claimed, and what to print."""
     said: dict[str, Any] = expected(script) or {}
     runs = list(runs)
     claimed = Counter(run.faults for run in runs if run.faults)

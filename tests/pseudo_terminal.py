@@ -1,4 +1,4 @@
-"""A program in a pseudo-terminal: press keys, wait for text on the screen, check the state it leaves."""
+"""A program in a pseudo-terminal."""
 
 from __future__ import annotations
 
@@ -32,10 +32,9 @@ _NOT_INHERITED: Final = ("NO_COLOR", "COLORTERM", "TERM_PROGRAM", "TMUX", "STY")
 
 
 class PseudoTerminal:
-    """Starts ``command`` in a terminal of ``size`` (columns, rows) and shows its output on ``emulator``.
+    """Starts ``command`` in a terminal of ``size`` (columns, rows).
 
-    ``environment`` is added to this process's own; None removes a variable. The terminal reports its cursor
-    if ``tells_position``, and supports synchronised output if it ``synchronises``.
+    ``environment`` is added to this process's own; None removes a variable.
     """
 
     def __init__(
@@ -79,29 +78,22 @@ class PseudoTerminal:
             os.close(descriptor)
 
     def press(self, keys: str) -> None:
-        """Type ``keys``, all at once."""
         self._send(keys)
 
     def blank(self) -> None:
-        """Clear the screen: anything found on it later is new.
-
-        The program does not notice, and must be made to draw everything again.
-        """
+        """Clear the screen. The program does not notice, and must be made to draw again."""
         self.emulator.erase_in_display(2)
 
     def resize(self, columns: int, rows: int) -> None:
-        """Resize the terminal, and send the program the signal of a terminal."""
         self._set_size(columns, rows)
         self.emulator.resize(rows, columns)
         self.process.send_signal(signal.SIGWINCH)
 
     @property
     def screen(self) -> str:
-        """The text read from the screen so far, one line per row, without trailing blanks."""
         return self.emulator.text
 
     def wait_for(self, pattern: str, seconds: float = DEADLINE) -> re.Match[str]:
-        """Read until ``pattern`` is on the screen. It may be there already."""
         found: list[re.Match[str]] = []
 
         def find() -> bool:
@@ -115,14 +107,12 @@ class PseudoTerminal:
     def wait_until(
         self, condition: Callable[[], bool], seconds: float = DEADLINE, what: str = "what was waited for"
     ) -> None:
-        """Read until ``condition`` is true on a whole frame, or fail."""
         deadline = time.perf_counter() + seconds
         while not (self.emulator.is_whole and condition()):
             if not self.read_more(deadline):
                 raise AssertionError(f"{what!r} did not appear; what stands there:\n{self.screen}")
 
     def wait_for_end(self, seconds: float = DEADLINE) -> int:
-        """Read until the program ends and return its exit status."""
         deadline = time.perf_counter() + seconds
         while self.read_more(deadline):
             pass
@@ -130,7 +120,6 @@ class PseudoTerminal:
         return self.process.returncode
 
     def reading(self, seconds: float) -> Iterator[tuple[float, str]]:
-        """Read for ``seconds`` and yield the moment and the screen after every whole frame."""
         deadline = time.perf_counter() + seconds
         while self.read_more(deadline):
             if self.emulator.is_whole:
@@ -138,12 +127,10 @@ class PseudoTerminal:
 
     @property
     def attributes(self) -> list[Any]:
-        """The terminal's current termios settings."""
         return termios.tcgetattr(self.theirs)
 
     @property
     def modes_left_changed(self) -> set[str]:
-        """The private modes that differ from those before the program's start."""
         last = {
             number: letter == b"h"
             for numbers, letter in _MODE.findall(self.written)
@@ -158,7 +145,7 @@ class PseudoTerminal:
         os.write(self._ours, text.encode())
 
     def read_more(self, deadline: float) -> bool:
-        """Wait for output and read it; return False at the deadline, or at the end of the output."""
+        """Return False at the deadline, or at the end of the output."""
         left = max(0.0, deadline - time.perf_counter())
         ready, _, _ = select.select([self._ours, self._alive], [], [], left)
         if self._ours in ready:
@@ -170,12 +157,10 @@ class PseudoTerminal:
 
 
 def visible(written: bytes) -> str:
-    """Return the output without escape sequences."""
     return _SEQUENCE.sub(b"", written).decode("utf-8", errors="replace")
 
 
 def environment_with(changes: Mapping[str, str | None]) -> dict[str, str]:
-    """Return this process's environment without facts about its terminal, and with ``changes``."""
     kept = {
         name: value
         for name, value in os.environ.items()

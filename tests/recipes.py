@@ -18,20 +18,17 @@ def recipe(scenario: str, seed: int = 0, **overrides: Any) -> Recipe:
 
 
 def bandit(budget: int, seed: int = 0, **overrides: Any) -> Recipe:
-    """A bandit with another budget than the shipped one."""
     scenario = find("bandit")
     section = scenario.section.model_copy(update={"budget": budget})
     return recipe_for(replace(scenario, section=section), overrides, seed)
 
 
 def replay(made_from: Recipe, journal: Sequence[JournalEntry], step: int) -> Run:
-    """The run of a recipe and a journal at ``step``."""
     run = Run(made_from)
     run.follow(journal, step)
     return run
 
 
 def one_run(made_from: Recipe, goal: Goal) -> dict[str, Any]:
-    """The figures of one training."""
     run = Run(made_from, evaluate=False)
     return training_figures(run, train(run, goal))

@@ -1,7 +1,6 @@
 """The cost of a study of many seeds for the live run.
 
-The live run plays at full speed, and a reader takes snapshots at the rate of a screen. The study's process is
-stopped and continued in turns. They are short, to expose both to the same load from other work.
+The study is stopped and continued in short turns, to expose both to the same load from other work.
 """
 
 from __future__ import annotations
@@ -26,8 +25,6 @@ FRAME: Final = 1 / 30
 
 
 class _LiveRun:
-    """A player at full speed, with snapshots read at the rate of a screen."""
-
     def __init__(self) -> None:
         self._player = Player(recipe_named(SCENARIO), speed=None)
         self._newest: Snapshot | None = None
@@ -48,7 +45,6 @@ class _LiveRun:
             await asyncio.sleep(FRAME)
 
     async def speed(self) -> tuple[float, float]:
-        """Return its steps per second, and per CPU second."""
         before, start, used = self._steps, time.perf_counter(), time.process_time()
         await asyncio.sleep(SECONDS)
         steps = self._steps - before
@@ -68,10 +64,7 @@ class _LiveRun:
 
 
 async def seed_study_cost(rounds: int) -> list[tuple[float, float]]:
-    """Return, per round, the fractions left during a study: of the speed, and of the steps per CPU second.
-
-    The second leaves out time taken by other processes, and shows losses in the caches.
-    """
+    """Return, per round, the fractions left during a study: of the speed, and of the steps per CPU second."""
     processes: list[subprocess.Popen[bytes]] = []
     start_process = background.python_process
 

@@ -27,12 +27,10 @@ NAMES = st.text(st.characters(exclude_categories=("C", "Z")), min_size=1, max_si
 
 
 def fresh(made_from: Recipe, speed: float | None = 10.0) -> Record:
-    """A playground's initial record."""
     return Record((RunRecord(made_from, (FIRST,)),), speed=speed)
 
 
 def after(record: Record, step: int, *changes: tuple[int, Change]) -> Record:
-    """The same run at ``step``, with changes on the way."""
     lane = record.lanes[0]
     journal = tuple(JournalEntry(at, change) for at, change in changes)
     branch = replace(lane.branches[0], end=step, here=step, journal=journal)
@@ -63,7 +61,6 @@ CHANGES: st.SearchStrategy[Change] = st.one_of(
 
 @st.composite
 def branches(draw: st.DrawFn) -> tuple[Branch, ...]:
-    """A tree of branches such as a run grows."""
     made: list[Branch] = []
     for number in range(draw(st.integers(1, 5))):
         parent = None if number == 0 else draw(st.integers(0, number - 1))
@@ -79,7 +76,6 @@ def branches(draw: st.DrawFn) -> tuple[Branch, ...]:
 
 @st.composite
 def records(draw: st.DrawFn, scenario: str = "student") -> Record:
-    """Any record of ``scenario``."""
     started = recipe(scenario)
     lanes = []
     for _ in range(draw(st.integers(1, 4))):

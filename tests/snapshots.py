@@ -1,4 +1,4 @@
-"""Snapshots of a run, and variants with other values in some fields."""
+"""Snapshots of a run, and variants."""
 
 from __future__ import annotations
 
@@ -31,7 +31,6 @@ def snapshot_of(
     exact_answer: Answer = PENDING,
     viewport: Viewport | None = None,
 ) -> Snapshot:
-    """Return the snapshot that a player would show of ``run``."""
     lane: Any = SimpleNamespace(run=run, timeline=Timeline(), trail=(), begun_at=None)
     questions = Questions(Record((RunRecord(run.recipe),)), lambda: None, automatic=False)
     questions.viewport = viewport
@@ -41,7 +40,6 @@ def snapshot_of(
 
 
 def changed(picture: Picture, **changes: Any) -> Picture:
-    """``picture`` with other values of its fields, or of the fields of its groups."""
     own = {name: changes.pop(name) for name in _names(picture) if name in changes}
     inner: dict[str, dict[str, Any]] = defaultdict(dict)
     for group in _names(picture):

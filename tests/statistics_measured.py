@@ -16,7 +16,6 @@ Rows = Iterator[tuple[str, str, str]]
 
 
 def coverage(trials: int) -> Rows:
-    """Report how often the intervals of means cover, miss below and miss above, and the time of one."""
     for kind in RESULTS:
         for runs in (10, 20, 30, 50, 100):
             of_mean = coverage_of_mean(kind, runs, trials)
@@ -33,7 +32,6 @@ def coverage(trials: int) -> Rows:
 
 
 def comparison(trials: int) -> Rows:
-    """Report how often a cell tied with the best is called worse, and the time for ten thousand cells."""
     for sweep in SWEEPS:
         for runs in (10, 30, 100):
             yield f"{sweep}, {runs} runs", f"{errors(sweep, runs, trials):.2%}", "at most 5 %"

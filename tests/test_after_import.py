@@ -1,4 +1,4 @@
-"""Hooks that run after the import of a foreign module. The import itself stays the same."""
+"""Hooks that run after the import of a foreign module."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The real program saves its work even if killed; ``tests/crashes.py`` tries more moments."""
+"""The real program saves its work even if killed."""
 
 from __future__ import annotations
 

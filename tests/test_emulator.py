@@ -1,4 +1,4 @@
-"""The terminal emulator of the tests, in cases that plain pyte gets wrong."""
+"""The terminal emulator of the tests."""
 
 from __future__ import annotations
 

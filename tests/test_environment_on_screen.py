@@ -1,4 +1,4 @@
-"""The real program with an environment that prints, hangs and fails: keys work, the screen stays clean."""
+"""An environment that prints, hangs and fails."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The first hundreds of inputs of fuzz.py, in child processes limited to two more gigabytes."""
+"""The first hundreds of inputs of fuzz.py."""
 
 from __future__ import annotations
 

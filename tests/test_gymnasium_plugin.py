@@ -1,4 +1,4 @@
-"""``import rl_tui`` registers scenarios in Gymnasium, in any order of imports."""
+"""``import rl_tui`` registers scenarios in Gymnasium."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every test has one kind, and can be found by its subject."""
+"""Every test has one kind and a subject."""
 
 from __future__ import annotations
 

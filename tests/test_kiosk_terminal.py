@@ -1,4 +1,4 @@
-"""A stranger at a kiosk: keys that would write are typed, and no file changes."""
+"""A stranger at a kiosk."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pseudo_terminal import RL_TUI, PseudoTerminal
 
 
 def tree(folder: Path) -> dict[str, tuple[int, int]]:
-    """Every file below ``folder``, with its size and time of change."""
     return {
         str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns)
         for path in sorted(folder.rglob("*"))

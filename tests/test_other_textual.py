@@ -1,4 +1,4 @@
-"""The program with other versions of Textual, without the private names it uses."""
+"""The program with other versions of Textual."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Imports of each package in a fresh process: they run one way, and slow ones come late."""
+"""Imports run one way, and slow ones come late."""
 
 from __future__ import annotations
 
@@ -36,7 +36,6 @@ except SystemExit as end:
 
 
 def loaded_by(code: str) -> set[str]:
-    """Return the top-level modules, and those of rl_tui, that ``code`` loads in a fresh process."""
     done = subprocess.run(
         [sys.executable, "-c", LOADED.format(code=code)], capture_output=True, text=True, check=True
     )

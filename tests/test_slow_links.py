@@ -1,4 +1,4 @@
-"""The real program on a slow link, and in a terminal that changes its size."""
+"""The real program on a slow link."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ A_MILLION_STEPS = r"step\s+(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])"
 
 
 def left_in_input(terminal: PseudoTerminal) -> bytes:
-    """Return the input that the next program would read there."""
     theirs = terminal.theirs
     tty.setraw(theirs, termios.TCSANOW)  # without discarding it
     (count,) = struct.unpack("i", fcntl.ioctl(theirs, termios.FIONREAD, b"\0" * 4))

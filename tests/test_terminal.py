@@ -1,4 +1,4 @@
-"""The real program in a pseudo-terminal: it trains, quits, and restores the terminal."""
+"""The real program trains, quits, and restores the terminal."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ A_MILLION_STEPS = r"step\s+(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])"
 
 @contextmanager
 def rl_tui(*args: str, cache: Path | None = None, status: int = 0, **more: str) -> Iterator[PseudoTerminal]:
-    """Start rl-tui. At the end of the block it must have quit and restored everything."""
+    """At the end of the block it must have quit and restored everything."""
     environment = {**({"RL_TUI_CACHE_DIR": str(cache)} if cache else {}), **more}
     with PseudoTerminal([*RL_TUI, *args], environment) as terminal:
         yield terminal

@@ -1,4 +1,4 @@
-"""A forked program finds the same conditions as a newly started one."""
+"""A forked program is like a newly started one."""
 
 from __future__ import annotations
 
@@ -25,7 +25,6 @@ print([each for each in range(3, 300) if os.path.exists(f"/proc/self/fd/{each}")
 
 
 def outcome(start: Any, *arguments: str, **more: Any) -> tuple[bool, int, str, str]:
-    """Return whether Python was forked, its exit with these arguments, and its output."""
     pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
     with start([sys.executable, *arguments], **pipes, text=True, **more) as process:
         written = process.communicate("typed\n")

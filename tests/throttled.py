@@ -1,4 +1,4 @@
-"""A pseudo-terminal at the end of a slow link, with a limited rate of bytes."""
+"""A pseudo-terminal at the end of a slow link."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _PIECE = 0.01  # seconds: bytes within this time arrive together
 
 
 class ThrottledTerminal(PseudoTerminal):
-    """Passes ``rate`` bytes a second, or everything at once if it is None. The rate may change at any time.
+    """Passes ``rate`` bytes a second, or everything at once if it is None.
 
-    A buffer of ``room`` bytes lies between the program and the link, as with SSH, in addition to the
-    kernel's.
+    A buffer of ``room`` bytes, in addition to the kernel's, lies between the program and the link, as with
+    SSH.
     """
 
     def __init__(
@@ -64,7 +64,6 @@ class ThrottledTerminal(PseudoTerminal):
         return len(self._waiting) >= max(self._room, int((self.rate or 65536) * _PIECE))
 
     def _fill(self, now: float) -> None:
-        """Read the program's output as far as the buffer has space."""
         while not self._is_full() and select.select([self._ours], [], [], 0.0)[0]:
             if not self._waiting:
                 self._free_at = max(self._free_at, now - _PIECE)

@@ -1,8 +1,8 @@
 """Start the programs of tests by forking a process that has already imported their modules.
 
-Starting Python and importing takes most of the time of such a test. Tests about the start itself use the
-fixture ``real_start``. Some programs cannot be forked faithfully and start normally: other kinds of programs,
-those with a ``preexec_fn``, and those with environment variables that Python reads at its start or on import.
+Tests about the start itself use the fixture ``real_start``. Some programs cannot be forked faithfully and
+start normally: other kinds, those with a ``preexec_fn``, and those with environment variables that Python
+reads early.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class ForkServer:
         self.is_ready = self._door.recv(LARGEST) == b"ready"
 
     def takes(self, environment: Mapping[str, str]) -> bool:
-        """Return whether a program with this environment would have started like this process."""
+        """A program with this environment would have started like this process."""
         names = filter(_READ_AT_START.fullmatch, {*environment, *self._environment})
         return all(self._has(name, environment.get(name)) for name in names)
 
@@ -67,7 +67,6 @@ class ForkServer:
         return value in (ours, _MEANS_THE_SAME.get(name, ours))
 
     def fork(self, request: Mapping[str, Any], descriptors: Sequence[int]) -> int | None:
-        """Return the process id of a new child of this process, or None."""
         message = json.dumps(request).encode()
         if len(message) > LARGEST or len(descriptors) > MOST_DESCRIPTORS:
             return None
@@ -83,7 +82,6 @@ class ForkServer:
                 _adopt(False)
 
     def end(self) -> None:
-        """End the server. The programs it forked continue."""
         self._door.close()
         self._process.kill()
         self._process.wait()
@@ -170,5 +168,4 @@ def programs_are_forked() -> Iterator[None]:
 
 @pytest.fixture
 def real_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Start the programs of a test without forking, for tests about the start."""
     monkeypatch.setattr(subprocess, "Popen", RealPopen)

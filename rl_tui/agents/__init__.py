@@ -1,3 +1,1 @@
-"""Learning: algorithms, policies and planners, their compiled loops, and exact answers. This package imports
-worlds and common.
-"""
+"""Learning: algorithms, policies and planners, their compiled loops, and exact answers."""

@@ -11,7 +11,7 @@ NOTHING: Final = -1
 
 
 class Author(NamedTuple):
-    """The algorithm and the settings that took the last step."""
+    """Algorithm and settings of the last step."""
 
     algorithm: str
     hyperparameters: Hyperparameters
@@ -21,35 +21,25 @@ class Author(NamedTuple):
 class LastStep:
     """One turn of the agent–environment loop, with its update.
 
-    The target of the update is gathered + discount · bootstrap, and after = before + step_size · (target −
-    before).
+    The target is gathered + discount · bootstrap, and after = before + step_size · (target − before). Steps
+    and episodes count from 1.
 
     Args:
-        step: Number of the step, from 1.
-        episode: Number of the episode, from 1. For a planner: of the sweep.
-        state: State before the step. For a planner: the state backed up.
-        pair: Pair taken; −1 for a planner.
+        episode: For a planner, the sweep.
+        state: For a planner, the state backed up.
+        pair: −1 for a planner.
         explored: True if the action was drawn at random (ε-greedy; it may still be greedy) or was not greedy
             (other policies).
-        epsilon: ε of the episode. Some policies ignore it.
-        outcome: Index of the outcome in the MDP; −1 without a transition table.
-        reward: The reward.
-        next_state: State after the step.
-        terminated: True if the episode ended in a terminal state.
+        outcome: Index in the MDP; −1 without a transition table.
         truncated: True if the time limit stopped the episode.
-        updated_pair: Updated pair; −1 if nothing was updated yet (n-step methods, Monte Carlo).
-        others: Number of further updates of the same step (traces, planning).
-        table: Updated table, 1 or 2; 0 for algorithms with one table.
-        before: Estimate before the update.
-        step_size: Step size of the update.
-        gamma: Discount γ.
-        gathered: Sum of rewards in the target; the reward for one-step methods.
+        updated_pair: −1 if nothing was updated yet (n-step methods, Monte Carlo).
+        others: Number of further updates of the step (traces, planning).
+        table: 1 or 2; 0 for algorithms with one table.
+        gathered: Sum of rewards in the target.
         discount: Factor of the bootstrap; γ for one-step methods.
-        bootstrap: Estimate in the target; 0 after a terminated step, but not after a truncated one.
-        after: Estimate after the update.
-        episode_step: Number of the step in its episode, from 1.
+        bootstrap: 0 after a terminated step, but not after a truncated one.
         by_hand: True if a person chose the action.
-        bootstrap_state: State of the bootstrap; −1 for none, and for planners, which read several.
+        bootstrap_state: −1 for none, and for planners, which read several.
     """
 
     step: int
@@ -79,7 +69,7 @@ class LastStep:
 
     @property
     def planned(self) -> bool:
-        """True if a planner took the step in its model."""
+        """True for a planner's step."""
         return self.pair == NOTHING
 
     @property
@@ -89,12 +79,12 @@ class LastStep:
 
     @property
     def target(self) -> float:
-        """Target of the update: gathered + discount · bootstrap."""
+        """Gathered + discount · bootstrap."""
         return self.gathered + self.discount * self.bootstrap
 
     @property
     def td_error(self) -> float:
-        """TD error δ: target − estimate before."""
+        """TD error δ: target − before."""
         return self.target - self.before
 
     @property

@@ -1,4 +1,4 @@
-"""The progress of a learner in numbers, to read between calls that advance it."""
+"""The progress of a learner in numbers."""
 
 from __future__ import annotations
 
@@ -18,10 +18,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Counters:
-    """Progress of a learner, and the episode of its last step.
-
-    For a planner, a step backs up one state and an episode is a sweep over all states.
-    """
+    """Progress of a learner, and the episode of its last step (for a planner, the sweep)."""
 
     state: int
     """Current state; for a planner, the state backed up last. After an episode it is its final state, unless
@@ -54,12 +51,12 @@ class Counters:
 
     @property
     def has_just_ended(self) -> bool:
-        """True if the last step ended its episode or sweep. An abandoned episode has not ended."""
+        """True if the last step ended its episode or sweep (not if abandoned)."""
         last = self.last_step
         return last is not None and last.episode == self.episodes and not self.episode_step
 
     def at_beginning(self) -> Counters:
-        """Return a copy at the start of the next episode, if one has just ended."""
+        """Return a copy at the next start, if an episode has just ended."""
         if self.step_from is None or not self.has_just_ended:
             return self
         return replace(self, state=self.step_from, is_at_beginning=True)
@@ -73,16 +70,14 @@ Number = TypeVar("Number", np.float64, np.int64)
 
 
 def newest(ring: npt.NDArray[Number], count: int) -> npt.NDArray[Number]:
-    """Return the last of `count` numbers, oldest first, from the ring buffer `ring`."""
+    """Return the last of `count` numbers from the ring buffer, oldest first."""
     room = len(ring)
     return ring[np.arange(max(0, count - room), count) % room]
 
 
 class Episodes(NamedTuple):
-    """Finished episodes, oldest first, [n] each.
-
-    They have an undiscounted return, a length in steps, and whether the last pair was the best arm of a
-    bandit.
+    """Finished episodes, oldest first, [n] each: undiscounted return, steps, and if the last pair was the
+    best arm.
     """
 
     returns: FloatArray
@@ -91,7 +86,7 @@ class Episodes(NamedTuple):
 
 
 class LearnerCounters:
-    """Counters, last step and current episode of a learner."""
+    """Counters, last step and current episode."""
 
     def __init__(self) -> None:
         self.algorithm: str
@@ -131,22 +126,19 @@ class LearnerCounters:
 
     @property
     def last_step(self) -> LastStep | None:
-        """The last step with all its numbers, or None before the first in this world."""
+        """The last step, or None before the first in this world."""
         last = read_record(self._record)
         return None if last is None or last.step <= self.world_since else last
 
     @property
     def begins_episode(self) -> bool:
-        """True if an episode or sweep has just ended, or nothing has happened yet.
-
-        An abandoned episode has not ended.
-        """
+        """True before the first step, and after the end of an episode or sweep (not if abandoned)."""
         last = read_record(self._record)
         return last is None or last.episode == self.episodes
 
     @property
     def counters(self) -> Counters:
-        """A frozen copy of the counters, with last step, recent rewards and updates."""
+        """A frozen copy."""
         position, record, last = self._position, self._record, self.last_step
         rewards = 0 if last is None or last.planned or self.plans else last.episode_step
         updates = int(record.updates[0])
@@ -165,11 +157,6 @@ class LearnerCounters:
         )
 
     def _shown_state(self, last: LastStep | None) -> int:
-        """Return the displayed state. After the last step of an episode it is the final state.
-
-        For a planner it is the state backed up last. After a switch between agent and planner, the last step
-        is ignored.
-        """
         if last is not None and self.plans:
             is_under_way = self.episode_step > 0 or self.episodes == last.episode
             return last.state if last.planned and is_under_way else self.state
@@ -178,7 +165,7 @@ class LearnerCounters:
         return last.next_state if last.terminated or last.truncated else self.state
 
     def drain_episodes(self) -> Episodes:
-        """Return copies of the episodes finished since the last call, and clear them."""
+        """Return the episodes finished since the last call, and clear them."""
         count = int(self._log.finished[0])
         self._log.finished[0] = 0
         return Episodes(

@@ -40,15 +40,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def breakdown(stop: Stop, algorithm: str, last: LastStep, space: FiniteSpace, q: FloatArray) -> str:
-    """Return why a learner stopped for good, as a sentence. Empty if it did not.
-
-    Args:
-        stop: Reason of the loop.
-        algorithm: Id of the algorithm.
-        last: The last step.
-        space: States and actions.
-        q: Estimates, [P].
-    """
+    """Return why a learner stopped for good, as a sentence, or ""."""
     if stop is Stop.DIVERGED:
         pair = int(np.argmax(np.nan_to_num(np.abs(q), nan=np.inf)))
         chosen = BY_ID[algorithm]
@@ -75,7 +67,7 @@ Arrays = tuple[Any, ...]
 
 
 class Planned(NamedTuple):
-    """Number of steps and episodes that were a planner's backups and sweeps."""
+    """Steps and episodes that were a planner's backups and sweeps."""
 
     steps: int
     sweeps: int
@@ -83,7 +75,7 @@ class Planned(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LearnerState:
-    """A copy of the complete state of a learner. `space` is not copied.
+    """A copy of the state of a learner, except `space`.
 
     Arrays of the memory may be shortened; see :func:`put_back`.
     """
@@ -105,13 +97,13 @@ class LearnerState:
 
     @property
     def nbytes(self) -> int:
-        """Memory of the copies in bytes."""
+        """Size of the copies in bytes."""
         parts = (self.memory, self.rule, self.drift, self.position, self.record)
         return sum(array.nbytes for part in parts for array in part)
 
 
 def arrays_of(parts: Iterable[Any]) -> Arrays:
-    """Return the arrays in `parts`, for example what a policy has learned."""
+    """Return the arrays in `parts`."""
     return tuple(part for part in parts if isinstance(part, np.ndarray))
 
 
@@ -121,7 +113,7 @@ def copies(arrays: Iterable[Any]) -> Arrays:
 
 
 def put_back(arrays: Iterable[Any], kept: Arrays) -> None:
-    """Write the stored beginning back into each of `arrays`, [n]. The rest is unused."""
+    """Write the stored beginning back into each array, [n]. The rest is unused."""
     for array, copy in zip(arrays, kept, strict=True):
         array[: len(copy)] = copy
 
@@ -130,17 +122,15 @@ def put_back(arrays: Iterable[Any], kept: Arrays) -> None:
 
 
 class LearnerMemory(LearnerCounters):
-    """The complete state of a learner: world, algorithm, settings, estimates, and breakpoints.
+    """The complete state of a learner.
 
     `q` (float64) and `visits` (int64), both [P], are live arrays. Read them only between calls that advance
     the learner.
 
     Args:
-        space: The world: a TabularMDP, or a space without a transition table.
-        algorithm: Id of the algorithm.
-        hyperparameters: Settings.
+        space: A TabularMDP, or a space without a transition table.
         streams: Random streams of world and learner.
-        environment: Environment to simulate, if `space` has no transition table.
+        environment: Needed if `space` has no transition table.
 
     Raises:
         UserError: The algorithm or policy cannot work in `space`.
@@ -180,7 +170,7 @@ class LearnerMemory(LearnerCounters):
     def configure(self, hyperparameters: Hyperparameters) -> None:
         """Use new settings from the next step on. ``initial_q`` does not affect existing pairs.
 
-        What a policy has learned is kept while the policy stays the same.
+        The knowledge of a policy is kept while the policy stays the same.
 
         Raises:
             UserError: The settings cannot work here.
@@ -202,8 +192,7 @@ class LearnerMemory(LearnerCounters):
     def switch(self, algorithm: str) -> None:
         """Continue with another algorithm and the same estimates and visits.
 
-        The rest of the memory is new. The current episode continues. Between agent and planner, it is
-        abandoned and a new episode or sweep begins.
+        The rest of the memory is new. The current episode is abandoned only between agent and planner.
 
         Raises:
             ValueError: There is no such algorithm.
@@ -217,7 +206,7 @@ class LearnerMemory(LearnerCounters):
         self._go_on_planning()
 
     def enter(self, space: FiniteSpace) -> None:
-        """Enter another world with empty memory, so that :meth:`restore` can return to it."""
+        """Enter another world with empty memory, before :meth:`restore`."""
         self._watching = None
         self._take_space(space, self.hyperparameters)
         self._take_algorithm(self.algorithm)
@@ -225,10 +214,8 @@ class LearnerMemory(LearnerCounters):
     def change_world(self, space: FiniteSpace, carried: Carried) -> bool:
         """Continue in another world, with everything learned about the common part.
 
-        New pairs start at ``initial_q`` without visits. The rest of the memory is new. The current episode is
-        abandoned if its state is gone or terminal, or if the new time limit has passed. Then another begins;
-        also if no episode had begun and the agent was in a state that is no longer a start. A planner begins
-        a sweep.
+        New pairs start at ``initial_q`` without visits. The current episode is abandoned if its state is gone
+        or terminal, or if the new time limit has passed. A planner begins a sweep.
 
         Args:
             space: The new world.
@@ -286,7 +273,6 @@ class LearnerMemory(LearnerCounters):
         self._memory = self._module.new_memory(self.q, self.visits, self.space)
 
     def _begin_anew(self) -> None:
-        """Start an episode or sweep, and abandon the current one."""
         if self.plans:
             start = int(np.argmax(np.diff(self.space.first_pair) > 0))
         elif self._stepped is None:
@@ -298,26 +284,22 @@ class LearnerMemory(LearnerCounters):
         self._position.episode_return[0] = 0.0
 
     def _go_on_planning(self) -> None:
-        """Let a finished planner check again, since a change may have given it new work."""
         if self._stop is Stop.CONVERGED:
             self._stop = Stop.DONE
 
     @property
     def nbytes(self) -> int:
-        """Memory in bytes: estimates, visits, traces, model."""
+        """Bytes of estimates, visits, traces and model."""
         return sum(array.nbytes for array in arrays_of((*self._memory, *self.rule)))
 
     @property
     def planning(self) -> str:
-        """Progress of a planner as text. Empty before its first step, and for an agent."""
+        """Progress of a planner as text, or empty."""
         return str(self._module.describe(self._memory)) if self.plans else ""
 
     @property
     def phase(self) -> SweepPhase | None:
-        """Phase of the current or last sweep, or None before the first.
-
-        It is also None for an agent, and for planners with only one kind of sweep.
-        """
+        """Phase of the current or last sweep. None before the first, and without phases."""
         return self._module.phase_of(self._memory) if self._row.takes_orders else None
 
     @property
@@ -326,7 +308,7 @@ class LearnerMemory(LearnerCounters):
         return self._module.ordered(self._memory) if self._row.takes_orders else None
 
     def order(self, phase: SweepPhase) -> None:
-        """Make the next sweep one of `phase`, even if the planner has finished.
+        """Make the next sweep one of `phase`, even for a finished planner.
 
         Raises:
             UserError: The algorithm has no such sweeps.
@@ -346,12 +328,12 @@ class LearnerMemory(LearnerCounters):
 
     @property
     def drifted(self) -> Drifted | None:
-        """Regret figures of a bandit with drifting means, else None."""
+        """Regret of a bandit with drifting means, else None."""
         return drifted_by(self._drift)
 
     @property
     def stop_reason(self) -> str:
-        """Why the learner stopped for good, as a sentence. Empty while it can continue."""
+        """Why the learner stopped for good, as a sentence, or empty."""
         last = self.last_step
         if self._stop is Stop.WORLD_FAILED and self._stepped is not None:
             return self._stepped.failure
@@ -363,15 +345,15 @@ class LearnerMemory(LearnerCounters):
         return self._stop is Stop.CONVERGED
 
     def remembered(self, *names: str) -> tuple[FloatArray, ...]:
-        """Return copies of these arrays of the algorithm's memory. Empty if one is missing."""
+        """Return copies of arrays of the algorithm's memory. Empty if one is missing."""
         if not all(hasattr(self._memory, name) for name in names):
             return ()
         return tuple(getattr(self._memory, name).copy() for name in names)
 
     def watch(self, watching: Watching | None) -> None:
-        """Stop after steps with these events, starting from current estimates; None: never.
+        """Stop after steps with these events, from current estimates on.
 
-        Learning is not affected, and checkpoints do not contain it.
+        Learning and checkpoints are not affected.
 
         Raises:
             ValueError: A state or pair does not exist.
@@ -385,5 +367,5 @@ class LearnerMemory(LearnerCounters):
 
     @property
     def noticed(self) -> WatchedEvents:
-        """Watched events of the last step of the last :meth:`advance` or :meth:`take`."""
+        """Watched events of the last step."""
         return noticed_by(self._watch)

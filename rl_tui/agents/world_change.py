@@ -1,4 +1,4 @@
-"""The part of a learner that survives a change of the world."""
+"""What survives a change of the world."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 def carry_over(now: npt.NDArray[Any], before: npt.NDArray[Any], pairs: IntArray) -> None:
     """Copy values of common pairs from `before`, [P before], to `now`, [P].
 
-    `pairs`, [P], holds the former number of each pair, or NEW.
+    `pairs`, [P], holds former numbers, or NEW.
     """
     known = pairs != NEW
     now[known] = before[pairs[known]]
 
 
 def carry_drift(now: Drift, before: Drift, pairs: IntArray) -> None:
-    """Keep the drift of the means of common arms. Sums over pulls restart."""
+    """Keep the drift of common arms. Sums over pulls restart."""
     if not len(now.offset) or not len(before.offset):
         return
     carry_over(now.offset, before.offset, pairs)
@@ -35,13 +35,13 @@ def carry_drift(now: Drift, before: Drift, pairs: IntArray) -> None:
 
 
 def carried_state(carried: Carried, state: int) -> int:
-    """Return the new number of the former `state`, or NEW if it is gone."""
+    """Return the new number of the former `state`, or NEW if gone."""
     there = np.flatnonzero(carried.states == state)
     return int(there[0]) if len(there) else NEW
 
 
 def carried_watching(carried: Carried, watching: Watching | None) -> Watching | None:
-    """Return the watched events with new numbers of states and pairs, without removed ones."""
+    """Renumber the watched states and pairs, without removed ones."""
     if watching is None:
         return None
     cell = carried.pairs_now(() if watching.cell is None else (watching.cell,))
@@ -54,7 +54,7 @@ def carried_watching(carried: Carried, watching: Watching | None) -> Watching | 
 
 
 def goes_on(space: FiniteSpace, state: int, episode_step: int) -> bool:
-    """Return True if an episode of `episode_step` steps can continue in `state` (NEW: a removed state)."""
+    """Return True if an episode can continue in `state` (NEW: a removed state)."""
     is_over = bool(space.time_limit) and episode_step >= space.time_limit
     return state != NEW and len(space.pairs_of(state)) > 0 and not is_over
 
@@ -65,7 +65,7 @@ def starts_in(space: FiniteSpace, state: int) -> bool:
 
 
 def is_same_table(one: FiniteSpace, other: FiniteSpace) -> bool:
-    """Return True if two transition tables are equal, bit for bit. Other spaces must be identical."""
+    """Return True for equal transition tables, bit for bit, or the same other space."""
     if one is other or not (isinstance(one, TabularMDP) and isinstance(other, TabularMDP)):
         return one is other
     return one.pairs == other.pairs and table_digest(one) == table_digest(other)

@@ -1,1 +1,1 @@
-"""The command line, and the functions that ``import rl_tui`` offers. No lower package imports this one."""
+"""The command line, and the functions that ``import rl_tui`` offers."""

@@ -1,3 +1,1 @@
-"""Helpers for all packages: errors, limits, words, safe files and random streams. This package imports no
-other.
-"""
+"""Errors, limits, words, safe files and random streams."""

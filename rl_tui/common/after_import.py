@@ -16,11 +16,7 @@ if TYPE_CHECKING:
 
 
 def after_import(name: str, do: OnImport) -> None:
-    """Call `do` with the module `name` once it has been imported.
-
-    An imported module gets the call immediately. The module is never imported for this. If it is imported
-    again, `do` is called again.
-    """
+    """Call `do` with the module `name`, now if it is imported, and after each import."""
     module = sys.modules.get(name)
     if module is None:
         sys.meta_path.insert(0, _AfterImport(name, do))
@@ -29,7 +25,7 @@ def after_import(name: str, do: OnImport) -> None:
 
 
 class _AfterImport:
-    """A finder that delegates to the finders after it, and wraps the loader of one module."""
+    """A finder that wraps the loader of one module."""
 
     def __init__(self, name: str, do: OnImport) -> None:
         self._name = name
@@ -38,7 +34,7 @@ class _AfterImport:
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return the import spec of this module, or None for any other."""
+        """Return the spec of this module only."""
         if fullname != self._name:
             return None
         behind = sys.meta_path[sys.meta_path.index(self) + 1 :]
@@ -50,10 +46,7 @@ class _AfterImport:
 
 
 class _Loader:
-    """A wrapper around a loader that calls `do` after loading, then restores the original loader.
-
-    The original loader stays unchanged, because it may load other modules too.
-    """
+    """Call `do` after loading, then restore the original loader."""
 
     def __init__(self, loader: Any, do: OnImport) -> None:
         self._loader = loader

@@ -1,4 +1,4 @@
-"""Handling of ctrl+C, and its distinction from an environment that raises KeyboardInterrupt."""
+"""Ctrl+C, as distinct from an environment that raises KeyboardInterrupt."""
 
 from __future__ import annotations
 
@@ -13,13 +13,10 @@ INTERRUPTED: Final = 130
 
 
 class _Interrupts:
-    """A record of whether ctrl+C was pressed."""
-
     def __init__(self) -> None:
         self.came = False
 
     def note(self, _: int, __: FrameType | None) -> None:
-        """Handle the signal as Python does, and remember it."""
         self.came = True
         raise KeyboardInterrupt
 
@@ -30,8 +27,8 @@ INTERRUPTS = _Interrupts()
 def leave_when_interrupted() -> None:
     """Let ctrl+C end the process immediately and silently, with status 130.
 
-    This is for start and end, when there is nothing to clean up and Python would print a traceback. Call it
-    in the main thread. An ignored ctrl+C stays ignored.
+    This is for start and end, when Python would print a traceback. Call it in the main thread. An ignored
+    ctrl+C stays ignored.
     """
     if signal.getsignal(signal.SIGINT) in (signal.default_int_handler, INTERRUPTS.note):
         signal.signal(signal.SIGINT, _leave)

@@ -1,4 +1,4 @@
-"""Kiosk mode, for strangers: writes nothing, and reads only shipped files."""
+"""Kiosk mode, for strangers: it writes nothing, and reads only shipped files."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ VARIABLE: Final = "RL_TUI_KIOSK"
 
 
 def in_kiosk() -> bool:
-    """Return True if this process runs in kiosk mode.
+    """Return True in kiosk mode, set by the environment variable or ``--kiosk``.
 
-    The environment variable sets it, and so does ``--kiosk``. It also applies to child processes. The program
-    never turns it off.
+    It also applies to child processes, and is never turned off.
     """
     return os.environ.get(VARIABLE, "") not in ("", "0")

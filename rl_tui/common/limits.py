@@ -1,7 +1,4 @@
-"""Size limits for files, worlds, sweeps and the screen.
-
-A larger input is refused with a message that names the limit, before memory is allocated.
-"""
+"""Size limits. A larger input is refused, naming the limit, before memory is allocated."""
 
 from __future__ import annotations
 

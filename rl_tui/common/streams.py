@@ -17,10 +17,10 @@ class Streams(NamedTuple):
 
 
 def streams(seed: int) -> Streams:
-    """Return new streams for `seed`, an integer of 0 or more.
+    """Return new streams for `seed`, 0 or more.
 
-    A random world, such as the arms of a bandit, is drawn first from the world's stream. The run continues
-    with the same stream, so reward noise never repeats these draws.
+    A random world is drawn first from the world's stream. The run continues with it, so reward noise never
+    repeats these draws.
     """
     from numpy.random import PCG64, Generator, SeedSequence
 

@@ -1,4 +1,4 @@
-"""Formatting of counts and times, the same in all packages."""
+"""Formatting of counts and times."""
 
 from __future__ import annotations
 

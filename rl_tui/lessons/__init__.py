@@ -1,3 +1,1 @@
-"""Lessons: their files, figures and tasks, and how tasks are judged. May import programs and the packages
-below.
-"""
+"""The files, figures and tasks of lessons. May import programs and the packages below."""

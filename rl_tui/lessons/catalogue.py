@@ -1,4 +1,4 @@
-"""The shipped lessons, and lessons found by name or path."""
+"""The shipped lessons, and lessons by name or path."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rl_tui.worlds.files.shipped import SUFFIX
 
 
 class Lessons(NamedTuple):
-    """The shipped lessons in order, and the errors of faulty files."""
+    """The shipped lessons, and the errors of faulty files."""
 
     lessons: list[Lesson]
     broken: list[ScenarioError]
@@ -41,7 +41,7 @@ def read_lessons() -> Lessons:
 
 
 def following_lesson(lesson: Lesson) -> Lesson | None:
-    """Return the shipped lesson after `lesson`, or None after the last one or for an unshipped one."""
+    """Return the shipped lesson after `lesson`, if any."""
     found = read_lessons().lessons
     ids = [each.id for each in found]
     if lesson.source.absolute().parent != lesson_folder().absolute() or lesson.id not in ids:
@@ -51,16 +51,13 @@ def following_lesson(lesson: Lesson) -> Lesson | None:
 
 @lru_cache(maxsize=64)
 def _read(path: Path, _written: tuple[int, int]) -> Lesson:
-    """Read the lesson at `path`, cached because the list is opened often."""
+    """Read a lesson, cached because the list is opened often."""
     return read_lesson(path)
 
 
 def find_lesson(name_or_path: str, variant: str = "") -> Lesson:
-    """Return the lesson with this id, or in this file.
-
-    Raises:
-        ScenarioError: The file has errors.
-        UserError: There is no such lesson, with similar names, or a kiosk refuses files.
+    """Return the lesson with this id or path. Raises ScenarioError for a faulty file, UserError without one
+    or in a kiosk.
     """
     is_path = name_or_path.endswith(SUFFIX) or "/" in name_or_path or "\\" in name_or_path
     if is_path:

@@ -1,3 +1,1 @@
-"""A playing run: its thread, commands, snapshots and sessions. May import lessons and the packages below;
-knows nothing of the screen.
-"""
+"""A playing run, its commands, snapshots and sessions. May import lessons and the packages below."""

@@ -1,4 +1,4 @@
-"""Breakpoints and drawn policy, which follow their states and pairs through edits of the world."""
+"""Breakpoints and drawn policy, which follow edits of the world."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Pins(NamedTuple):
-    """Breakpoints and drawn policy with the numbers of one world."""
+    """Breakpoints and drawn policy in one world's numbers."""
 
     breakpoints: Breakpoints
     """Where runs pause."""
@@ -23,7 +23,7 @@ class Pins(NamedTuple):
     """The drawn policy."""
 
     def carried(self, carried: Carried, before: FiniteSpace, now: FiniteSpace) -> Pins:
-        """Return the same pins in the world `now`, without those that are gone."""
+        """Return the pins that the world `now` has."""
         states, pairs = self.breakpoints.states, self.breakpoints.pairs
         drawn = carried.pairs_now(self.drawn.pairs(before).values())
         choices = sorted((now.state_of(pair), int(now.pair_action[pair])) for pair in drawn)
@@ -36,9 +36,9 @@ NO_PINS: Final = Pins(Breakpoints(), DrawnPolicy())
 
 
 class NamedPins:
-    """Keeps pins by name when the world of a run changes through edits, seeks or branches. A pin that is
-    gone in one world returns in the next world that has it, unless pins were changed in between. All
-    worlds must be edits of the same one.
+    """Keeps pins by name when a run changes worlds, all edits of one.
+
+    A pin that is gone in one world returns in the next that has it, unless pins were changed in between.
     """
 
     def __init__(self, edited: EditedWorld, pins: Pins) -> None:
@@ -49,13 +49,13 @@ class NamedPins:
         self._seen: tuple[EditedWorld, Pins, Pins] | None = None
 
     def come_to(self, edited: EditedWorld, pins: Pins, recipe: Recipe) -> Pins:
-        """Change to the world `edited` and return `pins` with its numbers."""
+        """Change to the world `edited`, and return its pins."""
         self._shown = self.seen_from(edited, pins, recipe)
         self.edited = edited
         return self._shown
 
     def seen_from(self, edited: EditedWorld, pins: Pins, recipe: Recipe) -> Pins:
-        """Return `pins` of the current world with the numbers of `edited`."""
+        """Return `pins` in the numbers of `edited`."""
         self._note(pins)
         if self._set == NO_PINS or edited is self._set_in:
             return self._set
@@ -67,7 +67,7 @@ class NamedPins:
         return self._seen[2]
 
     def pair_in(self, edited: EditedWorld, pair: int | None, recipe: Recipe) -> int | None:
-        """Return the number of `pair` in `edited`, or None if it is gone or None."""
+        """Return `pair` in the numbers of `edited`, if still there."""
         if pair is None or edited is self.edited:
             return pair
         return next(iter(edited.carried_from(self.edited, recipe).pairs_now((pair,))), None)

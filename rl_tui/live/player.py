@@ -1,4 +1,4 @@
-"""The thread that owns a run while it is on screen."""
+"""The thread that owns a run on screen."""
 
 from __future__ import annotations
 
@@ -26,26 +26,26 @@ OFFERED_EVERY: Final = 0.25
 
 
 class PlayerClosedError(Exception):
-    """The player was closed before it had carried out a request."""
+    """The player was closed before a request was carried out."""
 
 
 class MakePlayback(Protocol):
     """Makes what a player plays."""
 
     def __call__(self, on_exact: Callable[[], None], *, automatic: bool) -> Playback:
-        """Return a playback. It calls `on_exact` from any thread when there is news."""
+        """Return a playback. Any thread may call `on_exact`."""
 
 
 class Player:
-    """Plays a run in its own thread, the only one that touches it. `send` takes commands, and one reader
-    gets the results from `snapshots`. The run never waits for the reader.
+    """Plays a run in its own thread, the only one that touches it.
+
+    `send` takes commands, and one reader gets the results from `snapshots`. The run never waits for it.
 
     Args:
         recipe: Start of the run.
         speed: Steps per second, or None for full speed.
         automatic: False if only commands take steps and no speed is measured. Snapshots then depend on the
             commands only.
-        clock: Returns seconds.
         record: Position at which to begin.
         record_sink: Gets the record after every command, and several times a second during a run.
         make_playback: Makes something else to play than a built-in run.
@@ -86,16 +86,14 @@ class Player:
         self._thread: threading.Thread | None = None
 
     def send(self, command: Command) -> None:
-        """Queue `command`. Commands are carried out in order and never lost. This never waits."""
+        """Queue `command` without waiting, in order and never lost."""
         self._post(command)
 
     async def snapshots(self) -> AsyncIterator[Snapshot]:
-        """Yield the newest snapshot whenever it has changed, until the player is closed. The first has
-        `Phase.PREPARING` and arrives when the world is built.
+        """Yield the newest snapshot whenever it has changed, until the player is closed.
 
-        Raises:
-            UserError: The world cannot be built.
-            Exception: Any exception that ended the player.
+        The first, `Phase.PREPARING`, comes with the world. Raises UserError without a world, or any exception
+        that ended the player.
         """
         reader = _Reader()
         with self._changed:
@@ -116,12 +114,10 @@ class Player:
                 yield snapshot
 
     async def carried_out(self) -> Snapshot:
-        """Wait until all sent commands are done, including episodes and training and return the snapshot.
-        The reader of `snapshots` gets the same snapshot, unless there is a newer one.
+        """Wait until all sent commands are done, with episodes and training, and return the snapshot.
 
-        Raises:
-            PlayerClosedError: The player was closed before.
-            Exception: Any exception that ended the player.
+        The reader gets the same, or a newer one. Raises PlayerClosedError, or any exception that ended the
+        player.
         """
         question = _Question()
         self._post(question)
@@ -129,19 +125,19 @@ class Player:
 
     @property
     def is_automatic(self) -> bool:
-        """True if the run advances without commands, so that snapshots depend on timing."""
+        """True if it advances without commands."""
         return self._automatic
 
     @property
     def unanswered(self) -> float:
-        """Seconds for which an environment or program has blocked the run, or 0 if none does."""
+        """Seconds for which the run is blocked."""
         thread = self._thread
         if thread is None or not self._automatic:
             return 0.0
         return max(seconds_in_call(thread.ident), self._playback.unanswered)
 
     def close(self) -> None:
-        """End the thread and the snapshots without waiting for it, even while it compiles."""
+        """End thread and snapshots without waiting, even while compiling."""
         with self._changed:
             self._closing = True
             self._changed.notify_all()
@@ -213,9 +209,6 @@ class Player:
             self._refuse_questions(failure)
 
     def _offer_record(self, sink: RecordSink, *, ends: bool = False) -> None:
-        """Offer the record after a command or event, and regularly during a run. With `ends` the last
-        record is offered in any case.
-        """
         playback, now = self._playback, self._clock()
         if not playback.touched:
             return
@@ -246,16 +239,12 @@ class Player:
                 self._playback.handle(item)
 
     def _may_take(self) -> bool:
-        """Return True if the oldest queued command can run now."""
         if not self._commands:
             return False
         first = self._commands[0]
         return not self._playback.on_the_way if isinstance(first, _Question) else self._playback.takes(first)
 
     def _publish(self) -> None:
-        """Publish a snapshot if the reader waits and something has changed. The first of a new world
-        always. It is delayed once if the next commands would change it.
-        """
         playback = self._playback
         with self._changed:
             self._put_off = not self._put_off and self._may_take()
@@ -265,13 +254,11 @@ class Player:
             self._hand_over(self._snapshot())
 
     def _snapshot(self) -> Snapshot:
-        """Return a snapshot. An exact answer that arrives meanwhile counts for the next one."""
         with self._changed:
             self._outdated = False
         return self._playback.snapshot()
 
     def _hand_over(self, snapshot: Snapshot) -> None:
-        """Give `snapshot` to the reader."""
         with self._changed:
             self._latest = self._newest = snapshot
             self._wanted = False
@@ -279,10 +266,7 @@ class Player:
                 self._reader.wake()
 
     def _owes_snapshot(self) -> bool:
-        """Return True if the reader waits and something has changed. Training publishes nothing before its
-        end. Without automatic steps, nothing with an end does: intermediate frames would influence axes
-        and scrolling.
-        """
+        """Return True if the reader waits for news. Training publishes nothing before its end."""
         playback = self._playback
         has_news = playback.changed or self._outdated
         comes_to_an_end = playback.state is State.TRAINING if self._automatic else playback.on_the_way
@@ -300,8 +284,6 @@ class Player:
 
 
 class _Reader:
-    """Wakes a coroutine from any thread."""
-
     def __init__(self) -> None:
         self._loop = asyncio.get_running_loop()
         self._event = asyncio.Event()

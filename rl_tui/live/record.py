@@ -1,4 +1,4 @@
-"""The record of a playground, from which its position can be restored, and the interface for saving it."""
+"""The record of a playground, which restores its position."""
 
 from __future__ import annotations
 
@@ -60,16 +60,14 @@ def table_of(run: Run) -> LearnedTable:
 
 
 class RecordSink(Protocol):
-    """Saves the records of a playground, to a file or nowhere. The player's thread offers each new record,
-    and must not wait.
-    """
+    """Saves records. The player's thread offers them, and must not wait."""
 
     def offer(self, record: Record, table: LearnedTable | None = None) -> None:
-        """Take `record` as the newest. `table` is the live one at its position, if available."""
+        """Take `record` as the newest, perhaps with its live table."""
         ...
 
     def begin_anew(self, record: Record) -> None:
-        """Take `record` as the beginning of another session. The current one remains as it was saved."""
+        """Begin another session, and leave the current one saved."""
         ...
 
     def close(self) -> None:

@@ -51,7 +51,7 @@ LIVELY: Final = 30.0
 
 
 def shows_trail(state: State, speed: float | None) -> bool:
-    """Return True if a playback in `state` shows the trail at the chosen `speed`."""
+    """Return True if this `speed` shows the trail."""
     if state is State.RUNNING:
         return speed is not None and speed <= LIVELY
     return state not in (State.UNTIL, *BUSY)

@@ -1,4 +1,4 @@
-"""The world editor: strokes that apply at once, and strokes that are pending."""
+"""The world editor, with applied and pending strokes."""
 
 from __future__ import annotations
 
@@ -29,16 +29,18 @@ if TYPE_CHECKING:
 
 
 class Rebuild:
-    """Builds one world at a time, so that at most one further world is in memory. A world that is no
-    longer needed is built to the end and dropped; then the next one begins.
+    """Builds one world at a time, so that at most one further world is in memory.
+
+    An unneeded world is built to the end and dropped; then the next one begins.
     """
 
     def __init__(self) -> None:
         self._work: _Work | None = None
 
     def of(self, before: EditedWorld, change: WorldChange, recipe: Recipe) -> NextWorld | None:
-        """Return the result of `change` in `before` once, or None while it is built. Starts the build if
-        possible. Raises the exception of a failed build.
+        """Return the result of `change` in `before` once, or None while it is built.
+
+        Starts the build if possible. Raises the exception of a failed build.
         """
         work = self._work
         if work is None or (work.is_over and not work.is_of(before, change)):
@@ -55,8 +57,6 @@ class Rebuild:
 
 
 class _Work:
-    """A build in a daemon thread."""
-
     def __init__(self, before: EditedWorld, change: WorldChange, recipe: Recipe) -> None:
         self._before, self._change, self._recipe = before, change, recipe
         self._lock = threading.Lock()
@@ -67,18 +67,15 @@ class _Work:
         threading.Thread(target=self._build, name="world", daemon=True).start()
 
     def is_of(self, before: EditedWorld, change: WorldChange) -> bool:
-        """Return True if it builds `change` in `before` and was not dropped."""
         return self._is_wanted and self._before is before and self._change == change
 
     def result(self) -> NextWorld:
-        """Return the world. Raises the exception of a failed build."""
         if isinstance(self._outcome, NextWorld):
             return self._outcome
         assert self._outcome is not None
         raise self._outcome
 
     def give_up(self) -> bool:
-        """Drop the result and return True if the build is over."""
         with self._lock:
             self._is_wanted, self._outcome = False, None
             return self.is_over
@@ -98,7 +95,7 @@ IN_LESSON: Final = "the world of a lesson cannot be edited; open a scenario on t
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EditorView:
-    """The draft in the editor, and the result of the last stroke."""
+    """The draft in the editor, and the last stroke's result."""
 
     draft: Draft | None = None
     """The draft, valid or not, or None if the editor is closed or the world cannot be edited."""
@@ -125,23 +122,21 @@ class EditorView:
 
 
 class _Ahead(NamedTuple):
-    """A change whose world takes long to build, and the draft after it."""
-
     change: WorldChange
     drawn: Drawn
 
 
 class _Unfinished(NamedTuple):
-    """The `draft` that pending `strokes` make of `base`."""
-
     base: Draft
     strokes: tuple[tuple[Edit, ...], ...]
     draft: Draft
 
 
 class WorldEditor:
-    """The strokes in the world of one run. Strokes without a valid result are pending here, and so are
-    changes whose worlds take long to build. All pending ones are dropped when the run changes worlds.
+    """The strokes in the world of one run.
+
+    Pending strokes have no valid result, or worlds that take long to build. All are dropped when the run
+    changes worlds.
     """
 
     def __init__(self) -> None:
@@ -157,11 +152,7 @@ class WorldEditor:
         self._turned = TurnedStates()
 
     def draw(self, run: Run, edits: Sequence[Edit]) -> EditWorld | None:
-        """Add a stroke and return the change with all pending strokes, or None if it is pending too.
-
-        Raises:
-            UserError: The stroke is impossible.
-        """
+        """Return the change by all pending strokes, if valid. Raises UserError for an impossible stroke."""
         self._come_to(run)
         stroke = tuple(edits)
         together = (*(edit for each in self._waiting for edit in each), *stroke)
@@ -173,7 +164,7 @@ class WorldEditor:
         return EditWorld(together)  # if the run refuses it, the other strokes remain pending
 
     def undo(self, run: Run) -> WorldChange | None:
-        """Drop the last pending stroke and return None, else return the undo of the last change."""
+        """Drop the last pending stroke, or return the last change's undo."""
         self._come_to(run)
         if self._waiting:
             self._dropped.append(self._waiting.pop())
@@ -187,7 +178,7 @@ class WorldEditor:
         return None
 
     def redo(self, run: Run) -> WorldChange | None:
-        """Return the change that redoes the last undone stroke, or None if it is pending again."""
+        """Return the redo of the last undone stroke, unless pending."""
         self._come_to(run)
         if self._dropped:
             stroke, rest = self._dropped.pop(), list(self._dropped)
@@ -200,11 +191,7 @@ class WorldEditor:
         return RedoEdit()
 
     def puts_off(self, run: Run, change: WorldChange) -> bool:
-        """Return True if `change`, already in the draft, has to wait for its world.
-
-        Raises:
-            UserError: The change is impossible.
-        """
+        """Return True if a drawn `change` waits for its world. Raises UserError if impossible."""
         drawn = self._drawn(run).after(change)
         if not self._ahead and not takes_long(drawn.draft, run.world):
             return False
@@ -216,23 +203,21 @@ class WorldEditor:
 
     @property
     def is_ahead(self) -> bool:
-        """True if changes wait for their worlds."""
+        """True if changes wait."""
         return bool(self._ahead)
 
     def to_come(self, run: Run) -> tuple[WorldChange, ...]:
-        """Return the waiting changes that `run` will make."""
+        """Return the waiting changes of `run`."""
         return () if run.stop_reason else tuple(each.change for each in self._ahead)
 
     def next_change(self, run: Run) -> WorldChange | None:
-        """Return the next waiting change once its world is ready in `run`, else None. Raises the exception
-        of a failed build.
-        """
+        """Return the next change with a ready world. Raises a failed build's exception."""
         change = self._ahead[0].change
         run.ready = self._rebuild.of(run.edited, change, run.recipe)
         return None if run.ready is None else change
 
     def take_in(self, run: Run) -> None:
-        """Record that `run` has made the next waiting change."""
+        """Record that `run` has made the next change."""
         del self._ahead[0]
         self._base = run.edited
 
@@ -244,7 +229,7 @@ class WorldEditor:
         self._rebuild.give_up()
 
     def view(self, run: Run, answer: Answer, *, is_hidden: bool) -> EditorView:
-        """Return the state of the editor for `run`. `answer` is its solution, `is_hidden` hides results."""
+        """Return the state of the editor. `is_hidden` hides results."""
         turned = self._turned.of(run, None if run.learner.drifted else answer.solution)
         self._come_to(run)
         if not self.is_open:
@@ -267,7 +252,6 @@ class WorldEditor:
         )
 
     def _endless_in(self, mdp: TabularMDP | None) -> frozenset[int]:
-        """Return the endless states of `mdp`, cached."""
         if mdp is None or mdp.states > LIVE_STATES:
             return frozenset()
         if self._endless[0] is not mdp:
@@ -275,11 +259,9 @@ class WorldEditor:
         return self._endless[1]
 
     def _drawn(self, run: Run) -> Drawn:
-        """Return the draft of `run` without pending invalid strokes."""
         return self._ahead[-1].drawn if self._ahead else run.edited.drawn_in(run.recipe)
 
     def _with_waiting(self, draft: Draft) -> Draft:
-        """Return `draft` with the pending strokes, cached."""
         strokes = tuple(self._waiting)
         if not strokes:
             return draft

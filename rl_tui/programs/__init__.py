@@ -1,3 +1,1 @@
-"""Users' programs: run and watched in a process of their own, diagnosed, graded. May import studies and
-the packages below.
-"""
+"""Users' programs: watched, diagnosed and graded. May import studies and the packages below."""

@@ -35,7 +35,7 @@ class BanditFigures:
 
 
 class SettledPulls(NamedTuple):
-    """Sums over the pulls before the arms were last edited, with the means of that time."""
+    """Sums over the pulls before the last edit, with the means of that time."""
 
     pulls: int = 0
     regret: float = 0.0
@@ -49,7 +49,7 @@ NOTHING_SETTLED: Final = SettledPulls()
 
 
 def true_means(mdp: TabularMDP) -> FloatArray:
-    """Return q* of a bandit's arms: the expected reward of each pair, `[P]`."""
+    """Return q* of each arm, `[P]`."""
     return mdp.expected_reward
 
 
@@ -66,17 +66,9 @@ def bandit_figures(
     drifted: Drifted | None = None,
     settled: SettledPulls = NOTHING_SETTLED,
 ) -> BanditFigures | None:
-    """Compute regret and related numbers of a bandit run.
+    """Compute regret and related numbers, or None if `world` is not a bandit.
 
-    Args:
-        world: World of the run.
-        visits: Pulls of each arm, `[P]`.
-        winnings: Sum of all rewards.
-        drifted: Sums since the last edit if the means drift, else None.
-        settled: Sums over pulls before the last edit.
-
-    Returns:
-        The numbers, or None if `world` is not a bandit.
+    `visits`, `[P]`, are pulls. `drifted` and `settled` are sums since and before the last edit.
     """
     if not isinstance(world.drawing, Arms) or world.mdp is None or world.budget is None:
         return None
@@ -92,14 +84,7 @@ def bandit_figures(
 
 
 def settle(mdp: TabularMDP, visits: IntArray, before: SettledPulls, drifted: Drifted | None) -> SettledPulls:
-    """Add up regret and best pulls before and since the last edit.
-
-    Args:
-        mdp: Current arms.
-        visits: Pulls of each arm in all, `[P]`.
-        before: Sums up to the last edit.
-        drifted: Sums since then if the means drift, else None.
-    """
+    """Add the sums since the last edit (`drifted` if the means drift) to those `before` it."""
     since = visits - before.visits
     regret, best_possible, best_pulls = _by_their_means(mdp, since) if drifted is None else drifted
     return SettledPulls(
@@ -111,7 +96,6 @@ def settle(mdp: TabularMDP, visits: IntArray, before: SettledPulls, drifted: Dri
 
 
 def _by_their_means(mdp: TabularMDP, pulls: IntArray) -> tuple[float, float, int]:
-    """Return regret, best total and best pulls for the `pulls` of each arm, `[P]`, with constant means."""
     means = true_means(mdp)
     best = float(means.max())
     return float(np.dot(pulls, best - means)), best * int(pulls.sum()), int(pulls[means == best].sum())

@@ -1,4 +1,4 @@
-"""The current world of a run: its draft, and the edits made so far."""
+"""The current world of a run, with its edits."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from rl_tui.worlds.world import World
 
 
 class Drafts(NamedTuple):
-    """A linked list of drafts, the next one first."""
+    """A linked list of drafts, next one first."""
 
     draft: Draft
     further: Drafts | None
 
 
 class Drawn(NamedTuple):
-    """A draft, built or not, with the drafts for undo and redo."""
+    """A draft with the drafts for undo and redo."""
 
     draft: Draft
     undone: Drafts | None = None
@@ -34,7 +34,7 @@ class Drawn(NamedTuple):
     """Drafts for `UndoEdit`."""
 
     def after(self, change: WorldChange) -> Drawn:
-        """Return the draft after `change`. Raises UserError if the change is impossible."""
+        """Return the draft after `change`. Raises UserError."""
         draft, undone, done = self
         match change:
             case EditWorld(edits):
@@ -53,13 +53,9 @@ class Drawn(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class EditedWorld:
-    """An immutable world with its edits, shared by checkpoints. The same change returns the same object
-    while it is referenced. A run that goes back and forward, or a second run, therefore neither builds nor
-    solves it again.
-    """
+    """An immutable world with its edits. The same change returns the same object while referenced."""
 
     world: World
-    """The current world."""
     draft: Draft | None = None
     """The draft it was built from, or None before the first edit."""
     undone: Drafts | None = None
@@ -73,9 +69,7 @@ class EditedWorld:
     )
 
     def draft_in(self, recipe: Recipe) -> Draft:
-        """Return its draft: that of the scenario before the first edit. Raises UserError if the world has
-        none.
-        """
+        """Return its draft. Raises UserError if the world has none."""
         if self.draft is not None:
             return self.draft
         if self._first is None:
@@ -84,22 +78,18 @@ class EditedWorld:
         return self._first
 
     def drawn_in(self, recipe: Recipe) -> Drawn:
-        """Return its draft with undo and redo. Raises UserError as `draft_in` does."""
+        """Return its draft with undo and redo. Raises UserError."""
         return Drawn(self.draft_in(recipe), self.undone, self.done)
 
     def after(self, change: WorldChange, recipe: Recipe) -> EditedWorld:
-        """Apply `change` in a run of `recipe`.
-
-        Raises:
-            UserError: The change is impossible, or the result is not a valid MDP.
-        """
+        """Apply `change`. Raises UserError if the result is not a valid MDP."""
         known = self._next.get(change)
         if known is None:
             known = self._next[change] = self._made_by(change, recipe)
         return known
 
     def after_all(self, changes: Iterable[WorldChange], recipe: Recipe) -> EditedWorld:
-        """Apply `changes` in order. Raises UserError as `after` does."""
+        """Apply `changes` in order. Raises UserError."""
         edited = self
         for change in changes:
             edited = edited.after(change, recipe)
@@ -110,12 +100,12 @@ class EditedWorld:
         return EditedWorld(drawn.draft.build(), *drawn)
 
     def carried_from(self, before: EditedWorld, recipe: Recipe) -> Carried:
-        """Map states and pairs to those of `before`, an earlier world of the same run."""
+        """Map states and pairs to those of the earlier world `before`."""
         return carried((before.draft_in(recipe), before.world), (self.draft_in(recipe), self.world))
 
 
 class NextWorld(NamedTuple):
-    """The result of `change` in the world `before`, with the map of states and pairs."""
+    """The result of `change`, with the map of states and pairs."""
 
     before: EditedWorld
     change: WorldChange
@@ -124,21 +114,13 @@ class NextWorld(NamedTuple):
 
 
 def next_world(before: EditedWorld, change: WorldChange, recipe: Recipe) -> NextWorld:
-    """Apply `change` to the world `before` in a run of `recipe`.
-
-    Raises:
-        UserError: The change is impossible, or the result is not a valid MDP.
-    """
+    """Apply `change` to `before`. Raises UserError."""
     edited = before.after(change, recipe)
     return NextWorld(before, change, edited, edited.carried_from(before, recipe))
 
 
 def drawn_recipe(recipe: Recipe, changes: Sequence[WorldChange]) -> Recipe:
-    """Return `recipe` with an edited world. The same recipe if `changes` is empty.
-
-    Raises:
-        UserError: A change is impossible.
-    """
+    """Return `recipe` with an edited world. Raises UserError."""
     if not changes:
         return recipe
     drawn = Drawn(first_draft(recipe.scenario, recipe.seed))
@@ -149,7 +131,7 @@ def drawn_recipe(recipe: Recipe, changes: Sequence[WorldChange]) -> Recipe:
 
 
 def edited_draft(draft: Draft, edits: Sequence[Edit]) -> Draft:
-    """Apply `edits` to `draft` without checking the result. Raises UserError if one is impossible."""
+    """Apply `edits` without checking the result. Raises UserError."""
     for edit in edits:
         draft = draft.edited(edit)
     return draft

@@ -20,10 +20,10 @@ _SAMPLES_A_BIN: Final = 8
 
 
 class History:
-    """Finished episodes in at most `bins` bins of equal width (an even number); full bins are merged in
-    pairs. Sums follow the order of episodes, so chunks of steps do not affect the bits. The last 100
-    episodes and the lengths of the first 100 are stored individually. For quartiles, the returns of every
-    1st, 2nd, 4th, … episode are stored, at most eight per bin.
+    """Finished episodes in at most `bins` bins (an even number), which are merged in pairs once full.
+
+    The last 100 episodes, the first 100 lengths and, for quartiles, the returns of every 2ⁿ-th episode (at
+    most eight per bin) are stored too.
     """
 
     def __init__(self, bins: int = BINS) -> None:
@@ -35,12 +35,7 @@ class History:
         self._first_lengths: IntArray = np.empty(0, np.int64)
 
     def add(self, returns: FloatArray, lengths: IntArray) -> None:
-        """Add finished episodes in order.
-
-        Args:
-            returns: Undiscounted returns, `[n]`.
-            lengths: Lengths in steps, `[n]`.
-        """
+        """Add returns and lengths of finished episodes, `[n]`, in order."""
         before, done = self._every, self._count
         self._count += len(returns)
         while self._count > _SAMPLES_A_BIN * len(self._bins.episodes) * self._every:
@@ -60,9 +55,7 @@ class History:
 
     @property
     def last_100(self) -> tuple[float, float] | tuple[None, None]:
-        """Mean return and mean length of the last 100 episodes or fewer, or None before the first has
-        ended.
-        """
+        """Mean return and length of the last 100 episodes or fewer, or None."""
         count = len(self._recent_returns)
         if not count:
             return None, None
@@ -70,7 +63,7 @@ class History:
 
     @property
     def newest(self) -> tuple[float, int] | None:
-        """Return and length of the last finished episode, or None before the first has ended."""
+        """Return and length of the last finished episode, or None."""
         if not len(self._recent_returns):
             return None
         return float(self._recent_returns[-1]), int(self._recent_lengths[-1])
@@ -101,7 +94,7 @@ class History:
         return copies((*self._bins, *kept))
 
     def restore(self, state: Arrays) -> None:
-        """Restore the state that `checkpoint` returned, from a history with equally many bins."""
+        """Restore the state from `checkpoint` (equally many bins)."""
         # only the bins are written in place, so the other arrays may be shared
         *bins, sampled, self._samples, self._recent_returns, self._recent_lengths, self._first_lengths = state
         put_back(self._bins, tuple(bins))

@@ -1,4 +1,4 @@
-"""Limits for worlds that are too large to copy for every frame, or to build while a user waits."""
+"""Limits for worlds that are slow to copy or to build."""
 
 from __future__ import annotations
 
@@ -15,14 +15,12 @@ MOST_OUTCOMES_AT_ONCE: Final = 500_000
 
 
 def is_large(world: World) -> bool:
-    """Return True if copying all of Q and visits would delay a frame. Only maps can be shown in parts, so
-    other worlds are never large.
-    """
+    """Return True for a map whose Q is too large to copy for a frame."""
     return world.space.pairs > MOST_COPIED and isinstance(world.drawing, Grid)
 
 
 def takes_long(draft: Draft, before: World) -> bool:
-    """Return True if building the world of `draft`, an edit of `before`, takes a noticeable time."""
+    """Return True if building `draft` takes a noticeable time."""
     outcomes = 0 if before.mdp is None else len(before.mdp.next_state)
     states = max(draft.size, before.space.states)
     return states > MOST_STATES_AT_ONCE or outcomes > MOST_OUTCOMES_AT_ONCE

@@ -1,7 +1,4 @@
-"""What a playback reads of a run at one step: one interface for built-in runs and for watched programs.
-
-`Run` and `Learner` implement it for built-in runs, `ProgramRun` and `ProgramLearner` for watched programs.
-"""
+"""What a playback reads of a run, built-in or a watched program."""
 
 from __future__ import annotations
 
@@ -25,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class PlayedAgent(Protocol):
-    """The agent of a run at one step. P is the number of pairs."""
+    """The agent of a run, with P pairs."""
 
     @property
     def algorithm(self) -> str:
@@ -33,7 +30,7 @@ class PlayedAgent(Protocol):
 
     @property
     def hyperparameters(self) -> Hyperparameters:
-        """Current hyper-parameters."""
+        """Current hyperparameters."""
 
     @property
     def q(self) -> FloatArray:
@@ -49,15 +46,15 @@ class PlayedAgent(Protocol):
 
     @property
     def counters(self) -> Counters:
-        """Steps, episodes, state of the agent, and the last step."""
+        """Steps, episodes, state, and last step."""
 
     @property
     def begins_episode(self) -> bool:
-        """True if an episode has just ended, or nothing has happened yet."""
+        """True if an episode has just ended or none has begun."""
 
     @property
     def author(self) -> Author | None:
-        """Algorithm and settings of the last step, or None if they are the current ones."""
+        """Algorithm and settings of the last step, or None if current."""
 
     @property
     def noticed(self) -> WatchedEvents:
@@ -69,7 +66,7 @@ class PlayedAgent(Protocol):
 
     @property
     def drifted(self) -> object | None:
-        """Figures of drifting means, or None if the world stays the same."""
+        """Figures of drifting means, or None in a constant world."""
 
     @property
     def converged(self) -> bool:
@@ -77,14 +74,14 @@ class PlayedAgent(Protocol):
 
     @property
     def phase(self) -> SweepPhase | None:
-        """Phase of the last sweep of a planner, or None."""
+        """Phase of a planner's last sweep, or None."""
 
     @property
     def planning(self) -> str:
-        """Progress of a planner's sweep, in words, empty for an agent."""
+        """Progress of a planner's sweep, in words."""
 
     def remembered(self, *names: str) -> tuple[FloatArray, ...]:
-        """Return copies of further tables of the algorithm, without those that it lacks."""
+        """Return copies of those tables `names` that exist."""
 
     def set_time_budget(self, seconds: float) -> None:
         """Let the next advance return after about `seconds`."""
@@ -139,8 +136,8 @@ class PlayedRun(Protocol):
 
     @property
     def message(self) -> str:
-        """Why the run has ended, as a sentence, empty if it has not."""
+        """Why the run has ended, empty if it has not."""
 
     @property
     def unknown_policies(self) -> Mapping[PolicyKind, str]:
-        """Policies of the agent without values, each with the reason."""
+        """Policies without values, each with the reason."""

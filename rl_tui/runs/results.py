@@ -1,4 +1,4 @@
-"""Results of a run so far: returns of episodes, and exact returns of the greedy policy."""
+"""Results of a run so far."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _no_counts() -> IntArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """Finished episodes in B bins of equal width, oldest first. The last bin may be partly filled."""
+    """Finished episodes in B bins of equal width, the last perhaps partly filled."""
 
     episode: IntArray = field(default_factory=_no_counts)
     """Last episode (from 1) in each bin, `[B]`."""
@@ -43,7 +43,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marks:
-    """Exact evaluations of the greedy policy at M steps, which depend on the step number only."""
+    """Exact evaluations of the greedy policy at M steps."""
 
     step: IntArray = field(default_factory=_no_counts)
     """Steps taken, `[M]`."""

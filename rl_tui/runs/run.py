@@ -40,7 +40,7 @@ OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunState:
-    """A copy of a run's state at one step, for checkpoints, which share their worlds."""
+    """A copy of a run's state. Checkpoints share their worlds."""
 
     step: int
     episodes: int
@@ -62,9 +62,7 @@ class RunState:
 
 
 class WorldChanged(NamedTuple):
-    """An edit of the world after `step` steps and `episodes` finished episodes. `given_up` is True if it
-    ended an episode early. That episode counts in no mean.
-    """
+    """An edit of the world. `given_up` means that it ended an episode, which counts in no mean."""
 
     step: int
     episodes: int
@@ -77,11 +75,10 @@ class Run:
     Args:
         recipe: Start of the run.
         beginning: Result of `begin(recipe)`, if already built.
-        edited: World of `beginning`, to share its edits with other runs.
-        evaluate: Take marks of the greedy return. They never influence learning.
-        episode_limit: End the run after this many episodes of an agent.
-        on_episodes: Called once for each batch of finished episodes, in order, with returns, lengths, and
-            whether each took the best arm of a bandit, `[n]` each.
+        edited: World of `beginning`, to share its edits.
+        evaluate: Take marks of the greedy return, without influence on learning.
+        episode_limit: Most episodes of an agent.
+        on_episodes: Receives returns, lengths and best arms taken, `[n]` each, once, in order.
     """
 
     def __init__(
@@ -95,7 +92,6 @@ class Run:
         on_episodes: OnEpisodes | None = None,
     ) -> None:
         self.recipe = recipe
-        """Start of the run."""
         world, drawn = beginning or begin(recipe)
         self.edited = edited or EditedWorld(world)
         """The current world with its edits."""
@@ -103,13 +99,10 @@ class Run:
         """A result of the next edit that was computed in advance, or None."""
         self._settled = NOTHING_SETTLED
         self.world_changes: tuple[WorldChanged, ...] = ()
-        """All edits so far."""
         mdp = world.mdp
         environment = world.new_environment() if world.new_environment else None
         self.learner = Learner(world.space, recipe.algorithm, recipe.hyperparameters, drawn, environment)
-        """The algorithm with its estimates."""
         self.history = History()
-        """Returns and lengths of finished episodes."""
         self.episode_limit = UNLIMITED if episode_limit is None else episode_limit
         """Number of an agent's episodes after which the run ends."""
         self.stop_reason = ""
@@ -122,7 +115,6 @@ class Run:
         self.first_actions = world.space.action_names
         """Names of the actions at the start. Numbers in the journal refer to them."""
         self.greedy_return = GreedyReturn(lambda: self.learner.mdp)
-        """Evaluates the greedy policy of estimates."""
         self._evaluation = Evaluation(mdp if evaluate else None, self.greedy_return)
         self._on_episodes = on_episodes
 
@@ -156,12 +148,12 @@ class Run:
 
     @property
     def _pulled(self) -> IntArray:
-        """Pulls of each arm, `[P]`. Backups of a planner count as visits but not as pulls."""
+        """Pulls of each arm, `[P]`, without backups of a planner."""
         return self.learner.visits - self.learner.planned.steps
 
     @property
     def mean_return(self) -> float | None:
-        """Mean return of all finished episodes, without a planner's sweeps, or None before the first."""
+        """Mean return of episodes, without sweeps, or None."""
         episodes = self.learner.episodes - self.learner.planned.sweeps
         return self.history.total_return / episodes if episodes else None
 
@@ -188,12 +180,12 @@ class Run:
 
     @property
     def spent(self) -> bool:
-        """True if all allowed episodes are used. A planner's sweeps do not count."""
+        """True if all allowed episodes are used (sweeps do not count)."""
         return self.learner.episodes >= self.episode_limit + self.learner.planned.sweeps
 
     @property
     def message(self) -> str:
-        """Why the run has ended, as a sentence, empty if it has not."""
+        """Why the run has ended, empty if it has not."""
         if not self.learner.converged:
             return self.stop_reason
         sweeps, accuracy = self.learner.planned.sweeps, self.learner.hyperparameters.accuracy
@@ -201,7 +193,7 @@ class Run:
 
     @property
     def unknown_policies(self) -> Mapping[PolicyKind, str]:
-        """Policies of the agent without values, each with the reason."""
+        """Policies without values, each with the reason."""
         if self.stop_reason:
             return {PolicyKind.GREEDY: BROKE_DOWN, PolicyKind.BEHAVIOUR: BROKE_DOWN}
         return {PolicyKind.BEHAVIOUR: PLANS} if self.learner.plans else {}
@@ -212,7 +204,7 @@ class Run:
         return bool(self.stop_reason) or self.learner.converged or self.spent
 
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
-        """Take at most `steps` steps and finish at most `episodes` episodes, unless the run is over."""
+        """Take at most `steps` steps and finish at most `episodes` episodes."""
         learner = self.learner
         last_step = learner.step + steps
         last_episode = learner.episodes + episodes
@@ -237,9 +229,7 @@ class Run:
                 return
 
     def apply(self, change: Change) -> None:
-        """Make a change before the next step. Raises UserError if it does not fit. The message names the
-        range.
-        """
+        """Make a change before the next step. Raises UserError."""
         # a mark at this step belongs to the state before the change
         self._mark_if_due()
         entry = JournalEntry(self.step, change)
@@ -305,16 +295,10 @@ class Run:
     def follow(
         self, journal: Sequence[JournalEntry], last_step: int = UNLIMITED, last_episode: int = UNLIMITED
     ) -> None:
-        """Advance along `journal`, whose first entries this run has already applied. It stops at
-        `last_step` or after `last_episode` finished episodes (both counted from the start), or wherever
-        `advance` stops. An entry applies at its step, or at once if that is past. Settings and orders of
-        the last step apply too. Later entries and an action at the last step do not: the action would take
-        a further step.
+        """Advance along `journal`, whose first entries have already been applied.
 
-        Args:
-            journal: All changes.
-            last_step: Last step.
-            last_episode: Number of finished episodes at which to stop.
+        It stops after `last_step` steps or `last_episode` episodes in all, or where `advance` stops. Entries
+        of the last step apply, except actions.
         """
         learner, stopped = self.learner, False
         while True:
@@ -351,7 +335,7 @@ class Run:
         )
 
     def restore(self, state: RunState) -> None:
-        """Restore the state that `checkpoint` returned, also from another run of the same recipe."""
+        """Restore a state from `checkpoint` of this recipe."""
         if state.edited.world is not self.world:
             mdp = state.edited.world.mdp
             assert mdp is not None  # a run without a table has one world and no checkpoints
@@ -371,7 +355,6 @@ class Run:
             self._evaluation.mark(self.learner.episodes, self.learner.q, ties)
 
     def _take_in(self, stop: Stop) -> None:
-        """Record finished episodes, and why the learner returned."""
         returns, lengths, optimal = self.learner.drain_episodes()
         if len(returns):
             self.history.add(returns, lengths)

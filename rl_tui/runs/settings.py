@@ -1,4 +1,4 @@
-"""Settings that must change together, and the check that they work."""
+"""Settings that must change together."""
 
 from __future__ import annotations
 
@@ -10,11 +10,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace
 
 
 def settings_for(space: FiniteSpace, recipe: Recipe, setting: Setting) -> tuple[Setting, ...]:
-    """Return the changes that make `setting` work in `recipe`. Some need a number as step size.
-
-    Raises:
-        UserError: The resulting agent cannot work in `space`.
-    """
+    """Return the changes that make `setting` work, some with a step size. Raises UserError."""
     number = _step_size(recipe.hyperparameters) if isinstance(setting, SetParameter) else ()
     if not number:
         return _checked(space, recipe, setting)
@@ -36,7 +32,6 @@ def _checked(space: FiniteSpace, recipe: Recipe, *settings: Setting) -> tuple[Se
 
 
 def _step_size(values: Hyperparameters) -> tuple[SetParameter, ...]:
-    """Return the changes from a sample average to a number, empty if the step size is a number."""
     number = values.without_average()
     return tuple(
         SetParameter(name, number.value(name))

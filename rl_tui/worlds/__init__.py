@@ -1,3 +1,1 @@
-"""Worlds: finite MDPs, scenario files, maps, graphs, bandits and Gymnasium environments. This package imports
-only common.
-"""
+"""Finite MDPs, scenario files, maps, graphs, bandits and Gymnasium environments."""

@@ -1,4 +1,4 @@
-"""Drawings of worlds as pure data. The screen has one view per class."""
+"""Drawings of worlds as pure data, with one view on the screen per class."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class CellKind(StrEnum):
-    """Kind of a grid cell. It selects symbol and colour."""
+    """Kind of a grid cell, with its own symbol and colour."""
 
     FLOOR = "floor"
     START = "start"
@@ -19,10 +19,9 @@ class CellKind(StrEnum):
 
 
 class Title(NamedTuple):
-    """A text centred over some columns of walls.
+    """A text centred over `columns` of walls, from `column` on.
 
-    `column` is the first of the `columns`; `row` is −1 above the map. `brief` replaces a text that is too
-    long.
+    `row` is −1 above the map. `brief` replaces a long text.
     """
 
     row: int
@@ -38,10 +37,10 @@ class Title(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """Labels of the rows and columns of a grid. A label may be empty.
+    """Labels of the rows and columns of a grid.
 
-    `titles` name parts between walls. `names` says what rows and columns mean, if known. `is_upward`: values
-    of rows grow upwards, and a body moves along the columns.
+    `titles` name parts between walls. `names` says what rows and columns mean. `is_upward`: values of rows
+    grow upwards, and a body moves along the columns.
     """
 
     rows: tuple[str, ...]
@@ -62,15 +61,15 @@ class BodyKind(StrEnum):
 class Body:
     """A body with some numbers, each cut into bins.
 
-    ``middles[i]`` holds the middle of each bin of number i, in units of the environment, or NaN for an
-    unobserved one. States are all combinations of bins, and the last number changes fastest.
+    ``middles[i]`` are the middles of the bins of number i, NaN if unobserved. The last number changes
+    fastest.
     """
 
     kind: BodyKind
     middles: tuple[tuple[float, ...], ...]
 
     def pose(self, state: int) -> tuple[float, ...]:
-        """Return the middle of each number's bin in `state`."""
+        """Return the middle of each number's bin."""
         numbers = []
         for middles in reversed(self.middles):
             state, place = divmod(state, len(middles))
@@ -83,18 +82,16 @@ class Grid:
     """A map of rows × columns cells.
 
     Args:
-        rows: Number of rows.
-        columns: Number of columns.
-        kinds: Kind of each cell, row by row, [rows · columns].
-        cell_of_state: Cell of each state, row · columns + column, [S].
-        directions: Step (rows down, columns right) of each action, or None if it is not a direction, [A].
+        kinds: Row by row, [rows · columns].
+        cell_of_state: Row · columns + column, [S].
+        directions: Step (rows down, columns right) of each action, or None, [A].
         legend: Meaning of rows and columns, if the grid is not a map to walk on.
-        wind: Cells that the wind blows upwards in each column. Negative is down. Empty without wind.
-        one_way: Cells that can be left in one direction only, each with its step.
+        wind: Cells that the wind blows upwards in each column. Empty without wind.
+        one_way: Cells that can be left in one direction only, with this step.
         axes: Labels of rows and columns, if they are numbers.
-        body: Body that these numbers belong to, if known.
-        walls: Cells with a wall between them and their neighbour at the right.
-        name_parts: Meaning of the parts of a state's name, in forms from long to short. Empty if unknown.
+        body: Body that these numbers belong to.
+        walls: Cells with a wall to their right.
+        name_parts: Meaning of the parts of a state's name, from long to short, or empty.
     """
 
     rows: int
@@ -115,7 +112,7 @@ class Grid:
 class Graph:
     """States as nodes. ``places[s]`` is (column, row) of state s, from 0.
 
-    `chain` lists the states from left to right if each leads only to its neighbours, otherwise it is empty.
+    `chain` lists states from left to right, if each leads only to its neighbours.
     """
 
     places: tuple[tuple[int, int], ...]
@@ -124,7 +121,7 @@ class Graph:
 
 @dataclass(frozen=True, slots=True)
 class Arms:
-    """A bandit: one bar for each of `count` arms."""
+    """A bandit with one bar for each arm."""
 
     count: int
 

@@ -1,4 +1,4 @@
-"""The interface of environments without a transition table, which can only be simulated."""
+"""The interface of environments that can only be simulated."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rl_tui.common.errors import UserError
 
 
 class StepResult(NamedTuple):
-    """Result of one action: next state, reward, and end of the episode."""
+    """Next state, reward, and end of the episode."""
 
     next_state: int
     reward: float
@@ -17,14 +17,13 @@ class StepResult(NamedTuple):
 
 
 class Environment(Protocol):
-    """One copy of an environment, for one run. States and actions are numbered from 0.
+    """One environment for one run. States and actions are numbered from 0.
 
-    Both methods raise :class:`EnvironmentFailedError` if the environment fails, or returns an invalid state
-    or reward.
+    Both methods raise :class:`EnvironmentFailedError` on failure, or for an invalid state or reward.
     """
 
     def reset(self, seed: int | None = None) -> int:
-        """Start an episode and return its first state. `seed` seeds the environment."""
+        """Start an episode and return its first state."""
         ...
 
     def step(self, action: int) -> StepResult:
@@ -33,4 +32,4 @@ class Environment(Protocol):
 
 
 class EnvironmentFailedError(UserError):
-    """An environment failed. The message is one line."""
+    """An environment failed, for a reason in one line."""

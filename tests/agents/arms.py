@@ -1,4 +1,4 @@
-"""Bandits with a few arms, and learners that pull them under any policy."""
+"""Bandits with a few arms, and their learners."""
 
 from __future__ import annotations
 
@@ -46,7 +46,6 @@ def learner(mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int = 0) ->
 
 
 def pulls(ours: Learner, steps: int) -> list[tuple[int, float]]:
-    """Take this many steps one by one and return each step's arm and reward."""
     taken = []
     for _ in range(steps):
         ours.advance(1)

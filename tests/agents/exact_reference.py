@@ -1,4 +1,4 @@
-"""Small worlds and their exact values, computed slowly and plainly: in fractions or by long sweeps."""
+"""Exact values of small worlds, in fractions or by long sweeps."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ SPLITS = ([1.0], [0.5, 0.5], [0.25, 0.75], [0.25, 0.25, 0.5])
 
 @st.composite
 def worlds(draw: st.DrawFn, largest_reward: int = 3, states: int = 4, time_limit: int = 0) -> TabularMDP:
-    """Draw a world with probabilities exact in binary: a loop that pays 0 on average pays exactly 0."""
+    """Draw probabilities exact in binary: a loop that pays 0 on average pays exactly 0."""
     count = draw(st.integers(1, states))
     rewards = st.integers(-largest_reward, largest_reward)
     transitions = []
@@ -79,7 +79,6 @@ def worlds(draw: st.DrawFn, largest_reward: int = 3, states: int = 4, time_limit
 
 @st.composite
 def worlds_and_policies(draw: st.DrawFn, time_limit: int = 0) -> tuple[TabularMDP, list[float]]:
-    """Draw a world and a policy that leaves some actions out."""
     mdp = draw(worlds(time_limit=time_limit))
     policy = []
     for state in live(mdp):
@@ -94,13 +93,11 @@ def live(mdp: TabularMDP) -> list[int]:
 
 
 def probabilities(mdp: TabularMDP, pair: int) -> list[Fraction]:
-    """Return the probabilities of the outcomes of ``pair``, scaled to sum to 1."""
     given = [Fraction(float(mdp.probability[outcome])) for outcome in mdp.outcomes_of(pair)]
     return [p / sum(given) for p in given]
 
 
 def deterministic_policies(mdp: TabularMDP) -> Iterator[dict[int, int]]:
-    """Yield every choice of one pair in each live state."""
     states = live(mdp)
     for choice in itertools.product(*(mdp.pairs_of(state) for state in states)):
         yield dict(zip(states, choice, strict=True))
@@ -122,7 +119,6 @@ def solve_rational(matrix: list[list[Fraction]], right: list[Fraction]) -> list[
 def rational_values(
     mdp: TabularMDP, policy: dict[int, int], gamma: Fraction, also_ends: int | None = None
 ) -> dict[int, Fraction]:
-    """Return the values of a deterministic policy. The states ``also_ends`` count as terminal."""
     states = list(policy)
     matrix, right = [], []
     for state in states:
@@ -140,7 +136,7 @@ def rational_values(
 
 
 def leads_to(mdp: TabularMDP, pairs: Sequence[int], state: int) -> set[int | None]:
-    """Return the states that chance may reach from ``state`` by these pairs. None is the end."""
+    """Return the states that chance may reach from ``state``. None is the end."""
     found: set[int | None] = {state}
     queue = [state]
     for here in queue:
@@ -155,16 +151,12 @@ def leads_to(mdp: TabularMDP, pairs: Sequence[int], state: int) -> set[int | Non
 
 
 def recurrent(mdp: TabularMDP, pairs: Sequence[int], state: int) -> bool:
-    """Return whether a walk from ``state`` by these pairs surely returns, again and again."""
     reach = leads_to(mdp, pairs, state)
     return None not in reach and all(state in leads_to(mdp, pairs, other) for other in reach)
 
 
 def best_rational(mdp: TabularMDP, gamma: Fraction) -> dict[int, Fraction] | None:
-    """Return the largest values over all deterministic policies, or None if there are none.
-
-    At γ = 1 only policies that end count.
-    """
+    """Return the largest values over all deterministic policies; at γ = 1 only those that end."""
     best: dict[int, Fraction] = {}
     for policy in deterministic_policies(mdp):
         pairs = list(policy.values())
@@ -180,7 +172,6 @@ def best_rational(mdp: TabularMDP, gamma: Fraction) -> dict[int, Fraction] | Non
 
 
 def gain_of_loop(mdp: TabularMDP, policy: dict[int, int], state: int) -> Fraction:
-    """Return the expected reward from a recurrent ``state`` until the first return to it."""
     inside = {s: policy[s] for s in policy if s in leads_to(mdp, list(policy.values()), state)}
     return rational_values(mdp, inside, Fraction(1), also_ends=state)[state]
 
@@ -217,10 +208,7 @@ def policy_iteration_of_the_box(mdp: TabularMDP, gamma: float, theta: float = 1e
 
 
 def return_within(mdp: TabularMDP, policy: Sequence[float] | None, steps: int) -> float:
-    """Return the exact expected return within ``steps`` steps.
-
-    Without a policy it is the largest return that a policy with a clock can reach.
-    """
+    """Return the expected return within ``steps``, without a policy the largest of one with a clock."""
     value = [Fraction(0)] * mdp.states
     for _ in range(steps):
         later = value

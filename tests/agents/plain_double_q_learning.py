@@ -1,4 +1,4 @@
-"""The box on page 136, line by line. Each table counts its own updates."""
+"""The box on page 136, line by line."""
 
 from plain_world import PlainWorld, Table
 

@@ -1,4 +1,4 @@
-"""The optimal actions of a small world at one γ, by plain policy iteration in fractions."""
+"""The optimal actions of a small world, in fractions."""
 
 from __future__ import annotations
 
@@ -17,15 +17,12 @@ Optimal = dict[int, tuple[int, ...]]
 
 
 class PlainWorld(NamedTuple):
-    """The pairs of each live state. Each pair has its reward and the probability of each next state."""
-
     pairs: dict[int, tuple[int, ...]]
     reward: list[Fraction]
     moves: list[dict[int, Fraction]]
 
 
 def small_world(seed: int) -> TabularMDP:
-    """Return a world of 2–5 states and 2–3 actions. Probabilities and rewards are small fractions."""
     drawn = random.Random(seed)
     states, actions = drawn.randint(2, 5), drawn.randint(2, 3)
     transitions = []
@@ -73,7 +70,6 @@ def near(number: float) -> Fraction:
 
 
 def optimal_pairs(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) -> Optimal:
-    """Return all optimal pairs of each state. The search starts from ``policy`` and leaves it optimal."""
     while True:
         v = values(world, gamma, policy)
         gains = {
@@ -107,10 +103,7 @@ def values(world: PlainWorld, gamma: Fraction, policy: dict[int, int]) -> dict[i
 
 
 def disagreements(mdp: TabularMDP, flips: tuple[Flip, ...], parts: int) -> Iterator[str]:
-    """Yield contradictions between the optimal sets and ``flips``.
-
-    It checks a grid of γ, and three points between two flips.
-    """
+    """Check ``flips`` on a grid of γ, and at three points between two flips."""
     world = plain_world(mdp)
     policy = {state: pairs[0] for state, pairs in world.pairs.items()}
     ends = [Fraction(0), *(Fraction(flip.gamma) for flip in flips), Fraction(1)]

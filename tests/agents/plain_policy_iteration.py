@@ -1,7 +1,7 @@
 """The box on page 80, line by line, from the policy that takes all actions equally.
 
-As in exercise 4.4, a state keeps its policy unless another action gains something. The order of the
-sweeps may be given, as in section 4.6. The two loops of the box then run one sweep at a time.
+As in exercise 4.4, a state keeps its policy unless another action gains something. The order of the sweeps
+may be given, as in section 4.6.
 """
 
 import math
@@ -16,10 +16,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 def plain_policy_iteration(
     mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int, orders: Mapping[int, str] | None = None
 ) -> tuple[dict[int, float], int, bool]:
-    """Return Q, the steps taken and whether the policy is stable.
-
-    ``orders`` maps the number of a sweep, from 0, to evaluation or improvement.
-    """
+    """``orders`` maps the number of a sweep, from 0, to evaluation or improvement."""
     q = dict.fromkeys(range(mdp.pairs), hyperparameters.initial_q)
     states = [state for state in range(mdp.states) if mdp.pairs_of(state)]
     v = dict.fromkeys(states, hyperparameters.initial_q)

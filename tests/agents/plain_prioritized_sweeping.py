@@ -1,4 +1,4 @@
-"""The box on page 170, line by line. The queue is a dictionary, sorted again every time."""
+"""The box on page 170, line by line."""
 
 from plain_world import PlainWorld, Table
 

@@ -9,7 +9,6 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 def plain_value_iteration(
     mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int
 ) -> tuple[dict[int, float], int, bool]:
-    """Return Q, the steps taken and whether the values converged."""
     q = dict.fromkeys(range(mdp.pairs), hyperparameters.initial_q)
     states = [state for state in range(mdp.states) if mdp.pairs_of(state)]
     v = dict.fromkeys(states, hyperparameters.initial_q)

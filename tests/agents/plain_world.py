@@ -1,4 +1,4 @@
-"""A plain agent and world, without the program's kernels, on which the boxes run."""
+"""A plain agent and world for the boxes."""
 
 from __future__ import annotations
 
@@ -25,9 +25,8 @@ class Answer(NamedTuple):
 class PlainWorld:
     """A world that lasts ``steps`` steps and draws from its stream exactly as the program does.
 
-    A box runs ``while world.steps_left``, begins every episode with ``start`` and returns its table.
-    ε and α hold for a whole episode: they are set by the last ``start``. ``visits`` counts visits.
-    ``finished`` lists the (return, length) of each finished episode.
+    A box runs ``while world.steps_left``, begins every episode with ``start`` and returns its table. ε and α
+    hold for a whole episode.
     """
 
     def __init__(
@@ -40,14 +39,12 @@ class PlainWorld:
         self.episode = -1
 
     def table(self) -> Table:
-        """Return the estimates that every box starts from."""
         return dict.fromkeys(range(self.mdp.pairs), self.hyperparameters.initial_q)
 
     def counts(self) -> dict[int, int]:
         return dict.fromkeys(range(self.mdp.pairs), 0)
 
     def start(self) -> int:
-        """Begin an episode and return its first state."""
         self.episode += 1
         self.rewards: list[float] = []
         if len(self.mdp.start_state) == 1:
@@ -78,7 +75,7 @@ class PlainWorld:
         return list(self.mdp.pairs_of(state))
 
     def choose(self, state: int, q: Table) -> int:
-        """Choose by ε-greedy: one draw decides whether to explore and, stretched again, what to take."""
+        """One draw decides whether to explore and, stretched again, what to take."""
         pairs, epsilon = self.pairs(state), self.epsilon
         draw = self.dice.random()
         if draw < epsilon:
@@ -86,7 +83,7 @@ class PlainWorld:
         return self.argmax(state, q, (draw - epsilon) / (1 - epsilon))
 
     def argmax(self, state: int, q: Table, draw: float) -> int:
-        """Return the best pair. If ties are random, ``draw`` in [0, 1) decides between equals."""
+        """If ties are random, ``draw`` in [0, 1) decides between equals."""
         best = [pair for pair in self.pairs(state) if q[pair] == self.best(state, q)]
         return (
             best[0]
@@ -98,7 +95,7 @@ class PlainWorld:
         return max((q[pair] for pair in self.pairs(state)), default=0.0)
 
     def probability(self, state: int, pair: int, q: Table) -> float:
-        """Return π(a|s) of the ε-greedy policy: all pairs share ε, and the greedy ones share the rest."""
+        """Return π(a|s): all pairs share ε, and the greedy ones share the rest."""
         pairs = self.pairs(state)
         best = [each for each in pairs if q[each] == self.best(state, q)]
         greedy = best[:1] if self.hyperparameters.ties == "first" else best
@@ -106,7 +103,7 @@ class PlainWorld:
         return (1 - self.epsilon) * share + self.epsilon / len(pairs)
 
     def expectation(self, state: int, q: Table) -> float:
-        """Return the expectation of the ε-greedy policy: the best with 1 − ε, the mean of all with ε."""
+        """The best with 1 − ε, the mean of all with ε."""
         pairs = self.pairs(state)
         if not pairs:
             return 0.0
@@ -125,7 +122,6 @@ class PlainWorld:
         )
 
     def step_size(self, count: int) -> float:
-        """Return the step size of the ``count``-th update of a pair."""
         hyperparameters = self.hyperparameters
         if "sample-average" in (hyperparameters.alpha, hyperparameters.step_size_schedule):
             return 1 / count
@@ -151,7 +147,7 @@ def as_array(table: Table | dict[int, int]) -> np.ndarray:
 
 
 def _sum(numbers: Iterable[float]) -> float:
-    """Add from left to right and round after each step. The built-in sum rounds less since Python 3.12."""
+    """Round after each addition. The built-in sum rounds less since Python 3.12."""
     total = 0.0
     for number in numbers:
         total += number

@@ -10,7 +10,6 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabul
 
 @st.composite
 def worlds(draw: st.DrawFn, most_states: int = 6, noise: bool = True) -> TabularMDP:
-    """Draw an MDP with a terminal state, unequal action sets, slips, noise and perhaps a time limit."""
     states = draw(st.integers(2, most_states))
     actions = draw(st.integers(1, 4))
     generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))

@@ -1,4 +1,4 @@
-"""The gradient bandit and Thompson sampling, each compared with its book."""
+"""The gradient bandit and Thompson sampling."""
 
 from __future__ import annotations
 
@@ -29,7 +29,6 @@ pytestmark = pytest.mark.xdist_group("policies")  # each policy's loop is compil
 def plain_gradient(
     means: list[float], alpha: float, baseline: bool, seed: int, steps: int
 ) -> tuple[list[tuple[int, float]], list[float]]:
-    """Run equation 2.12 and return the arm and reward of each of ``steps`` pulls, and H at the end."""
     world, mine = streams(seed)
     preferences, rewards, taken = [0.0] * len(means), [], []
     for _ in range(steps):

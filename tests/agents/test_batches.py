@@ -1,4 +1,4 @@
-"""Many runs in one call of machine code have the bits of single runs, however the work is divided."""
+"""Runs in one call of machine code have the bits of single runs."""
 
 from __future__ import annotations
 
@@ -89,7 +89,6 @@ def test_a_row_of_a_stack_is_what_was_stacked() -> None:
 
 @st.composite
 def maps(draw: st.DrawFn) -> TabularMDP:
-    """Draw a world with four actions in every non-terminal state, slips, noise and perhaps a time limit."""
     states = draw(st.integers(2, 6))
     generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     ends = {int(generator.integers(1, states))}
@@ -127,7 +126,6 @@ def trained(batch: RunBatch, budget: int) -> RunBatch:
 def alone(
     mdp: TabularMDP, seed: int, algorithm: str, values: Hyperparameters, steps: int, episodes: int
 ) -> tuple[Learner, list[Any], Stop]:
-    """Return the learner of a single run, to compare with a batch, with its episodes and stop reason."""
     learner = Learner(mdp, algorithm, values, streams(seed))
     stop = learner.advance(steps, episodes)
     return learner, list(learner.drain_episodes()), stop

@@ -1,4 +1,4 @@
-"""A run that changes between its interpreted form and machine code has the bits of one that does not."""
+"""A change between interpreted and compiled code keeps the bits."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ CUTS = st.lists(st.integers(0, 60), min_size=2, max_size=6)
 
 
 def fitting(loop: Loop, hyperparameters: Hyperparameters) -> Hyperparameters:
-    """Return hyper-parameters that ``loop`` can run with."""
     if not loop.policy:
         return hyperparameters
     needs_step_size = POLICY_BY_ID[loop.policy].needs_step_size

@@ -1,4 +1,4 @@
-"""Every learning algorithm finds the exact values of small random worlds with ever smaller steps."""
+"""Every learning algorithm finds the values of small random worlds."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ GAMMA = 0.7
 
 
 def small_world(seed: int, certain: bool) -> TabularMDP:
-    """Five states, three actions and random starts. Episodes end or are truncated after 20 steps."""
     generator = np.random.default_rng(seed)
     transitions = []
     for state in range(5):
@@ -35,7 +34,6 @@ def small_world(seed: int, certain: bool) -> TabularMDP:
 
 
 def error_after(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episodes: int) -> float:
-    """Return max |Q − Q*| after this many episodes."""
     learner = Learner(mdp, algorithm, hyperparameters, streams(0))
     while learner.episodes < episodes:
         assert learner.advance(10**9, episodes - learner.episodes) in (Stop.DONE, Stop.EPISODES_FULL)
@@ -44,7 +42,7 @@ def error_after(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameter
 
 
 def exploration_matters(mdp: TabularMDP) -> float:
-    """Return the distance of a random policy's values from the optimal ones, as a scale for errors."""
+    """Return the distance of a random policy's values from the optimal ones, as a scale."""
     v = evaluate(mdp, np.full(mdp.pairs, 1 / 3), GAMMA).v
     return float(np.abs(v - solve(mdp, GAMMA).v).max())
 

@@ -1,4 +1,4 @@
-"""A stepped environment teaches exactly what its table would. After a failure, the learning is kept."""
+"""A stepped environment teaches exactly what its table would."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LEARNERS = [each.id for each in BY_ID.values() if not each.planner and importlib
 
 
 def lake() -> TabularMDP:
-    """A slippery lake with several starts and at most 20 steps. It needs all kinds of draws."""
+    """A slippery lake with several starts and at most 20 steps needs all kinds of draws."""
     mdp = world_of("FrozenLake-v1", {"desc": ["SFFS", "FHFH", "FFFF", "HFFG"]}).mdp
     assert mdp is not None
     return replace(mdp, time_limit=20)
@@ -63,12 +63,10 @@ class Table:
 
 
 def untabled(mdp: TabularMDP) -> FiniteSpace:
-    """The facts of ``mdp`` without its transition table."""
     return FiniteSpace(mdp.state_names, mdp.action_names, mdp.first_pair, mdp.pair_action, mdp.time_limit)
 
 
 def facts(learner: Learner) -> list[Any]:
-    """Everything learned, except the outcome's number, which is unknown without a table."""
     assert learner.last_step is not None
     return [
         learner.q.tolist(),
@@ -85,7 +83,6 @@ def facts(learner: Learner) -> list[Any]:
 
 
 def go(learner: Learner, steps: int) -> list[list[float]]:
-    """Take this many steps and return the returns and lengths of the episodes that ended."""
     done, ended = learner.step + steps, [[0.0, 0.0]]
     while learner.step < done:
         learner.advance(done - learner.step)

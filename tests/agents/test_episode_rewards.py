@@ -25,7 +25,6 @@ def endless(time_limit: int = 0) -> TabularMDP:
 
 
 def followed(ours: Learner) -> Iterator[tuple[list[float], float, int]]:
-    """Take single steps and return after each the rewards of its episode, Σ γᵏ r and their number."""
     rewards: list[float] = []
     total, discount = 0.0, 1.0
     while True:

@@ -1,4 +1,4 @@
-"""Rules that hold for every algorithm, one catalogue row after the other."""
+"""Rules that hold for every algorithm."""
 
 from __future__ import annotations
 
@@ -25,7 +25,6 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabul
 
 
 def written(*algorithms: str) -> list[Any]:
-    """Return these algorithms as test parameters; those not yet written are skipped."""
     return [
         pytest.param(
             algorithm,
@@ -67,7 +66,6 @@ def learner(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, s
 
 
 def everything(ours: Learner) -> list[Any]:
-    """Return the whole state of a learner for a comparison bit for bit, and forget the episodes."""
     state = ours.checkpoint()
     parts = (state.memory, state.rule, state.drift, state.position, state.record, ours.drain_episodes())
     return [
@@ -149,7 +147,7 @@ def test_a_checkpoint_brings_everything_back_in_any_learner(
 
 
 def eight_states(time_limit: int) -> TabularMDP:
-    """A ring that slips, with a terminal state next to every state: more states than the time limit."""
+    """A ring that slips, with a terminal state next to every state."""
     return tabular_mdp(
         [f"s{state}" for state in range(9)],
         ["on", "back", "out"],

@@ -1,4 +1,4 @@
-"""Exact values of worlds with hundreds of states, which use another solver than small ones."""
+"""Exact values of large worlds, by another solver."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ pytestmark = pytest.mark.unit
 
 
 def random_map(seed: int, characters: str, **rules: Any) -> TabularMDP:
-    """A map of 24 × 24 cells with a start and a goal in its corners."""
     cells = np.random.default_rng(seed).choice(list(characters), (24, 24))
     cells[0, 0], cells[-1, -1], cells[-1, -2] = "S", "G", "."
     lines = "\n".join("".join(row) for row in cells)

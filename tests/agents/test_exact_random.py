@@ -1,4 +1,4 @@
-"""Exact values of random worlds, compared with fractions, long sweeps and all existing policies."""
+"""Exact values of random worlds, computed a second way."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Polynomials, roots, recurrences and integer policy values, each compared with a plain second method."""
+"""Polynomials, roots, recurrences and integer values."""
 
 from __future__ import annotations
 
@@ -59,14 +59,13 @@ def times(one: Polynomial, other: Polynomial) -> Polynomial:
 
 
 def square_root(of: int, scale: int) -> RealRoot:
-    """Return √``of`` / ``scale``, the root of scale² · x² − of between 0 and 1."""
     root = first_change((-of, 0, scale**2), ZERO, ONE)
     assert root
     return root
 
 
 def number_of_roots(given: Polynomial, lower: Fraction, upper: Fraction) -> int:
-    """Return how many different roots lie in (lower, upper], by the theorem of Sturm."""
+    """Count the different roots in (lower, upper], by the theorem of Sturm."""
     chain = [[Fraction(each) for each in given], [Fraction(k * each) for k, each in enumerate(given) if k]]
     while True:
         rest = chain[-2][:]

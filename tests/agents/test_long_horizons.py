@@ -1,4 +1,4 @@
-"""Backward induction by whole arrays, by kernels and by both has the same bits."""
+"""Backward induction has the same bits by arrays and kernels."""
 
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ def world(scenario: str) -> TabularMDP | None:
 
 
 def swept(mdp: TabularMDP, steps: int) -> list[bytes]:
-    """The values of a policy that omits some actions, and the optimal ones."""
     policy = np.random.default_rng(1).random(mdp.pairs)
     policy[::3] = 0.0
     values = (policy_values(mdp, policy, steps), best_values(mdp, 1.0, steps), best_values(mdp, 0.9, steps))
@@ -31,7 +30,7 @@ def swept(mdp: TabularMDP, steps: int) -> list[bytes]:
 
 @pytest.fixture
 def by_kernel(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """The number of sweeps in each call of a kernel, which is interpreted as if nothing were compiled."""
+    """The number of sweeps in each call of a kernel, which is interpreted."""
     taken: list[int] = []
 
     def machine_code(kernel: Callable[..., None]) -> Callable[..., None]:

@@ -16,7 +16,6 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabul
 
 
 def corridor(length: int, reward: float = 1.0, time_limit: int = 0) -> TabularMDP:
-    """One action, ``length`` steps to the end. The last one pays ``reward``."""
     transitions = [
         Transition(state, 0, [Outcome(1.0, state + 1, reward * (state == length - 1), False)])
         for state in range(length)
@@ -25,7 +24,6 @@ def corridor(length: int, reward: float = 1.0, time_limit: int = 0) -> TabularMD
 
 
 def coin(actions: int) -> TabularMDP:
-    """Each action stays or ends, with equal chance."""
     outcomes = [Outcome(0.5, 0, 1.0, False), Outcome(0.5, 1, 2.0, True)]
     transitions = [Transition(0, action, outcomes) for action in range(actions)]
     return tabular_mdp(["here", "end"], [str(each) for each in range(actions)], transitions, {0: 1.0})
@@ -75,7 +73,7 @@ def test_without_planning_steps_dyna_is_q_learning() -> None:
 
 
 def test_dyna_practises_the_states_alike_and_then_the_actions() -> None:
-    """One state has four actions and the other one: each state gets half of the practice."""
+    """One state has four actions and the other one: each gets half of the practice."""
     four = [Transition(0, action, [Outcome(1.0, 1, 0.0, False)]) for action in range(4)]
     mdp = tabular_mdp(
         ["a", "b", "c"], list("0123"), [*four, Transition(1, 0, [Outcome(1.0, 2, 1.0, False)])], {0: 1.0}

@@ -1,4 +1,4 @@
-"""Exact numbers of any policy: known values, checked by fractions, simulation or plain sweeps."""
+"""Exact numbers of any policy."""
 
 from __future__ import annotations
 
@@ -38,8 +38,6 @@ EPISODES = 1_000_000
 
 
 class Simulated(NamedTuple):
-    """The returns and the lengths of many episodes, [EPISODES] each."""
-
     returns: FloatArray
     lengths: FloatArray
 

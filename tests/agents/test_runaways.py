@@ -1,4 +1,4 @@
-"""Numbers out of bounds stop a run at the same step, without warnings, interpreted or compiled."""
+"""Numbers out of bounds stop a run."""
 
 from __future__ import annotations
 
@@ -41,7 +41,6 @@ extreme_hyperparameters = st.builds(
 
 
 def stretched(mdp: TabularMDP, scale: float, std: float) -> TabularMDP:
-    """Return ``mdp`` with its rewards multiplied by a factor and its noise, if any, set to a deviation."""
     return replace(mdp, reward=mdp.reward * scale, reward_std=mdp.reward_std * std)
 
 

@@ -1,4 +1,4 @@
-"""Step size and exploration from episode to episode: compiled, and computed from the hyper-parameters."""
+"""Step size and exploration from episode to episode."""
 
 from __future__ import annotations
 
@@ -27,7 +27,6 @@ def now(schedule: Schedule, episode: int) -> float:
 
 
 def arms() -> TabularMDP:
-    """Two arms: every pull is an episode."""
     return tabular_mdp(
         ["here"],
         ["0", "1"],

@@ -1,4 +1,4 @@
-"""Machine code depends neither on the world nor on how numbers are written."""
+"""Machine code depends only on types, never on the world."""
 
 from __future__ import annotations
 
@@ -61,8 +61,6 @@ def types_of(arguments: tuple[Any, ...]) -> Types:
 
 
 class Recorder:
-    """A substitute for machine code: it runs functions interpreted and notes the types of their arguments."""
-
     def __init__(self) -> None:
         self.seen = set[tuple[str, Types]]()
 

@@ -1,4 +1,4 @@
-"""Unknown names are refused with a list of known ones. A checkpoint copies no empty space."""
+"""Unknown names are refused with a list."""
 
 from __future__ import annotations
 

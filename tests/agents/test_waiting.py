@@ -1,4 +1,4 @@
-"""Algorithms that wait before they learn: n-step SARSA and Monte Carlo control."""
+"""Algorithms that wait before they learn."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CERTAIN = Hyperparameters(alpha=1.0, gamma=0.5, epsilon=0.0)
 
 
 def corridor(length: int) -> TabularMDP:
-    """One way only: the step out of state s pays s + 1, and the last one ends the episode."""
+    """One way only: the step out of state s pays s + 1."""
     names = [f"s{state}" for state in range(length + 1)]
     steps = [
         Transition(state, 0, [Outcome(1.0, state + 1, state + 1.0, state + 1 == length)])

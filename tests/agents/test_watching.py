@@ -1,4 +1,4 @@
-"""Watching stops a loop after exactly the step that a look at every step finds, and changes nothing."""
+"""Watching stops a loop after exactly the right step."""
 
 from __future__ import annotations
 
@@ -35,7 +35,6 @@ watchings = st.builds(
 
 
 def known(watching: Watching, ours: Learner) -> Watching:
-    """Remove the states and pairs that this world does not have."""
     space = ours.space
     return Watching(
         watching.reward,
@@ -80,7 +79,6 @@ class Look:
 
 
 def assert_watched_alike(watched: Learner, single: Learner, watching: Watching, steps: int) -> None:
-    """Let ``watched`` stop automatically at each event that a look at every step of ``single`` finds."""
     watched.watch(watching)
     look = Look(single, watching)
     while single.step < steps:
@@ -144,7 +142,6 @@ def test_interpreted_watches_as_compiled_does(
 
 
 def corridor(*rewards: float) -> TabularMDP:
-    """One way only: the step out of state s pays ``rewards[s]``, and the last one ends the episode."""
     names = [f"s{state}" for state in range(len(rewards) + 1)]
     steps = [
         Transition(state, 0, [Outcome(1.0, state + 1, reward, state + 1 == len(rewards))])

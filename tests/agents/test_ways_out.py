@@ -1,4 +1,4 @@
-"""Unreachable states, ways to an end, and policies that may never end."""
+"""Unreachable states, ways out, and endless policies."""
 
 from __future__ import annotations
 

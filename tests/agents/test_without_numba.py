@@ -1,4 +1,4 @@
-"""Agents run without numba, and the list of compiled functions called from Python is complete."""
+"""Agents run without numba."""
 
 from __future__ import annotations
 

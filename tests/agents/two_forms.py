@@ -1,4 +1,4 @@
-"""Learners interpreted and as machine code, independent of this process, and all their bits."""
+"""Learners, interpreted and as machine code."""
 
 from __future__ import annotations
 
@@ -51,7 +51,6 @@ def examples(count: int) -> Callable[[Any], Any]:
 
 @contextmanager
 def interpreted() -> Iterator[None]:
-    """Run all code of agents interpreted."""
     with in_place_of_machine_code(machine_code.interpreted) as patch:
         patch.setattr(Learner, "is_compiled", False)
         yield
@@ -59,7 +58,6 @@ def interpreted() -> Iterator[None]:
 
 @contextmanager
 def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Iterator[pytest.MonkeyPatch]:
-    """Run all code of agents through ``stand_in``, which gets a function and example arguments."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Learner, "is_compiled", True)
         patch.setattr(learner, "COMPILED_LOOPS", set())
@@ -72,7 +70,6 @@ def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Ite
 
 
 def advance(ours: Learner, steps: int, *, is_interpreted: bool) -> int:
-    """Let a learner advance in the given form and return the reason for its stop."""
     if not is_interpreted:
         return ours.advance(steps)
     with interpreted():
@@ -81,7 +78,6 @@ def advance(ours: Learner, steps: int, *, is_interpreted: bool) -> int:
 
 @st.composite
 def bandits(draw: st.DrawFn) -> TabularMDP:
-    """Draw a bandit of coins, or of arms with numeric rewards, with or without noise."""
     coins, noise = draw(st.booleans()), draw(st.sampled_from([0.0, 1.0]))
     payments = st.sampled_from([0.2, 0.9] if coins else [-1.0, 0.0, 2.5])
     return bandit_of(
@@ -95,14 +91,12 @@ def bandits(draw: st.DrawFn) -> TabularMDP:
 
 
 def worlds_for(loop: Loop) -> st.SearchStrategy[TabularMDP]:
-    """Return worlds that ``loop`` can run in."""
     if loop.policy and POLICY_BY_ID[loop.policy].bandits_only:
         return bandits()
     return worlds(noise=not loop.stepped)
 
 
 def learner_in(mdp: TabularMDP, loop: Loop, hyperparameters: Hyperparameters, seed: int) -> Learner:
-    """Return a learner that runs ``loop`` in ``mdp``, without its table if the loop is for stepped worlds."""
     if not loop.stepped:
         return Learner(mdp, loop.algorithm, hyperparameters, streams(seed))
     ours = Learner(untabled(mdp), loop.algorithm, hyperparameters, streams(seed), Table(mdp, seed))
@@ -121,6 +115,6 @@ def all_bits(ours: Learner) -> list[Any]:
 
 
 def _bits(array: Any) -> bytes:
-    """Return the bytes of ``array`` with one NaN for all: processors and compilers choose the kind of NaN."""
+    """Use one NaN for all: processors and compilers choose the kind of NaN."""
     whole = np.where(np.isnan(array), np.nan, array) if array.dtype.kind == "f" else array
     return bytes(whole.tobytes())

@@ -1,4 +1,4 @@
-"""A real headless Chromium, driven over the DevTools protocol. It needs only aiohttp."""
+"""A real headless Chromium, driven over the DevTools protocol."""
 
 from __future__ import annotations
 
@@ -32,7 +32,6 @@ _FLAGS: Final = (
 
 
 def chromium() -> str | None:
-    """Return the path of the browser, or None."""
     return next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
@@ -90,7 +89,6 @@ class Chromium:
         await self._http.close()
 
     async def send(self, method: str, session: str | None = None, **parameters: Any) -> dict[str, Any]:
-        """Call a method of the protocol and return its result."""
         number = next(self._numbers)
         answer = self._answers[number] = asyncio.get_running_loop().create_future()
         message = {"id": number, "method": method, "params": parameters}
@@ -98,7 +96,6 @@ class Chromium:
         return await asyncio.wait_for(answer, DEADLINE)
 
     async def open(self, url: str, size: tuple[int, int]) -> Tab:
-        """Open a page in a tab of ``size`` pixels."""
         target = (await self.send("Target.createTarget", url="about:blank", newWindow=True))["targetId"]
         attached = await self.send("Target.attachToTarget", targetId=target, flatten=True)
         tab = self._tabs[attached["sessionId"]] = Tab(self, target, attached["sessionId"])
@@ -124,8 +121,6 @@ class Chromium:
 
 
 class Tab:
-    """A page: its terminal (``emulator``), its requests and its errors."""
-
     def __init__(self, browser: Chromium, target: str, session: str) -> None:
         self._browser = browser
         self._target = target
@@ -153,11 +148,9 @@ class Tab:
                 self.faults.append(parameters["entry"]["text"])
 
     async def send(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """Call a method of the protocol for this page."""
         return await self._browser.send(method, self._session, **parameters)
 
     async def resize(self, size: tuple[int, int]) -> None:
-        """Give the window ``size`` pixels."""
         await self.send(
             "Emulation.setDeviceMetricsOverride",
             width=size[0],
@@ -167,27 +160,22 @@ class Tab:
         )
 
     async def press(self, keys: str) -> None:
-        """Press ``keys``, one character each."""
         for key in keys:
             for kind in ("keyDown", "keyUp"):
                 text = {"text": key} if kind == "keyDown" else {}
                 await self.send("Input.dispatchKeyEvent", type=kind, key=key, **text)
 
     async def click(self, x: float, y: float) -> None:
-        """Click at this place in pixels."""
         for kind in ("mousePressed", "mouseReleased"):
             await self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     async def wait_for(self, pattern: str) -> None:
-        """Wait until ``pattern`` is on the terminal's screen, or fail."""
-
         def found() -> object:
             return self.emulator.is_whole and re.search(pattern, self.emulator.text)
 
         await until(found, repr(pattern), lambda: self.emulator.text)
 
     async def evaluate(self, expression: str) -> Any:
-        """Return the value of a JavaScript expression in the page."""
         answer = await self.send(
             "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
         )
@@ -195,7 +183,6 @@ class Tab:
         return answer["result"].get("value")
 
     async def shows(self, expression: str) -> None:
-        """Wait until a JavaScript expression is true, or fail."""
         deadline = time.perf_counter() + DEADLINE
         while not await self._is_true(expression):
             assert time.perf_counter() < deadline, f"never true: {expression}"
@@ -208,11 +195,9 @@ class Tab:
             return False
 
     async def screenshot(self) -> bytes:
-        """Return a PNG image of the window."""
         return base64.b64decode((await self.send("Page.captureScreenshot", format="png"))["data"])
 
     async def cell(self) -> tuple[float, float]:
-        """Return the width and height of a cell of the terminal, in pixels."""
         box = "document.querySelector('.xterm-screen').getBoundingClientRect()"
         width, height = await self.evaluate(f"[{box}.width, {box}.height]")
         return width / self.emulator.columns, height / self.emulator.lines
@@ -237,7 +222,6 @@ class Tab:
 
 
 async def until(condition: Callable[[], object], what: str, seen: Callable[[], str] = str) -> None:
-    """Wait until ``condition`` is true; otherwise fail with ``what`` is missing and what was ``seen``."""
     deadline = time.perf_counter() + DEADLINE
     while not condition():
         assert time.perf_counter() < deadline, f"waited in vain for {what}; {seen()}"

@@ -1,4 +1,4 @@
-"""The app in a real browser: keys, mouse, colours, sizes, and cleanup."""
+"""The app in a real browser."""
 
 from __future__ import annotations
 
@@ -34,7 +34,6 @@ async def browser(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Chr
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Served]:
-    """A server shared by the tests of this file. The last test stops it."""
     with serving("frozenlake-slippery", "--most", "2", RL_TUI_KIOSK="1") as started:
         yield started
 
@@ -50,7 +49,6 @@ def heat(tab: Tab) -> dict[tuple[int, int], str]:
 
 
 async def shown(tab: Tab, cells: list[tuple[int, int]]) -> list[str]:
-    """Return the colours in the corners of ``cells`` in a picture of the window."""
     width, height = await tab.cell()
     points = [(column * width + 1, row * height + 1) for column, row in cells]
     return await tab.colours(await tab.screenshot(), points)

@@ -1,4 +1,4 @@
-"""The server's answers and its access rules. A small program replaces the app."""
+"""The server's answers and its access rules."""
 
 from __future__ import annotations
 

@@ -34,7 +34,6 @@ def atlas(values: Sequence[Sequence[float | None]], **more: Any) -> Picture:
 
 
 def plot_rows(picture: Picture, columns: int = 60, **more: Any) -> list[str]:
-    """The rows of the plot, without the axis."""
     lines = unstyle(picture_text(picture, columns, **more)).splitlines()
     first = next(place for place, line in enumerate(lines) if "10" in line and ("┤" in line or "+" in line))
     return lines[first : first + ROWS]

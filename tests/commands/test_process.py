@@ -1,4 +1,4 @@
-"""Settings of the program's own process before any heavy import."""
+"""Settings of the process before heavy imports."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Your code in the playground: a watched script, and an agent without a loop."""
+"""Your code in the playground."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every shipped lesson passes the full check: figures over many seeds, and watched programs."""
+"""Every shipped lesson passes the full check."""
 
 from __future__ import annotations
 

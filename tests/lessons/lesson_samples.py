@@ -83,7 +83,6 @@ proof = { condition = 0, best = "best" }
 
 
 def changed(*changes: tuple[str, str]) -> str:
-    """The text of this lesson with each ``before`` replaced by ``after``, pairwise from ``changes``."""
     text = SOUND
     for before, after in changes:
         assert text.count(before) == 1, f"{before!r} stands there {text.count(before)} times"
@@ -92,13 +91,11 @@ def changed(*changes: tuple[str, str]) -> str:
 
 
 def with_figures(*figures: str) -> Lesson:
-    """This lesson with more lines in its table of figures."""
     lines = "\n".join(("[figures]", *figures))
     return lesson_of(changed(("[figures]", lines)), Path("sample.toml"))
 
 
 def written(folder: Path, text: str) -> str:
-    """Write ``text`` to a file in ``folder`` and return its path."""
     path = folder / "sample.toml"
     path.write_text(text, encoding="utf-8")
     return str(path)

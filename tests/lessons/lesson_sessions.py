@@ -1,4 +1,4 @@
-"""A lesson about a student's evening, and sessions of it."""
+"""A lesson, and sessions of it."""
 
 from __future__ import annotations
 
@@ -93,7 +93,6 @@ def setup(of: Lesson, name: str = "evening", **settings: Any) -> Recipe:
 
 
 def taken(*steps: int) -> tuple[JournalEntry, ...]:
-    """Steps taken by hand, each with the first action."""
     return entries(*((step, TakeAction(0)) for step in steps))
 
 
@@ -102,7 +101,6 @@ def entries(*changes: tuple[int, Change]) -> tuple[JournalEntry, ...]:
 
 
 def run_of(recipe: Recipe, end: int = 0, journal: Iterable[JournalEntry] = ()) -> RunRecord:
-    """A run with one branch, at its end."""
     return RunRecord(recipe, (Branch("branch 1", tuple(journal), None, 0, end, end),))
 
 
@@ -116,7 +114,6 @@ def guess(of: Lesson, answer: float = -1.5, step: int = 0, **how: Any) -> Given:
 
 
 def all_done(of: Lesson) -> LessonRecord:
-    """Every page and task done properly."""
     return replace(
         begun(of).open("lake"),
         given=(guess(of), Given("quiz", 0, False), Given("quiz", 1, True)),
@@ -132,7 +129,6 @@ def all_done(of: Lesson) -> LessonRecord:
 
 
 def record(taking: LessonRecord | None, *runs: RunRecord) -> Record:
-    """The record of a playground. Without ``runs`` its run has not begun."""
     of = lesson() if taking is None else taking.lesson
     return Record(runs or (run_of(setup(of)),), speed=10.0, lesson=taking)
 

@@ -1,4 +1,4 @@
-"""A lesson whose task asks for a program, and typical programs for it."""
+"""A lesson that asks for a program."""
 
 from __future__ import annotations
 
@@ -69,7 +69,6 @@ def updating(target: str = TARGET, cell: str = "Q[state][action]", more: str = "
 
 
 def program_text(accepts: str = "", rejects: tuple[str, ...] = (), skeleton: str = SKELETON) -> str:
-    """The lesson's file, with attempts of these codes."""
     attempts = [f"[[pages.task.accepts]]\nname = 'right'\nprogram = '''{accepts}'''\n"] if accepts else []
     attempts += [
         f"[[pages.task.rejects]]\nname = 'wrong {n}'\nprogram = '''{code}'''\n"

@@ -1,4 +1,4 @@
-"""Small lessons with tasks that tests write, and measures of runs."""
+"""Small lessons with tasks, and measures of runs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ HEAD = 'title = "t"\nsummary = "s"\nminutes = 3\ngoals = ["g"]\n'
 
 
 def inline(table: dict[str, Any]) -> str:
-    """A TOML table in one line. Values are texts, numbers, booleans or lists of them."""
     return "{ " + ", ".join(f"{key} = {_value(value)}" for key, value in table.items()) + " }"
 
 
@@ -32,7 +31,6 @@ def _value(value: Any) -> str:
 
 
 def task_text(*conditions: dict[str, Any], scenario: str = "student", more: str = "", **settings: Any) -> str:
-    """A lesson of one page, "only", with a task of these conditions. ``more`` adds lines to it."""
     rows = ", ".join(inline({"text": "c", **each}) for each in conditions)
     setup = f'[setups.run]\nscenario = "{scenario}"\nsettings = {inline(settings)}\n'
     page = f'[[pages]]\nid = "only"\ntitle = "P"\n[pages.task]\ndo = "d"\nconditions = [{rows}]\n'
@@ -56,7 +54,6 @@ def condition(measure: str, **fields: Any) -> Condition:
 
 
 def measured(run: Run, measure: str, kept: Kept | None = None, **arguments: Any) -> Value | None:
-    """The value of ``measure`` in ``run``, or None."""
     moment = JudgedMoment(run, run.recipe, kept or Kept())
     try:
         return MEASURES[measure].of(moment, condition(measure, **arguments))

@@ -1,4 +1,4 @@
-"""Errors in the tasks of a lesson: refused with their place and a similar name."""
+"""Errors in the tasks of a lesson."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ CONDITION = "pages[0].task.conditions[0]"
 
 
 def places(text: str) -> list[str]:
-    """The places of errors in a lesson."""
     try:
         lesson_of(text, Path("sample.toml"))
     except ScenarioError as error:

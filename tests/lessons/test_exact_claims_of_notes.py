@@ -1,4 +1,4 @@
-"""Claims in the notes of scenarios that tests/said/ cannot express, computed from the table."""
+"""Claims in the notes of scenarios that tests/said/ cannot express."""
 
 from __future__ import annotations
 

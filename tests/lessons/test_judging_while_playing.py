@@ -1,4 +1,4 @@
-"""The task of a lesson during play: judged after every command."""
+"""The task of a lesson during play."""
 
 from __future__ import annotations
 

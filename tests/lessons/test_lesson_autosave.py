@@ -1,4 +1,4 @@
-"""A lesson saves itself from the first action on, always in one file, and is never discarded."""
+"""A lesson saves itself in one file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ OPENED = record(BEGUN)
 
 
 def only(folder: Path) -> StoredSession:
-    """The only session in ``folder``, and nothing else in it."""
     assert len(list(folder.iterdir())) == 1
     (session,), _ = sessions_in(folder)
     return session
@@ -145,7 +144,6 @@ def test_the_file_stays_locked_from_one_player_to_the_next(tmp_path: Path) -> No
 def test_a_late_record_does_not_come_through_however_slow_the_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The first player's record is being written while the next one begins."""
     is_writing, may_go_on = threading.Event(), threading.Event()
     write_to_disk = held_file.write_atomically
 

@@ -1,4 +1,4 @@
-"""The progress in lessons, computed from the sessions in a folder."""
+"""The progress in lessons."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measures of a live run equal those of its replay, after any actions."""
+"""Measures of a live run equal those of its replay."""
 
 from __future__ import annotations
 
@@ -41,7 +41,6 @@ OPERATIONS = st.one_of(
 
 
 def all_measured(run: Run, scenario: str, kept: Kept) -> dict[str, Any]:
-    """Every measure of ``run``, or the reason why it has none."""
     moment = JudgedMoment(run, recipe_in(scenario), kept)
     values = dict[str, Any]()
     for name, measure in MEASURES.items():

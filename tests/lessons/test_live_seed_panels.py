@@ -1,4 +1,4 @@
-"""Tasks judged during a live run, by a study of many seeds in its own process."""
+"""Tasks judged during a live run by many seeds."""
 
 from __future__ import annotations
 
@@ -37,8 +37,6 @@ PANEL: dict[str, Any] = {
 
 
 class News:
-    """Waits for news, as a player does."""
-
     def __init__(self) -> None:
         self._event = threading.Event()
 

@@ -1,4 +1,4 @@
-"""Every number in the notes of a scenario is computed again, or needs no check."""
+"""Every number in notes of scenarios is computed again."""
 
 from __future__ import annotations
 
@@ -47,17 +47,13 @@ _EPISODES: Final = re.compile(r" (?:\w+ )?(?:episodes?|pulls?|walks?|hands?)\b")
 
 
 def text_of(scenario: str) -> str:
-    """Its summary and its notes."""
     file = find(scenario)
     return plain(f"{file.summary} {file.notes}")
 
 
 @functools.cache
 def rewards_of(scenario: str) -> frozenset[float]:
-    """The absolute rewards of its table and of its file; empty if it has no table.
-
-    In a table the reward of a goal includes the cost of its step.
-    """
+    """The absolute rewards of its table and of its file. In a table a goal includes the cost of its step."""
     mdp = begin(recipe(scenario)).world.mdp
     if mdp is None:
         return frozenset()
@@ -67,7 +63,6 @@ def rewards_of(scenario: str) -> frozenset[float]:
 
 @functools.cache
 def own_numbers(scenario: str) -> frozenset[float]:
-    """0, 1, and the scenario's numbers: those of its file, limits, map size, rewards and chances."""
     file = find(scenario)
     raw = {name: value for name, value in tomllib.loads(file.text).items() if name != "notes"}
     world = begin(recipe(scenario)).world
@@ -115,7 +110,7 @@ def test_a_figure_is_so(scenario: str, name: str) -> None:
     ids=str,
 )
 def test_a_figure_over_seeds_is_so(scenario: str, name: str) -> None:
-    """A mean of fewer runs lies within four standard errors of both, as in test_figures_of_notes."""
+    """A mean of fewer runs lies within four standard errors of both."""
     said = said_of(scenario)
     found, written = said.figures.value(name), written_number(said.figures_by_name[name].value)
     assert written is not None
@@ -136,7 +131,6 @@ def test_what_is_said_of_so_many_runs_is_counted_in_as_many(scenario: str) -> No
 
 
 def settings_of(said: Said) -> frozenset[float]:
-    """The numbers of settings, episodes and steps in the computations of a text."""
     claims = [claim for claim in CLAIMS if claim.scenario == said.id]
     numbers = {float(each) for each in re.findall(r"(?<![\w.])\d+(?:\.\d+)?", said.expressions)}
     numbers |= {float(claim.episodes) for claim in claims}

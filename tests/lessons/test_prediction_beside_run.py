@@ -1,4 +1,4 @@
-"""The results of a run when a prediction is due: measured at exactly that step."""
+"""The results of a run when a prediction is due."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measures of a run for a task, compared with hand calculations or other parts of the program."""
+"""Measures of a run for a task."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verdicts on tasks: conditions, passes, the run's owner, and impossible tasks."""
+"""Verdicts on tasks."""
 
 from __future__ import annotations
 

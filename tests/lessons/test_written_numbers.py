@@ -1,4 +1,4 @@
-"""Numbers as written in texts, and whether they are right to the last digit."""
+"""Numbers as written in texts."""
 
 from __future__ import annotations
 

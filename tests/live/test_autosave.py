@@ -1,4 +1,4 @@
-"""Sessions save themselves: begun by the first action, continued later, one program per file."""
+"""Sessions save themselves, with one program per file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,6 @@ from rl_tui.worlds.editing.edit import read_edits
 
 
 def resumed(path: Path, folder: Path) -> tuple[Autosave, Record]:
-    """Continue a session and return also its saved state."""
     session = read_session(path)
     record = session.record()
     return Autosave(record, folder, session), record
@@ -224,8 +223,6 @@ def test_what_cannot_be_saved_is_told_once_and_the_program_goes_on(
 
 
 class FullDisk:
-    """Writes nothing while it is ``full``."""
-
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.full = True
         self._write = held_file.write_atomically

@@ -1,4 +1,4 @@
-"""The drifting bandit against a plain transcription: every number uses the means of its own moment."""
+"""The drifting bandit against a plain transcription."""
 
 from __future__ import annotations
 
@@ -32,8 +32,6 @@ def drifting(tmp_path: Path) -> Recipe:
 
 @dataclass
 class Plain:
-    """The pulls of a run in order, and their results."""
-
     means: list[float]
     rewards: list[float]
     optimal: list[bool]
@@ -42,7 +40,6 @@ class Plain:
 
 
 def plain(made_from: Recipe, pulls: int) -> Plain:
-    """Follow a run's pulls with our own random walk of the means, from the same stream."""
     run, world = Run(made_from, evaluate=False), streams(made_from.seed).world
     done = Plain([0.5, 0.5, -1.0], [], [])
     for _ in range(pulls):

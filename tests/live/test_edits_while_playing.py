@@ -1,4 +1,4 @@
-"""A person draws, steps, goes back, branches: every run and branch equals its journal, to the bit."""
+"""Every branch of a run with edits equals its journal."""
 
 from __future__ import annotations
 
@@ -92,7 +92,6 @@ def deeds(strokes: st.SearchStrategy[EditWorld], algorithms: list[str]) -> st.Se
 
 
 def through_a_file(playback: Playback) -> Playback:
-    """Save this playback's session and open it again."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "session.json"
         path.write_bytes(encoded(playback.record))
@@ -124,7 +123,6 @@ def play(playback: Playback, what: list[Any]) -> Playback:
 
 
 def names_of_breakpoints(playback: Playback) -> set[Any]:
-    """The targets of breakpoints, without their numbers."""
     run, breakpoints = playback.group.current.run, playback.breakpoints
     draft, space = run.edited.draft_in(run.recipe), run.world.space
     states, actions = draft.state_keys(run.world), draft.action_keys(run.world)
@@ -133,7 +131,6 @@ def names_of_breakpoints(playback: Playback) -> set[Any]:
 
 
 def straight(playback: Playback) -> Run:
-    """The visible run, rebuilt from its recipe and journal."""
     record = playback.group.current.record
     run = Run(record.recipe, episode_limit=playback.group.current.run.world.budget)
     run.advance(steps=0)
@@ -142,7 +139,6 @@ def straight(playback: Playback) -> Run:
 
 
 def assert_all_as_written(playback: Playback) -> None:
-    """Assert that every branch of every run equals the straight replay of its recipe and journal."""
     for lane in range(len(playback.group.runs)):
         do(playback, ChooseLane(lane))
         for branch in range(len(playback.group.current.timeline.branches)):

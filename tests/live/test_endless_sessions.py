@@ -1,4 +1,4 @@
-"""A session that claims too many steps to replay: it shows its progress, and you can leave it."""
+"""A session with too many steps to replay."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ FAR = 10**15
 
 
 def opened(folder: Path) -> tuple[Player, Path]:
-    """Resume, as the screen does, a session with a huge number of steps."""
     path = folder / "far.json"
     path.write_bytes(encoded(after(fresh(recipe("student")), FAR)))
     session = read_session(path)

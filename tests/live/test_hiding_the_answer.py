@@ -1,4 +1,4 @@
-"""Exact values are hidden or shown as the scenario says, until a person decides."""
+"""Exact values are hidden as the scenario says."""
 
 from __future__ import annotations
 

@@ -14,7 +14,6 @@ from rl_tui.live.sessions.session import encoded, read_session, sessions_in
 
 
 def lost(folder: Path) -> tuple[Autosave, Path]:
-    """An autosave whose folder is gone, and the path of its file there."""
     autosave = Autosave(OPENED, folder)
     autosave.offer(at(1))
     autosave.write_due()

@@ -1,4 +1,4 @@
-"""Ordered sweeps are part of a run: of its journal, branches, files, command lines and copies."""
+"""Ordered sweeps are part of a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs with a planner, for a part or all of them: its steps are not steps in the world."""
+"""Runs with a planner."""
 
 from __future__ import annotations
 

@@ -86,8 +86,6 @@ async def test_what_happens_on_screen_is_what_a_replay_gives() -> None:
 
 
 class Kept:
-    """A sink that records everything it receives."""
-
     def __init__(self) -> None:
         self.steps: list[int] = []
         self.left_at: list[int] = []

@@ -1,4 +1,4 @@
-"""Several runs at once: each equals its own recipe and journal, and they advance together."""
+"""Several runs at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An edit of a large world is drawn at once. Learning waits until the world is rebuilt in the background."""
+"""A large world is rebuilt in the background."""
 
 from __future__ import annotations
 
@@ -56,11 +56,9 @@ class Site:
             self._ended.release()
 
     def close(self) -> None:
-        """Release everything."""
         self._may_end.release(20)
 
     def let_through(self, playback: Playback) -> None:
-        """Release the current build, and let ``playback`` receive its world."""
         self._may_end.release()
         assert self._ended.acquire(timeout=60)
         for each in threading.enumerate():
@@ -236,7 +234,6 @@ def test_starting_again_forgets_what_waits(site: Site) -> None:
 
 
 def left_and_opened(playback: Playback) -> Playback:
-    """The playback of this one's session, saved now."""
     record = playback.record
     return begin(record.lanes[record.shown].recipe, record)
 

@@ -1,4 +1,4 @@
-"""The folder of sessions: their names, pruning, and removal."""
+"""The folder of sessions."""
 
 from __future__ import annotations
 
@@ -31,7 +31,6 @@ from rl_tui.runs.recipe import SetParameter
 
 
 def back_at(step: int, record: Record) -> Record:
-    """Return ``record`` after going back to ``step``."""
     lane = record.lanes[0]
     branch = replace(lane.branches[0], here=step)
     return replace(record, lanes=(replace(lane, branches=(branch,)),))

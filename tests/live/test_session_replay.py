@@ -1,4 +1,4 @@
-"""A replay without a screen reaches the run's exact state, to the last bit."""
+"""A replay reaches the run's exact state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Waiting and breakpoints: a run pauses at exactly the step of the event, in its past too."""
+"""Waiting and breakpoints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A far replay waits for machine code, and meanwhile shows the learned values. Nothing else waits."""
+"""A far replay waits for machine code."""
 
 from __future__ import annotations
 
@@ -37,7 +37,6 @@ SARSA = Loop("sarsa", "epsilon-greedy", stepped=False)
 
 @pytest.fixture(autouse=True)
 def wanted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[list[Loop]]]:
-    """The requests to the background compiler, which never finishes."""
     asked: list[list[Loop]] = []
     monkeypatch.setattr(BACKGROUND, "want", lambda loops: asked.append(list(loops)))
     before = set(COMPILED_LOOPS)
@@ -46,7 +45,6 @@ def wanted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[list[Loop]]]:
 
 
 def run_to(made_from: Recipe, step: int, *changes: tuple[int, Change]) -> Run:
-    """A run at ``step``, compiled if that is faster. After that nothing is compiled."""
     record = after(fresh(made_from), step, *changes)
     run = Run(made_from)
     if step > MOST_INTERPRETED:
@@ -58,7 +56,6 @@ def run_to(made_from: Recipe, step: int, *changes: tuple[int, Change]) -> Run:
 
 
 def left(folder: Path, run: Run, *, table: bool = True) -> StoredSession:
-    """The session of ``run`` at its current step."""
     learner = run.learner
     learned = LearnedTable(learner.q, learner.visits, learner.episodes, learner.state) if table else None
     changes = [(entry.step, entry.change) for entry in run.journal]
@@ -101,7 +98,6 @@ def arrived(playback: Playback) -> Snapshot:
 
 
 def shows(snapshot: Snapshot, run: Run) -> bool:
-    """Whether ``snapshot`` has the table and the step of ``run``."""
     learner, agent = run.learner, snapshot.agent
     assert agent.q.tobytes() == learner.q.tobytes()
     assert agent.visits.tolist() == learner.visits.tolist()

@@ -1,4 +1,4 @@
-"""Watching it learn: learning progress sets the speed, and changes nothing else."""
+"""Watching it learn."""
 
 from __future__ import annotations
 
@@ -21,8 +21,6 @@ FIRST_REWARD = 1_866
 
 
 class Clock:
-    """A clock that only moves when told."""
-
     now = 100.0
 
     def __call__(self) -> float:
@@ -42,7 +40,6 @@ class Watched:
         self.playback.handle(WatchLearning())
 
     def turn(self) -> Snapshot:
-        """Let it work once, then advance the clock by the time it asks for."""
         wait = self.playback.work()
         shown = self.playback.snapshot()
         assert wait is not None
@@ -50,7 +47,6 @@ class Watched:
         return shown
 
     def turns(self) -> Iterator[tuple[float, Snapshot]]:
-        """Yield the time watched and the snapshot while learning sets the speed."""
         while True:
             spent = self.clock.now - Clock.now
             shown = self.turn()
@@ -60,7 +56,6 @@ class Watched:
 
 
 def with_value(shown: Snapshot) -> int:
-    """The number of states with a value."""
     space = shown.world.space
     best = [max(shown.agent.q[pairs]) for each in range(space.states) if (pairs := space.pairs_of(each))]
     return int(np.count_nonzero(best))

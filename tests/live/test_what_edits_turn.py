@@ -1,4 +1,4 @@
-"""Information about an edit: the draft and its base, the changed actions, and states without an end."""
+"""The draft, changed actions, and endless states."""
 
 from __future__ import annotations
 

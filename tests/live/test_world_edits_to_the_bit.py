@@ -1,4 +1,4 @@
-"""Edits of a world are part of the run: after any actions its state equals its journal."""
+"""After any edits, the state of a run equals its journal."""
 
 from __future__ import annotations
 
@@ -26,7 +26,6 @@ pytestmark = pytest.mark.unit
 
 
 def differing(run: Run, other: Run) -> list[str]:
-    """Return the differences between two runs and between their worlds."""
     one, two = _known(run), _known(other)
     return [name for name in one if one[name] != two[name]]
 
@@ -46,7 +45,6 @@ def _known(run: Run) -> dict[str, Any]:
 
 
 def assert_valid(mdp: TabularMDP) -> None:
-    """Assert that the chances of each pair sum to 1, and episodes start in states with actions."""
     sums = [
         mdp.probability[first:last].sum()
         for first, last in zip(mdp.first_outcome[:-1], mdp.first_outcome[1:], strict=True)
@@ -57,7 +55,6 @@ def assert_valid(mdp: TabularMDP) -> None:
 
 
 def through_a_file(run: Run) -> tuple[Recipe, Any]:
-    """Write the recipe and the journal of ``run`` to a session and read them again."""
     branch = Branch("branch 1", run.journal, end=run.step, here=run.step)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "session.json"
@@ -81,7 +78,6 @@ def deeds(strokes: st.SearchStrategy[Any]) -> st.SearchStrategy[list[Any]]:
 
 
 def done(run: Run, what: list[Any]) -> None:
-    """Apply all commands. Refused ones must change nothing."""
     kept: list[RunState] = []
     run.advance(steps=0)  # the mark of the beginning must exist first
     for deed in what:

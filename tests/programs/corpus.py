@@ -1,4 +1,4 @@
-"""The programs written for tests, faulty or correct, with their expected findings."""
+"""The faulty and correct programs of tests."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CORRECT: Final = sorted((SCRIPTS / "correct").glob("*.py"))
 
 
 def expected(script: Path, what: str = "expect") -> Any:
-    """Return the value of the line ``# WHAT: JSON`` at the top of ``script``, or None without that line."""
+    """Return the value of the line ``# WHAT: JSON`` at the top of ``script``, or None."""
     for line in script.read_text(encoding="utf-8").splitlines():
         if not line.startswith("#"):
             return None
@@ -28,13 +28,11 @@ def expected(script: Path, what: str = "expect") -> Any:
 
 
 def watched(script: Path, seed: int) -> tuple[ProgramLog, ProgramVerdict]:
-    """Return the messages of ``script`` and the findings about it."""
     log = watched_to_the_end(ProgramRequest(script, seed=seed))
     return log, verdict_of(log)
 
 
 def line_of(finding: CodeFinding) -> str:
-    """Return the source line that a finding names, or an empty text."""
     if finding.line is None:
         return ""
     return Path(finding.file).read_text(encoding="utf-8").splitlines()[finding.line - 1].strip()

@@ -1,4 +1,4 @@
-"""Correct learners that look faulty: each changes the table after a step."""
+"""Correct learners that look faulty."""
 
 from __future__ import annotations
 
@@ -16,12 +16,10 @@ _POTENTIAL: Final = np.linspace(0.0, 1.0, STATES)
 
 
 def moved(table: FloatArray, step: Step, target: float, alpha: float = ALPHA) -> None:
-    """Move the step's own cell towards ``target``."""
     table[step.state, step.action] += alpha * (target - table[step.state, step.action])
 
 
 def best(table: FloatArray, step: Step) -> float:
-    """Return the value of the next state, 0 after the end."""
     return 0.0 if step.terminated else float(table[step.next_state].max())
 
 
@@ -41,8 +39,6 @@ def expected_sarsa(table: FloatArray, step: Step) -> None:
 
 
 def own_reward(reward: Callable[[Step], float]) -> Learner:
-    """Return Q-learning with another reward."""
-
     def learn(table: FloatArray, step: Step) -> None:
         moved(table, step, reward(step) + GAMMA * best(table, step))
 
@@ -50,14 +46,11 @@ def own_reward(reward: Callable[[Step], float]) -> Learner:
 
 
 def shaped(step: Step) -> float:
-    """Return a reward shaped by a potential."""
     following = 0.0 if step.terminated else _POTENTIAL[step.next_state]
     return float(step.reward + GAMMA * following - _POTENTIAL[step.state])
 
 
 def with_alpha(alpha: Callable[[Step], float]) -> Learner:
-    """Return Q-learning with a step size of its own."""
-
     def learn(table: FloatArray, step: Step) -> None:
         moved(table, step, step.reward + GAMMA * best(table, step), alpha(step))
 
@@ -65,7 +58,6 @@ def with_alpha(alpha: Callable[[Step], float]) -> Learner:
 
 
 def averaging() -> Learner:
-    """Return Q-learning with the step size 1/N."""
     visits: Counter[tuple[int, int]] = Counter()
 
     def alpha(step: Step) -> float:
@@ -76,8 +68,6 @@ def averaging() -> Learner:
 
 
 def only_if(condition: Callable[[Step], bool]) -> Learner:
-    """Return Q-learning that learns from some steps."""
-
     def learn(table: FloatArray, step: Step) -> None:
         if condition(step):
             q_learning(table, step)
@@ -86,8 +76,6 @@ def only_if(condition: Callable[[Step], bool]) -> Learner:
 
 
 def and_then(change: Callable[[FloatArray, Step], None]) -> Learner:
-    """Return Q-learning with something after it."""
-
     def learn(table: FloatArray, step: Step) -> None:
         q_learning(table, step)
         change(table, step)
@@ -96,7 +84,6 @@ def and_then(change: Callable[[FloatArray, Step], None]) -> Learner:
 
 
 def emptied(table: FloatArray, step: Step) -> None:
-    """Start again with an empty table at the end of some episodes."""
     if (step.terminated or step.truncated) and step.episode % 30 == 29:
         table[:] = 0.0
 
@@ -159,7 +146,6 @@ def monte_carlo() -> Learner:
 
 
 def from_memory(count: int, *, and_now: bool) -> Learner:
-    """Return a learner from ``count`` remembered steps after each one."""
     memory: list[Step] = []
     chance = np.random.default_rng(2)
 

@@ -1,4 +1,4 @@
-"""Agents as in courses, one of each shape, and some in other styles."""
+"""Agents as in courses, and in other styles."""
 
 from __future__ import annotations
 
@@ -213,7 +213,6 @@ UPDATES: Final = {
 
 
 def agent_in(folder: Path, text: str, name: str = "mine.py") -> Path:
-    """Write an agent into ``folder`` and return its path."""
     path = folder / name
     path.write_text(text, encoding="utf-8")
     return path

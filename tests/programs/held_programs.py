@@ -22,7 +22,6 @@ class Held:
         self.process, self.log = process, ProgramLog()
 
     def until(self, is_so: Callable[[ProgramLog], bool]) -> ProgramLog:
-        """Read messages until the condition is true, or fail."""
         end = time.monotonic() + PATIENCE
         while not is_so(self.log):
             assert time.monotonic() < end, self.log
@@ -32,12 +31,10 @@ class Held:
         return self.log
 
     def go_to(self, steps: int) -> ProgramLog:
-        """Let it continue, and return the log when it waits at ``steps``."""
         self.process.allow(steps)
         return self.until(lambda log: log.waiting_at == steps and log.heard == self.process.asked)
 
     def stop_at(self, **conditions: Any) -> ProgramLog:
-        """Let it run until one of the conditions is met."""
         self.log.stopped_by = None
         self.process.ask({"stop": conditions})
         self.process.allow(NO_LIMIT)
@@ -49,7 +46,6 @@ class Held:
 
 @contextmanager
 def held(folder: Path, text: str, **more: Any) -> Iterator[Held]:
-    """Start a script that waits before its first step."""
     process = ProgramProcess(ProgramRequest(script_in(folder, text), **more), allowed=0)
     try:
         yield Held(process)

@@ -1,4 +1,4 @@
-"""A watched program controlled by commands only, so that nothing depends on time."""
+"""A watched program, without dependence on time."""
 
 from __future__ import annotations
 
@@ -34,20 +34,16 @@ for episode in range(EPISODES):
 
 
 def written(folder: Path, text: str = LEARNS, episodes: int = 300) -> Path:
-    """Write the program ``text`` to a file, with a number of episodes, and return its path."""
     path = folder / "student.py"
     path.write_text(text.replace("EPISODES", str(episodes)))
     return path
 
 
 class Watcher:
-    """Plays a program to the end of each command."""
-
     def __init__(self, playback: ProgramPlayback) -> None:
         self.playback = playback
 
     def do(self, *commands: Command) -> Snapshot:
-        """Carry out ``commands`` to their ends, and return the snapshot."""
         self._rest()
         for command in commands:
             self.playback.handle(command)
@@ -63,7 +59,6 @@ class Watcher:
 
 @contextmanager
 def watched(path: Path, seed: int = 0) -> Iterator[Watcher]:
-    """Start the program at ``path``, watch it, and end it."""
     program = WatchedProgram(ProgramRequest(path, seed=seed))
     program.wait_for_environment()
     playback = ProgramPlayback(program, lambda: None, automatic=False)

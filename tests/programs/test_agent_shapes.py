@@ -1,4 +1,4 @@
-"""Agents in the shapes of courses: found, run in a scenario, and watched."""
+"""Agents in the shapes of courses."""
 
 from __future__ import annotations
 
@@ -7,16 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs.course_agents import (
-    BERKELEY,
-    FUNCTION,
-    GYMNASIUM,
-    OF_STYLE,
-    OTHERS,
-    RL_GLUE,
-    UDACITY,
-    agent_in,
-)
+from programs.course_agents import BERKELEY, FUNCTION, GYMNASIUM, OF_STYLE, OTHERS, RL_GLUE, UDACITY, agent_in
 
 from rl_tui.common.errors import UserError
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
@@ -179,7 +170,6 @@ episodes = 5
 
 
 def cut_off(folder: Path) -> str:
-    """Write a scenario in which the time limit comes before the goal, and return its path."""
     path = folder / "corridor.toml"
     path.write_text(CUT_OFF)
     return str(path)

@@ -1,4 +1,4 @@
-"""Any numbers in a table or as rewards lead to a verdict, without warnings."""
+"""Any numbers lead to a verdict."""
 
 from __future__ import annotations
 

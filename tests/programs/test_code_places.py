@@ -36,7 +36,6 @@ UPDATE = "Q[s, a] += .1 * (reward + gamma * Q[new_s].max() - Q[s, a])"
 def code_of(
     folder: Path, source: str, name: str = "Q", *, form: str = "array", lines: bool = True
 ) -> tuple[ProgramCode, ProgramLog, list[str]]:
-    """Return a program's code, its log, and its lines."""
     path = folder / "program.py"
     path.write_text(source, encoding="utf-8")
     text = source.splitlines()
@@ -49,12 +48,10 @@ def code_of(
 
 
 def text_of(line: CodeLine | None, text: list[str]) -> str:
-    """Return the line itself."""
     return text[line.line - 1].strip()
 
 
 def loop(table: str = TABLE, choice: str = CHOICE, update: str = UPDATE) -> str:
-    """Return a loop with these lines."""
     return LOOP.format(table=table, choice=choice, update=update)
 
 

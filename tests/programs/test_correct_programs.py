@@ -1,4 +1,4 @@
-"""Correct, realistic programs: the update is found, and no fault is reported."""
+"""Correct, realistic programs: no fault is reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Realistic programs with one fault each: exactly this fault is found, and its line is shown."""
+"""Realistic programs with one fault each."""
 
 from __future__ import annotations
 

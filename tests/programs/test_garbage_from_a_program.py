@@ -1,4 +1,4 @@
-"""Foreign messages stop the analysis of a program, and nothing else."""
+"""Foreign messages stop only the analysis."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The line that changed the table, found in code that this process runs."""
+"""The line that changed the table."""
 
 from __future__ import annotations
 
@@ -39,7 +39,6 @@ class Traced:
 
     @property
     def lines(self) -> dict[int, int]:
-        """The number of table changes by line."""
         assert all(file == str(self.path) for told in self.told for file, _ in told)
         return {line: count for told in self.told for (_, line), count in told.items()}
 

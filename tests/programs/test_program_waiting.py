@@ -1,4 +1,4 @@
-"""A program waits in step and reset, and stops exactly at the requested event."""
+"""A program waits in step and reset."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ SCRIPT = LOOP.format(episodes=100)
 
 @pytest.fixture
 def whole(tmp_path: Path) -> ProgramLog:
-    """Return the results of the same script without any waiting."""
     return watched(script_in(tmp_path, SCRIPT, "whole.py"))
 
 

@@ -1,4 +1,4 @@
-"""The world of a program, derived from the environment it made, without failures."""
+"""The world of a program, derived from its environment."""
 
 from __future__ import annotations
 

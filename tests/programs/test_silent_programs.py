@@ -1,4 +1,4 @@
-"""A program that goes silent or ends suddenly: its last steps and its position are known."""
+"""A program that goes silent or ends suddenly."""
 
 from __future__ import annotations
 

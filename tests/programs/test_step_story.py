@@ -1,4 +1,4 @@
-"""One step of a watched program: the parts of its update add up to the change in the table."""
+"""The parts of an update add up."""
 
 from __future__ import annotations
 

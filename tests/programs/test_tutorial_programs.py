@@ -1,4 +1,4 @@
-"""Programs in the shapes of well-known tutorials and courses: watched, understood and graded unchanged."""
+"""Programs of well-known tutorials and courses."""
 
 from __future__ import annotations
 
@@ -62,7 +62,6 @@ def expected_of(path: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder with all imports of the scripts."""
     path = tmp_path_factory.mktemp("tutorials")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(path)
@@ -74,13 +73,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     scope="module", params=[*SCRIPTS, SEED_DOCUMENT], ids=lambda path: f"{path.parent.name}-{path.stem}"
 )
 def tutorial(request: pytest.FixtureRequest, folder: Path) -> tuple[Path, ProgramLog]:
-    """A script, and its messages from a complete watched run."""
     path: Path = request.param
     return path, watched(path, seed=1)
 
 
 def printed(log: ProgramLog) -> tuple[int, int]:
-    """Return the episodes and steps that a script itself counted."""
     (found,) = [
         each for each in (re.match(r"episodes: (\d+), steps: (\d+)$", line) for line in lines_of(log)) if each
     ]
@@ -147,7 +144,7 @@ def test_the_table_is_that_which_the_script_saves(tutorial: tuple[Path, ProgramL
 
 
 def rolled_out(environment: ProgramEnvironment, table: FloatArray) -> float:
-    """Return the expected return within the time limit, computed from Gymnasium's own transitions.
+    """Return the expected return within the time limit, from Gymnasium's own transitions.
 
     ``table`` is [S, A]; ties are shared evenly. Without a limit, 2,000 steps replace an endless episode.
     """
@@ -186,7 +183,6 @@ def test_the_return_of_its_policy_is_exact(tutorial: tuple[Path, ProgramLog]) ->
 
 
 def graded(target: Path, scenario: str, *more: str) -> dict[str, Any]:
-    """Return the run and the submission in the report of ``grade`` for one seed."""
     result = CliRunner().invoke(
         program,
         ["grade", str(target), "--scenario", scenario, "--seeds", "1", "--seed", "1", "--json", *more],
@@ -197,7 +193,6 @@ def graded(target: Path, scenario: str, *more: str) -> dict[str, Any]:
 
 
 def scenario_of(path: Path, log: ProgramLog, folder: Path) -> str:
-    """Return a scenario with the world of a script: a shipped one, or a file written for it."""
     shipped = expected_of(path).get("scenario")
     if shipped:
         return str(shipped)

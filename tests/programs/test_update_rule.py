@@ -1,4 +1,4 @@
-"""The update that a program makes, found from recordings of agents whose update is known."""
+"""The update that a program makes, found from recordings."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def test_episodes_of_one_step_tell_the_step_size_and_no_discount() -> None:
 
 
 def test_steps_that_all_say_the_same_tell_no_update() -> None:
-    """At first visits of equal estimates with equal rewards, every step size has a matching discount."""
+    """For first visits with equal rewards, every step size has a matching discount."""
     same = Recording()
     same.find_table(0, 2, np.ones(40))
     steps = [(0, place, 0, 0.0, place + 1, 0, 0, place) for place in range(18)]

@@ -1,4 +1,4 @@
-"""Background work leaves the processor to others, and still advances if they never rest."""
+"""Background work leaves the processor to others."""
 
 from __future__ import annotations
 

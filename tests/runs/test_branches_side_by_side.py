@@ -1,4 +1,4 @@
-"""A branch next to another of the same run: it has the bits of the branch and continues on its own."""
+"""Two branches of one run, side by side."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ EXPLORE = SetParameter("epsilon", 0.3)
 
 
 def forked(scenario: str = "frozenlake-slippery", **overrides: str) -> Playback:
-    """A run that reached step 1,000, then step 701 on a second branch from step 400. It is at 701."""
+    """A run that reached step 1,000, then step 701 on a second branch from step 400."""
     playback = begin(recipe(scenario, **overrides))
     do(playback, Train(1000), GoTo(400), Apply(EXPLORE), Train(200), Take(0), Train(100))
     return playback

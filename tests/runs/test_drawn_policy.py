@@ -1,4 +1,4 @@
-"""A policy that a person draws: its actions, its storage, and its file."""
+"""A policy that a person draws."""
 
 from __future__ import annotations
 
@@ -123,7 +123,6 @@ DRAWN = replace(PLAIN, drawn=SHORTEST)
 
 
 def rewritten(path: Path, drawn: Any) -> Path:
-    """A valid file with another drawing in it."""
     fields = {**json.loads(encoded(DRAWN)), "drawn": drawn}
     del fields["checksum"]
     path.write_text(json.dumps({**fields, "checksum": checksum_of(fields)}), encoding="utf-8")

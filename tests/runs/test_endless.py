@@ -47,10 +47,7 @@ def test_the_shipped_worlds_end(scenario: str) -> None:
 
 
 def corridor(states: int, time_limit: int = 0) -> TabularMDP:
-    """A step ahead costs 1, and a return to the first state is free.
-
-    A step ahead from the last state ends.
-    """
+    """A step ahead costs 1, a return to the first state is free. A step ahead from the last state ends."""
     transitions = []
     for state in range(states):
         ahead = Outcome(1.0, min(state + 1, states - 1), -1.0, state == states - 1)
@@ -88,7 +85,6 @@ T = {{ kind = "floor", reward = {trap} }}
 
 
 def trap(trap: float = -10.0, step_reward: float = -0.04, epsilon: float = 0.1, more: str = "") -> Scenario:
-    """A goal surrounded by traps."""
     text = TRAP.format(trap=trap, step_reward=step_reward, epsilon=epsilon, more=more)
     return scenario_of(text, Path("trap.toml"))
 

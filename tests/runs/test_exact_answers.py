@@ -125,7 +125,6 @@ def test_an_answer_under_way_is_worked_out_once_however_often_it_is_asked_for() 
 
 
 def test_the_answers_of_two_worlds_in_turn_are_worked_out_once() -> None:
-    """As for two visible runs in two worlds."""
     answers, worlds = RunAnswers(nobody), [replace(STUDENT, time_limit=limit) for limit in (50, 60)]
     first = [answers.at(world, 0.9).solution for world in worlds]
     assert None not in first
@@ -216,7 +215,6 @@ def test_runs_side_by_side_in_two_worlds_have_each_its_answer_worked_out_once(
 
 @pytest.fixture
 def nears(monkeypatch: pytest.MonkeyPatch) -> list[FloatArray | None]:
-    """The start values of each solved world: values near its own."""
     nears: list[FloatArray | None] = []
 
     def noting(mdp: TabularMDP, gamma: float, near: FloatArray | None) -> Solution:

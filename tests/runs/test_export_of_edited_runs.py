@@ -1,4 +1,4 @@
-"""Exports of a run with an edited world use that world. Commands reproduce it to the bit."""
+"""Exports of a run with an edited world."""
 
 from __future__ import annotations
 
@@ -35,7 +35,6 @@ def draw(text: str) -> DrawWorld:
 
 
 def in_a_file(made_from: Recipe, folder: Path) -> Recipe:
-    """The same recipe with its scenario in a file, for commands."""
     path = folder / "my small.toml"
     path.write_text(made_from.scenario.text, encoding="utf-8")
     return replace(made_from, scenario=replace(made_from.scenario, source=path))
@@ -66,7 +65,6 @@ WORLDS: dict[str, tuple[Callable[[], Recipe], tuple[str, ...]]] = {
 
 
 def edited(name: str, folder: Path) -> Snapshot:
-    """A run with strokes, undo and redo, settings, steps by hand, and a way back."""
     make, strokes = WORLDS[name]
     made_from = make()
     playback = begin(in_a_file(made_from, folder) if made_from.scenario.id == "small" else made_from)

@@ -1,4 +1,4 @@
-"""The exported scripts are plain and valid, and compute what the program computes."""
+"""Exported scripts compute what the program computes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The text pieces of scripts: each algorithm and policy has one, which reads as Python."""
+"""The texts of algorithms and policies for scripts."""
 
 from __future__ import annotations
 
@@ -98,7 +98,6 @@ def with_made_up_rule(monkeypatch: pytest.MonkeyPatch) -> Recipe:
 
 
 def make_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
-    """Write ``text`` next to a module ``made_up.rule``."""
     package = tmp_path / "made_up"
     package.mkdir()
     (package / "__init__.py").touch()

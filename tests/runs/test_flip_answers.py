@@ -1,4 +1,4 @@
-"""The flips of a world during a run: their arrival, and their agreement with the command."""
+"""The flips of a world during a run."""
 
 from __future__ import annotations
 
@@ -127,8 +127,6 @@ def test_without_a_table_there_are_none() -> None:
 
 
 class Beside:
-    """Flips from noted background processes, with an event for each answer."""
-
     def __init__(self, processes: list[subprocess.Popen[bytes]]) -> None:
         self.processes = processes
         self.has_news = threading.Event()

@@ -1,4 +1,4 @@
-"""The duration of a background question, and its wait on a busy machine."""
+"""The duration of a background question."""
 
 from __future__ import annotations
 

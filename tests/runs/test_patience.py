@@ -1,4 +1,4 @@
-"""Training waits for machine code, continues without it, or never looks for it."""
+"""Whether training waits for machine code."""
 
 from __future__ import annotations
 
@@ -31,16 +31,12 @@ OTHER = Loop("sarsa", "epsilon-greedy", stepped=False)
 
 @dataclass
 class Learner:
-    """The attributes of a learner that the program looks at."""
-
     loop: Loop = LOOP
     is_compiled: bool = False
 
 
 @dataclass
 class Machine:
-    """A computer with a clock, cores and a cache. It notes the requests made."""
-
     now: float = 100.0
     cores: int = 2
     noted: set[Loop] = field(default_factory=set)
@@ -75,7 +71,6 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
 def after_a_look(
     machine: Machine, seconds_left: float, learner: Learner | None = None, spent: float = SURE_ENOUGH
 ) -> Patience:
-    """Look at training that has taken ``spent`` seconds, and needs some more."""
     learner, looks = learner or Learner(), Patience()
     looks.look(learner, 0, 1)  # type: ignore[arg-type]
     machine.now += spent * 1.01

@@ -1,4 +1,4 @@
-"""Values of policies in a run: equal to a plain solution, and computed only if necessary."""
+"""Values of policies in a run."""
 
 from __future__ import annotations
 
@@ -55,7 +55,6 @@ def answer(playback: Playback, kind: PolicyKind) -> PolicyAnswer:
 
 
 def plain_values(mdp: TabularMDP, policy: np.ndarray[Any, Any], gamma: float) -> np.ndarray[Any, Any]:
-    """V of ``policy`` by its linear equations, built outcome by outcome."""
     matrix, right = np.eye(mdp.states), np.zeros(mdp.states)
     for pair in range(mdp.pairs):
         state = int(mdp.pair_state[pair])
@@ -160,7 +159,6 @@ def test_a_large_world_is_left_to_the_command(monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """The γ of every evaluation from here on."""
     found: list[float] = []
     plain = policy_values.worth_of
 
@@ -216,7 +214,6 @@ def test_lanes_have_answers_of_their_own(asked: list[float]) -> None:
 
 @pytest.fixture
 def dear(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make every world slow."""
     monkeypatch.setattr(policy_values, "is_quick", lambda _: False)
 
 

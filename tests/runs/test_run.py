@@ -18,7 +18,6 @@ from rl_tui.runs.run import Run, RunState
 
 
 def assert_same(one: Run, other: Run) -> None:
-    """Assert that two runs are at the same step, bit for bit."""
     first, second = one.checkpoint(), other.checkpoint()
     assert _bits(first.learner) == _bits(second.learner)
     assert _bits(first.history) == _bits(second.history)

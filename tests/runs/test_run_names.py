@@ -13,7 +13,6 @@ BASE = recipe_for(find("frozenlake-slippery"), {}, 0)
 
 
 def changed_recipe(base: Recipe = BASE, algorithm: str | None = None, **values: Any) -> Recipe:
-    """The same but for an algorithm and some hyper-parameters."""
     hyperparameters = base.hyperparameters
     for name, value in values.items():
         hyperparameters = hyperparameters.changed(name, value)

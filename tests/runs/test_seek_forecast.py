@@ -14,8 +14,6 @@ FIRST_CALL = 0.3  # seconds
 
 
 class SlowStart:
-    """A group that seeks at ``rate`` steps a second after a slow first call, and moves the clock."""
-
     def __init__(self, rate: float) -> None:
         self.now, self.done, self._rate, self._wait = 0.0, 0, rate, FIRST_CALL
         self.program = None

@@ -1,4 +1,4 @@
-"""The look of colours: luminance, contrast, and distances for eyes that lack one kind of cone."""
+"""The look of colours, for all eyes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,6 @@ WHITE = np.array([0.95047, 1.0, 1.08883])
 
 
 def linear(color: Color) -> Vector:
-    """Linear RGB, 0 to 1."""
     channels = np.array(color.get_truecolor()) / 255.0
     return np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
 
@@ -57,7 +56,6 @@ def distance(one: Color, other: Color, eye: str) -> float:
 
 
 def least_distance(one: Color, other: Color) -> float:
-    """The smallest distance over all eyes."""
     return min(distance(one, other, eye) for eye in EYES)
 
 

@@ -63,7 +63,6 @@ def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
 
 
 def style_at(strip: Strip, column: int) -> Style | None:
-    """The style of the character at ``column``."""
     return next(iter(strip.crop(column, column + 1))).style
 
 
@@ -91,7 +90,6 @@ def paying() -> Snapshot:
 
 
 def one_way() -> Snapshot:
-    """A corridor whose second cell only leads right."""
     world = GridSection.model_validate({"map": "S>..G\n.....\n"}).build(np.random.default_rng(0))
     space = world.space
     return changed(

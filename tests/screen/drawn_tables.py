@@ -18,8 +18,6 @@ PALETTE = look().palette
 
 
 class Drawn:
-    """A table drawn without an app."""
-
     def __init__(
         self,
         state: Snapshot,
@@ -61,7 +59,6 @@ def fresh(state: Snapshot, q: list[float], visits: list[int]) -> Snapshot:
 
 
 def lake_of(values: dict[int, float], **changes: Any) -> Snapshot:
-    """The small lake before its first step, with some pairs visited once."""
     start = lake(0)
     q, visits = np.zeros(44), np.zeros(44, dtype=np.int64)
     for pair, value in values.items():

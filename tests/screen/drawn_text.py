@@ -1,4 +1,4 @@
-"""The text that a widget draws, with edges and padding."""
+"""The text that a widget draws."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from textual.widget import Widget
 
 
 def rows_of(widget: Widget) -> list[str]:
-    """Every row from edge to edge, cut out of the drawing, because ``size`` excludes the padding."""
+    """Every row from edge to edge, because ``size`` excludes the padding."""
     return [row.text for row in widget.render_lines(widget.outer_size.region)]
 
 
@@ -16,5 +16,5 @@ def words_of(widget: Widget) -> str:
 
 
 def letters_of(widget: Widget) -> str:
-    """Its letters without blanks: a path may break at any letter, depending on its folder."""
+    """Its letters without blanks: a path may break at any letter."""
     return "".join("".join(rows_of(widget)).split())

@@ -24,7 +24,6 @@ LANES: tuple[tuple[str, str, dict[str, Any], float, float, int], ...] = (
 
 
 def lane_views(count: int) -> tuple[LaneView, ...]:
-    """Runs of the slippery lake, with different ends."""
     q, base = _lake().agent.q, _lake().agent.hyperparameters
     return tuple(
         LaneView(
@@ -46,20 +45,17 @@ def lane_views(count: int) -> tuple[LaneView, ...]:
 
 
 def side_by_side(count: int, shown: int = 0, **changes: Any) -> Snapshot:
-    """Runs of the slippery lake. ``shown`` is the index of the one on screen."""
     lanes = lane_views(count)
     return paired(changed(showing(_lake(), lanes[shown]), lanes=lanes, shown=shown, **changes))
 
 
 def paired(snapshot: Snapshot) -> Snapshot:
-    """``snapshot``, which has several runs, with the first hidden one next to the visible one."""
     group = snapshot.run_group
     others = [number for number in range(len(group.lanes)) if number != group.shown]
     return replace(snapshot, run_group=replace(group, beside=next(iter(others), None)))
 
 
 def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:
-    """``snapshot`` with the data of ``lane``."""
     return changed(
         snapshot,
         algorithm=lane.algorithm,
@@ -75,7 +71,6 @@ def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:
 
 
 def without_episodes(lane: LaneView) -> LaneView:
-    """``lane`` before the end of its first episode."""
     return changed(lane, step=0, episodes=0, curve=Curve(), marks=marks(0, 0.0, 0.0, 0), return_last_100=None)
 
 

@@ -1,4 +1,4 @@
-"""A lesson with a page of each kind, for tests of its screen."""
+"""A lesson with a page of each kind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A learner who takes a lesson with keys: reads its pages, answers, and does its tasks."""
+"""A learner who takes a lesson with keys."""
 
 from __future__ import annotations
 
@@ -57,24 +57,20 @@ class Learner:
 
     @property
     def now(self) -> Snapshot:
-        """The playground's snapshot."""
         return snapshot(self.pilot)
 
     @property
     def view(self) -> LessonView:
-        """The state of the lesson."""
         view = self.now.lesson
         assert view is not None
         return view
 
     @property
     def record(self) -> LessonRecord:
-        """The learner's progress."""
         return self.view.record
 
     @property
     def page(self) -> Page:
-        """The current page."""
         return open_page(self.record)
 
     async def keys(self, *keys: str) -> None:
@@ -84,14 +80,12 @@ class Learner:
         assert self.record.page == page, f"{keys} turned the page {page}"
 
     async def type(self, text: str) -> None:
-        """Type ``text`` into the prompt, and send it."""
         await self.pilot.press(*(_NAMED.get(each, each) for each in text), "enter")
         await settle(self.pilot)
 
     # Reading
 
     async def read(self) -> str:
-        """Show the page and return its visible text, in one line."""
         place = playground(self.pilot).board.lesson
         if not place.is_in_view:
             await self.keys("enter")
@@ -112,7 +106,6 @@ class Learner:
     # Answering
 
     async def answer(self, ask: Ask, answer: float) -> None:
-        """Give ``answer``: the number, or the index of the choice."""
         await self.read()
         await self.keys("enter")
         if ask.choices:
@@ -123,7 +116,6 @@ class Learner:
     # The run
 
     async def set_up(self) -> None:
-        """Restart the run of the page."""
         await self.keys("r", "p")
         if isinstance(self.pilot.app.screen, Confirm):
             await self.keys("enter")
@@ -132,7 +124,6 @@ class Learner:
         assert self.now.recipe == setup, "r p has brought other settings back"
 
     async def set(self, name: str, value: float | str) -> None:
-        """Set ``name`` to ``value`` by keys: with its slider if it has one, otherwise in a dialog."""
         agent = self.now.agent
         in_force = agent.algorithm if name == ALGORITHM else agent.hyperparameters.value(name)
         if in_force == value:
@@ -169,7 +160,6 @@ class Learner:
         await self.keys("escape")
 
     async def act(self, name: str) -> None:
-        """Take this action in place of the agent."""
         if not self._is_manual:
             await self.keys("y")
             assert self._is_manual, notes(self.pilot.app)
@@ -185,11 +175,9 @@ class Learner:
         return playground(self.pilot).manual.is_on
 
     async def sweep(self, phase: str) -> None:
-        """Run to the end of a sweep of policy iteration."""
         await self.keys("a", phase[0])
 
     async def run_to(self, step: int) -> None:
-        """Let the agent continue until ``step``, or until it is done."""
         missing = step - self.now.counters.step
         assert missing >= 0, f"step {step} is over"
         if missing <= _FEW:
@@ -198,7 +186,6 @@ class Learner:
             await self._until("step", step)
 
     async def run_episodes(self, count: int) -> None:
-        """Let the agent continue for ``count`` episodes (a planner: sweeps), or until it is done."""
         missing = count - self.now.counters.episodes
         if missing <= _FEW:
             await self.keys(*"e" * max(0, missing))
@@ -230,7 +217,6 @@ class Learner:
             await self.keys("enter", "2")
 
     async def write_program(self, code: str) -> None:
-        """Create the page's file in the working folder, write ``code`` into it, and check it."""
         task = self.page.task
         file = Path(task.program.file)
         await self.read()
@@ -259,7 +245,6 @@ class Learner:
 async def taking(
     lesson: Lesson, size: tuple[int, int], sessions: Path | None = None, page: str = ""
 ) -> AsyncIterator[Learner]:
-    """A learner who opens ``lesson`` at ``page`` (the first by default) on a screen of ``size``."""
     record = begun(lesson)
     start = LessonStart(record.open(page) if page else record)
     async with on_screen(app_at(start, sessions=sessions), size, notifications=True) as pilot:
@@ -267,14 +252,12 @@ async def taking(
 
 
 def right_answer(ask: Ask) -> float:
-    """The right number, or the index of a right choice."""
     if ask.answer is not None:
         return ask.answer
     return next(place for place, choice in enumerate(ask.choices) if choice.right)
 
 
 def wrong_answer(ask: Ask) -> float:
-    """A wrong number that has a reply, or the index of a wrong choice."""
     if ask.wrong:
         return ask.wrong[0].answer
     return next(place for place, choice in enumerate(ask.choices) if not choice.right)
@@ -291,7 +274,7 @@ def _key_of(snapshot: Snapshot, action: int) -> str:
 
 
 def _in_order(settings: Mapping[str, float | str]) -> list[tuple[str, float | str]]:
-    """Return ``settings`` in order of dependency: algorithm and policy come first."""
+    """Algorithm and policy come first."""
     first = (ALGORITHM, "policy")
     return sorted(settings.items(), key=lambda item: first.index(item[0]) if item[0] in first else len(first))
 

@@ -1,4 +1,4 @@
-"""Small worlds made by hand, without gymnasium or numba, and their exact values."""
+"""Small worlds made by hand, and their values."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ KINDS = {"S": CellKind.START, "F": CellKind.FLOOR, "H": CellKind.HOLE, "G": Cell
 
 @cache
 def lake_world(*, slippery: bool = True, rows: tuple[str, ...] = LAKE, time_limit: int = 100) -> World:
-    """FrozenLake with the map of ``rows``: each cell is a state, row by row."""
     height, width = len(rows), len(rows[0])
     cells = "".join(rows)
 
@@ -94,7 +93,6 @@ def bandit_world(means: tuple[float, ...] = TRUE_MEANS, budget: int = 1_000) -> 
 
 @cache
 def exact_solution(mdp: TabularMDP, gamma: float) -> Solution:
-    """Value iteration until convergence: slow and plain, for small worlds."""
     q: FloatArray = np.zeros(mdp.pairs)
     v: FloatArray = np.zeros(mdp.states)
     outcome_pair = mdp.outcome_pair
@@ -118,13 +116,12 @@ def exact_solution(mdp: TabularMDP, gamma: float) -> Solution:
 
 
 def best_values(mdp: TabularMDP, q: FloatArray) -> FloatArray:
-    """The largest value of the pairs of each state, 0 for states without pairs."""
     return np.array(
         [max(q[mdp.first_pair[s] : mdp.first_pair[s + 1]], default=0.0) for s in range(mdp.states)]
     )
 
 
 def learned_q(exact: Solution, share: float = 0.7) -> FloatArray:
-    """Q somewhat below the exact values, a little different in every pair; equal at every call."""
+    """Q somewhat below the exact values, a little different in every pair."""
     wobble = 1.0 - 0.05 * np.abs(np.sin(np.arange(len(exact.q), dtype=np.float64)))
     return np.asarray(exact.q * share * wobble)

@@ -1,4 +1,4 @@
-"""Snapshots of small worlds made by hand, without gymnasium or numba."""
+"""Snapshots of small worlds made by hand."""
 
 from __future__ import annotations
 
@@ -40,7 +40,6 @@ def look(ascii: bool = False, depth: str = "truecolor", dark: bool = True) -> Lo
 
 
 def learned_from(last: LastStep, **terms: Any) -> LastStep:
-    """``last`` with other terms of its update, and the resulting estimate and bootstrap state."""
     other = replace(last, **terms)
     bootstraps = other.learned and not other.planned and not other.terminated
     other = replace(other, bootstrap_state=other.next_state if bootstraps else NOTHING)
@@ -65,7 +64,6 @@ def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
 
 
 def snapshot(world: World, name: Scenario, hyperparameters: Hyperparameters, **changes: Any) -> Snapshot:
-    """A paused run of ``world`` before its first step, with ``changes`` to its fields."""
     space = world.space
     recipe = Recipe(name, "q-learning", hyperparameters, seed=0)
     start = SnapshotBuilder().before(
@@ -79,12 +77,10 @@ Shown = TypeVar("Shown", Snapshot, None)
 
 
 def answered(picture: Shown, revealed: bool = True) -> Shown:
-    """``picture`` with exact values if ``revealed``, otherwise unchanged."""
     return picture if picture is None or not revealed else changed(picture, is_hidden=False)
 
 
 def curve(bins: int, low: float, high: float, width: int = 50) -> Curve:
-    """Returns that rise from ``low`` to ``high``, in ``bins`` bins of ``width`` episodes."""
     rise = 1.0 - np.exp(-np.arange(bins) / max(1.0, bins / 4))
     mean = low + (high - low) * rise
     band = (high - low) * 0.15
@@ -93,7 +89,6 @@ def curve(bins: int, low: float, high: float, width: int = 50) -> Curve:
 
 
 def marks(count: int, low: float, high: float, episodes: int) -> Marks:
-    """Greedy returns that rise from ``low`` to ``high``. The first is undefined."""
     episode = np.linspace(0, episodes, count).astype(np.int64)
     expected = low + (high - low) * (1.0 - np.exp(-np.arange(count) / max(1.0, count / 6)))
     expected[:1] = np.nan
@@ -163,7 +158,7 @@ def _lake(world: World, id: str, title: str, step: int, changes: dict[str, Any])
 
 
 def lake(step: int = 150_000, *, slippery: bool = True, **changes: Any) -> Snapshot:
-    """The 4×4 lake, slippery or not: 11 live states × 4. Before its first step with ``step=0``."""
+    """The 4×4 lake, slippery or not: 11 live states × 4."""
     suffix = " slippery" if slippery else ""
     return _lake(
         lake_world(slippery=slippery),
@@ -181,7 +176,7 @@ def big_lake(step: int = 180_000, **changes: Any) -> Snapshot:
 
 
 def student(step: int = 2_433, **changes: Any) -> Snapshot:
-    """The student evening: three live states that own five pairs. Before its first step with ``step=0``."""
+    """The student evening: three live states that own five pairs."""
     world = student_world()
     start = snapshot(
         world,
@@ -244,10 +239,7 @@ ESTIMATES = (-0.3, 0.3, -0.6, 0.7, 0.0, 1.4, -0.1, 0.2, -1.2, 0.8)
 
 
 def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
-    """The ten-armed bandit with its budget spent.
-
-    ``pulls=0``: before its first pull; otherwise in progress.
-    """
+    """The ten-armed bandit with its budget spent, unless ``pulls`` are given."""
     world = bandit_world()
     start = snapshot(
         world,
@@ -311,12 +303,10 @@ def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
 
 
 def spent() -> Snapshot:
-    """The bandit with its budget spent."""
     return bandit(1_000)
 
 
 def stepped_lake() -> Snapshot:
-    """The slippery lake as a stepped environment: no table, no exact values."""
     known = lake()
     mdp = known.world.space
     space = FiniteSpace(mdp.state_names, mdp.action_names, mdp.first_pair, mdp.pair_action, mdp.time_limit)
@@ -334,7 +324,6 @@ def stepped_lake() -> Snapshot:
 
 
 def planning(sweeps: int = 12, **changes: Any) -> Snapshot:
-    """Value iteration on the slippery lake, after some sweeps."""
     known = lake()
     shown: dict[str, Any] = {
         "algorithm": "value-iteration",

@@ -17,14 +17,12 @@ from rl_tui.studies.many_seeds.figures import (
 
 
 def seed_curve(low: float, high: float, bins: int = 40, width: int = 50, stderr: float = 0.02) -> SeedCurve:
-    """A mean that rises from ``low`` to ``high``, in ``bins`` bins of ``width`` episodes."""
     rise = 1.0 - np.exp(-np.arange(bins) / max(1.0, bins / 4))
     episode = np.arange(1, bins + 1, dtype=np.int64) * width
     return SeedCurve(episode, low + (high - low) * rise, np.full(bins, stderr))
 
 
 def difference(mean: float, stderr: float, greater: int, equal: int = 0, count: int = 64) -> PairedDifference:
-    """The advantage of the visible run over another."""
     return PairedDifference(Estimate(mean, stderr, count), greater, equal)
 
 
@@ -39,7 +37,6 @@ def lake_study(**changes: Any) -> SeedStudy:
 
 
 def cliff_study(**changes: Any) -> SeedStudy:
-    """The two runs of the cliff: Q-learning, and SARSA, the visible one."""
     q_learning = LaneStudy(
         {"return_last_100": Estimate(-47.1, 0.5, 64), "expected_return": Estimate(-13.0, 0.0, 60)},
         {"return_last_100": -43.0, "expected_return": -13.0},
@@ -55,7 +52,6 @@ def cliff_study(**changes: Any) -> SeedStudy:
 
 
 def bandit_study(**changes: Any) -> SeedStudy:
-    """The two runs of a bandit: UCB, the visible one, and one that explores by ε."""
     names = ("winnings", "regret", "best_arm_rate", "return_last_100", "expected_return")
     means = ((1402.0, 146.0, 0.79, 1.42, 1.51), (1303.0, 245.0, 0.72, 1.39, 1.44))
     errors = ((9.0, 2.0, 0.02, 0.02, 0.03), (11.0, 11.0, 0.02, 0.03, 0.04))

@@ -1,4 +1,4 @@
-"""Actions have one order on screen in all worlds. The world's own numbers do not change."""
+"""Actions have one order on screen in all worlds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Texts in ASCII: each symbol has one meaning, and factors stay apart."""
+"""Texts in ASCII."""
 
 from __future__ import annotations
 

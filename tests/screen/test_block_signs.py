@@ -1,4 +1,4 @@
-"""Symbols made of quadrant blocks point in the right direction, at any size."""
+"""Symbols made of quadrant blocks."""
 
 from __future__ import annotations
 

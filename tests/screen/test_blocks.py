@@ -1,4 +1,4 @@
-"""Blocks in a limited width: forms, wrapping, alignment, omitted columns, stacking."""
+"""Blocks in a limited width."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ def drawn(block: Block, width: int, *, ascii: bool = False) -> list[str]:  # noq
 
 
 def table(*widths: int, **more: bool) -> Table:
-    """A table of two rows. Its first form has two columns of numbers, its second only one."""
     names = Column("", ["first", "second"], STYLE, right=False)
     figures = Column("mean", [".5", "−1.25"], STYLE), Column("steps", ["7", "12"], STYLE)
     forms = (names, *figures), (names, figures[0]), (names._replace(least=3), figures[0])
@@ -85,10 +84,7 @@ def test_rows_around_the_cursor_are_in_view_and_texts_that_have_room() -> None:
 
 def test_charts_fill_the_room_that_columns_leave_else_a_line_of_their_own() -> None:
     values = 0.5, -1.25
-    columns = [
-        Column("", ["first", "second"], STYLE, right=False),
-        Column("mean", [".5", "−1.25"], STYLE),
-    ]
+    columns = [Column("", ["first", "second"], STYLE, right=False), Column("mean", [".5", "−1.25"], STYLE)]
     charts = {place: Bar(value, axis_of(values), STYLE) for place, value in enumerate(values)}
     assert drawn(Table([columns], charts=charts, least_chart=7), 21) == [
         "                 mean",

@@ -1,4 +1,4 @@
-"""The real app with pipes in place of a terminal, as the server of ``rl-tui serve`` starts it."""
+"""The real app with pipes in place of a terminal."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ TOLD_TO_END = 143
 
 @contextmanager
 def app(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
-    """Start an app, and yield it once it has drawn something."""
     process = subprocess.Popen(
         command_line(sys.executable, arguments),
         stdin=subprocess.PIPE,

@@ -1,4 +1,4 @@
-"""Colours: both signs are equally strong, text is readable, and focus is visible."""
+"""Colours are readable and equally strong."""
 
 from __future__ import annotations
 

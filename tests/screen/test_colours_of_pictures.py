@@ -1,4 +1,4 @@
-"""Colours of pictures in files, on white, and of curves in a terminal, on black or white."""
+"""Colours of pictures and curves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The controls panel, built from the registry for every algorithm with every action rule."""
+"""The controls panel."""
 
 from __future__ import annotations
 

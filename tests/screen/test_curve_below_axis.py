@@ -1,4 +1,4 @@
-"""Values of the curve off its axis: outliers of the mean, and greedy policies far below."""
+"""Outliers of the mean, and greedy policies far below."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ WIDE = (90, 13)
 
 
 def cells(snapshot: Snapshot, shown_with: Look) -> list[list[tuple[str, Style]]]:
-    """Every character with its style, row by row."""
     widget = ReturnCurve(shown_with)
     widget.snapshot = snapshot
     return [
@@ -31,7 +30,6 @@ def cells(snapshot: Snapshot, shown_with: Look) -> list[list[tuple[str, Style]]]
 
 
 def far_below(**changes: object) -> Snapshot:
-    """A first episode and a first greedy policy with far lower returns than all later ones."""
     returns = np.array([-1_379.0, *np.full(200, -40.0)])
     episodes = np.arange(1, 202)
     early = Marks(np.array([0, 800, 1_600]), np.array([0, 10, 20]), np.array([-65_375.0, -65_375.0, -15.0]))

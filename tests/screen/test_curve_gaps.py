@@ -1,4 +1,4 @@
-"""The curve for a greedy policy without a return, because it may never end."""
+"""The curve for a greedy policy without a return."""
 
 from __future__ import annotations
 

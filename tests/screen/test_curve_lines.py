@@ -1,4 +1,4 @@
-"""The axes of the curve, its area, and its lines down to their dots."""
+"""The axes, area and lines of the curve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Well-known worlds, drawn from a blank one: with keys only, and with the mouse only."""
+"""Well-known worlds, drawn with keys or mouse."""
 
 from __future__ import annotations
 
@@ -39,13 +39,11 @@ async def test_a_known_map_is_drawn_from_a_blank_one(scenario: str, hands: type[
 
 
 async def type_lines(pilot: Pilot[UserError], *texts: str) -> None:
-    """Type each text into its prompt, and press enter."""
     for text in texts:
         await press(pilot, *("space" if each == " " else each for each in text), "enter")
 
 
 async def go_to(pilot: Pilot[UserError], state: str) -> None:
-    """Move from state to state until the cursor is on ``state``."""
     names = snapshot(pilot).world.space.state_names
     view = playground(pilot).board.world
     assert view.cursor is not None
@@ -53,7 +51,6 @@ async def go_to(pilot: Pilot[UserError], state: str) -> None:
 
 
 async def set_action(pilot: Pilot[UserError], state: str, action: str, does: str) -> None:
-    """Add ``action`` to ``state`` with the outcome in the line ``does``."""
     await go_to(pilot, state)
     await press(pilot, "enter", "end", "enter")
     await type_lines(pilot, action, does)

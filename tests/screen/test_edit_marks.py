@@ -1,4 +1,4 @@
-"""Marks of an edit without an app: the draft, changed and endless states, changes in the world."""
+"""Marks of an edit without an app."""
 
 from __future__ import annotations
 
@@ -37,7 +37,6 @@ def edited(draft: Draft, text: str) -> Draft:
 
 
 def drawing(snapshot: Snapshot, text: str) -> Snapshot:
-    """``snapshot`` of the lake with the strokes in ``text`` drawn but not applied."""
     base = draft_of_lines(LAKE, {})
     return replace(snapshot, editor=EditorView(draft=edited(base, text), base=base))
 
@@ -220,7 +219,6 @@ def test_a_line_goes_up_where_the_world_changed() -> None:
 
 
 def level_columns(snapshot: Snapshot) -> list[int]:
-    """The columns of the line of the optimal return."""
     _, widget = drawn_curve(snapshot, (80, 13))
     found = []
     for strip in widget.picture(snapshot, 80, 13):

@@ -1,4 +1,4 @@
-"""The screen during drawing, with real keys: the draft, changed actions, changes, two worlds."""
+"""The screen during drawing, with real keys."""
 
 from __future__ import annotations
 
@@ -86,7 +86,6 @@ async def test_the_cursor_keeps_its_arm(make_app: MakeApp) -> None:
 
 
 async def two_lanes(pilot: Pilot[UserError], *strokes: str) -> Snapshot:
-    """Show a run in the old world, and next to it a run in the world with ``strokes``."""
     await settle(pilot)
     await train(pilot, 2_000)
     await press(pilot, "w", "d", *strokes, "escape", "b", "a", "t")

@@ -1,4 +1,4 @@
-"""A terminal shows exactly what is drawn, after any commands to the encoder."""
+"""A terminal shows exactly what is drawn."""
 
 from __future__ import annotations
 
@@ -43,8 +43,6 @@ commands = st.lists(
 
 
 class Screen:
-    """The drawing, its display in a terminal, and the plainly computed content of each cell."""
-
     def __init__(self, system: ColorSystem, width: int = 14, height: int = 5) -> None:
         pens, cutter = Pens(system), Cutter()
         self.system = system
@@ -103,14 +101,12 @@ class Screen:
         assert (plain.fg, plain.bg) == ("default", "default")
 
     def plainly(self, character: str, style: Style) -> Any:
-        """Return the cell that Textual's own output would produce."""
         terminal = Emulator(4, 1)
         terminal.feed(Strip.render_style(style, character, self.system).encode())
         return terminal.cell(0, 0)
 
 
 def seen(cell: Any) -> tuple[Any, ...]:
-    """Return the visible part of a cell."""
     if cell.data == " " and not any(getattr(cell, name) for name in SHOWS_ON_BLANKS):
         return (" ", cell.bg)
     return tuple(cell)

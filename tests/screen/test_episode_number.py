@@ -1,4 +1,4 @@
-"""At the end of an episode or sweep, the screen shows only one number of it at a time."""
+"""The screen shows one episode number at a time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ _NUMBERED = re.compile(r"\b(?:ep|episode|sweep) +([\d,]*\d)(?!\d| +[━●★◆
 
 
 def numbers_of(pilot: Pilot[UserError]) -> set[str]:
-    """All numbers of episodes or sweeps on screen."""
     return set(_NUMBERED.findall(screen_text(pilot.app)))
 
 

@@ -1,4 +1,4 @@
-"""Words above the numbers of an equation, and the brace below them, without a panel."""
+"""Words above equations, and braces below."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A playground has its final layout from the start, before its world is built."""
+"""A playground has its final layout at once."""
 
 from __future__ import annotations
 

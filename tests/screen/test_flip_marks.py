@@ -1,4 +1,4 @@
-"""The flip points on the slider of γ: their places, their arrival, and the keys that go beyond them."""
+"""The flip points on the slider of γ."""
 
 from __future__ import annotations
 

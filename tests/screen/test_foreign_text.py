@@ -1,4 +1,4 @@
-"""Texts of files appear literally, whatever they look like: no markup, no formatting, no code."""
+"""Texts of files appear literally."""
 
 from __future__ import annotations
 
@@ -38,7 +38,6 @@ FILE = "[bold]x[/]"
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of the user's scenarios, with a valid and a faulty one."""
     (tmp_path / f"{FILE}.toml".replace("/", "-")).write_text('title = "a\\u001b[31m"\n')
     texts = {"TITLE": TITLE, "SUMMARY": SUMMARY, "NOTES": NOTES}
     names = {"HERE": HERE, "THERE": THERE, "GO": GO, "STAY": STAY}
@@ -97,7 +96,6 @@ async def test_the_catalogue_shows_them_and_the_name_of_a_session_as_they_are(
 
 
 async def notes_in_help(pilot: Pilot[UserError]) -> str:
-    """Open the help, scroll to its end, and return the text on screen."""
     await press(pilot, "question_mark", "3", "end")  # the notes are added only after scrolling
     while not pilot.app.screen.query("MarkdownParagraph"):
         await pilot.pause()

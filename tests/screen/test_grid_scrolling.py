@@ -1,4 +1,4 @@
-"""Maps larger than their panel, and the rows that are redrawn."""
+"""Maps larger than their panel."""
 
 from __future__ import annotations
 

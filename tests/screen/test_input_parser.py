@@ -12,15 +12,12 @@ from rl_tui.screen.terminal.key_queue import EscapeOrAlt
 
 
 class Typed:
-    """A parser with the messages it makes of texts, and a stopped clock."""
-
     def __init__(self, most: int = 100) -> None:
         self.now = 0.0
         self.parser = InputParser(most=most, clock=lambda: self.now)
         self.messages: list[Message] = []
 
     def type(self, *texts: str) -> list[str]:
-        """Type each text, wait, and return all their keys and pastes."""
         before = len(self.messages)
         for text in texts:
             self.messages += [*self.parser.feed(text), *self.parser.tick()]

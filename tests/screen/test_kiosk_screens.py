@@ -1,4 +1,4 @@
-"""The screens of a kiosk, and its reset after a person leaves."""
+"""The screens of a kiosk."""
 
 from __future__ import annotations
 

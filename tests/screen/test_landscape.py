@@ -1,4 +1,4 @@
-"""A map as a landscape: V as height, with light and lines."""
+"""A map as a landscape."""
 
 from __future__ import annotations
 
@@ -191,8 +191,7 @@ def test_nobody_draws_in_a_landscape() -> None:
 def test_what_did_not_change_is_not_worked_out_again(monkeypatch: pytest.MonkeyPatch) -> None:
     shown, calls = big_lake(), []
     monkeypatch.setattr(
-        "rl_tui.screen.panels.grid.landscape.pixels",
-        lambda *given: calls.append(1) or pixels(*given),
+        "rl_tui.screen.panels.grid.landscape.pixels", lambda *given: calls.append(1) or pixels(*given)
     )
     view = view_of(shown)
     before = drawn(shown, view)

@@ -31,7 +31,6 @@ def table_of(
 
 
 def with_tables(snapshot: Snapshot, own: FloatArray, other: FloatArray) -> Snapshot:
-    """Two runs with these tables, the second one visible."""
     first, second = lane_views(2)
     lanes: tuple[LaneView, ...] = (replace(first, q=other), replace(second, q=own))
     return paired(changed(snapshot, q=own, lanes=lanes, shown=1))

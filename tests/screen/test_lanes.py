@@ -19,7 +19,6 @@ from rl_tui.screen.playground.actions.export import script_of
 
 
 async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:
-    """Press c s, choose the setting that differs, and type or choose its value."""
     if name == "algorithm":
         await press(pilot, "c", "a")
     else:

@@ -1,4 +1,4 @@
-"""Panels show their caption and legend until these are hidden."""
+"""Captions and legends of panels."""
 
 from __future__ import annotations
 
@@ -41,7 +41,6 @@ CAPTIONS = {row.id: row.caption for row in PANELS}
 
 
 def explained(panel: Panel, snapshot: Snapshot, width: int, height: int) -> Panel:
-    """``panel`` at this size on a screen, with its legend."""
     panel.__class__ = type("Sized", (type(panel),), {"size": Size(width, height)})
     panel.is_explained = True
     panel.show(snapshot)
@@ -132,7 +131,6 @@ def with_q(q: FloatArray) -> Snapshot:
 
 
 def tied(shown: Snapshot) -> Snapshot:
-    """``shown`` with two of four actions equal in its first state."""
     q = shown.agent.q.copy()
     q[:4] = 0.5, 0.5, 0.0, 0.0
     return changed(shown, q=q)

@@ -1,4 +1,4 @@
-"""While a lesson hides the exact values, no panel and no dialog shows anything that depends on them."""
+"""While a lesson hides the exact values, nothing reveals them."""
 
 from __future__ import annotations
 
@@ -62,7 +62,6 @@ def moved(figure: float | None) -> float | None:
 
 
 def otherwise(snapshot: Snapshot) -> Snapshot:
-    """``snapshot`` with other exact values, and other numbers computed from them."""
     solution = snapshot.exact_answer.solution
     assert solution is not None
     answer = replace(
@@ -95,7 +94,6 @@ def otherwise(snapshot: Snapshot) -> Snapshot:
 
 @cache
 def flips_of_the_student() -> FlipAnswer:
-    """Known flips, shown for any world."""
     mdp = begin(recipe_named("student")).world.mdp
     assert mdp is not None
     return worked_out(mdp)
@@ -106,7 +104,6 @@ def _other_study(study: SeedStudy) -> SeedStudy:
 
 
 def _other_lane(lane: LaneStudy) -> LaneStudy:
-    """The study of ``lane`` with other exact numbers, which are larger for the other seeds."""
     return replace(
         lane,
         estimates={
@@ -152,10 +149,7 @@ def _other_worth(worth: PolicyAnswer) -> PolicyAnswer:
 
 
 async def pictures(pilot: Pilot[Any], study: SeedStudy | None = None) -> tuple[str, str]:
-    """Return the screen, with colours, and the screen for other exact values.
-
-    ``study`` is the current result of many seeds.
-    """
+    """Return the screen, with colours, and the screen for other exact values."""
     await settle(pilot)
     screen, now = playground(pilot), snapshot(pilot)
     assert is_secret(now)
@@ -213,7 +207,7 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
 
 
 async def test_the_pictures_would_tell() -> None:
-    """Prove that the test above can fail: with exact values visible, the pictures differ every time."""
+    """The test above can fail: with exact values visible, the pictures differ."""
     taught = lesson("student")
     app = RlTuiApp(
         Display(fps=1000.0), recipe_of(taught, "only"), partial(Player, automatic=False), picture=True

@@ -1,4 +1,4 @@
-"""The moments when a frame may be sent, with a stopped clock."""
+"""The moments when a frame may be sent."""
 
 from __future__ import annotations
 

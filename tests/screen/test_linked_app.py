@@ -1,4 +1,4 @@
-"""Behaviour of the app on a real terminal, on every machine."""
+"""The app on a real terminal."""
 
 from __future__ import annotations
 

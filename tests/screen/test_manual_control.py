@@ -19,7 +19,6 @@ STUDY, PHONE, SCROLL, QUIT, SLEEP = range(5)
 
 
 def ended(snapshot: Snapshot, state: int, start: int = 0) -> Snapshot:
-    """``snapshot`` after an episode that ended in ``state``. The next one starts in ``start``."""
     return changed(snapshot, state=state, episode_step=0, step_from=start)
 
 

@@ -1,4 +1,4 @@
-"""The band of the middle half: its quartiles, its visibility, and its cells."""
+"""The band of the middle half."""
 
 from __future__ import annotations
 
@@ -24,7 +24,6 @@ SIZE = (90, 9)
 
 
 def of(returns: np.ndarray) -> Snapshot:
-    """A run of these returns, with varying steps."""
     history = History()
     history.add(returns, np.arange(len(returns)) % 7 + 1)
     mean = float(returns[-100:].mean())
@@ -38,7 +37,6 @@ def of(returns: np.ndarray) -> Snapshot:
 
 
 def spread(width: float = 1.0, count: int = 2_000) -> np.ndarray:
-    """Returns around a mean that rises from 0 to 8."""
     return np.linspace(0.0, 8.0, count) + np.random.default_rng(0).uniform(-width, width, count)
 
 

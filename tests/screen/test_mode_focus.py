@@ -1,4 +1,4 @@
-"""The keys of a mode, with real keys: they apply only while a world has the focus, and the screen says so."""
+"""The keys of a mode need the world's focus."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The screen describes an unknown policy correctly: a policy with an ε need not be ε-greedy."""
+"""A policy with an ε need not be ε-greedy."""
 
 from __future__ import annotations
 
@@ -33,7 +33,6 @@ def test_what_a_row_says_can_be_spelled_in_ascii(row: Algorithm | Policy) -> Non
 
 
 def chosen_by(policy: str, *, explored: bool = False) -> Snapshot:
-    """A lake whose last action was chosen by ``policy``; ε has decayed from .5 to .2."""
     shown = lake()
     last = shown.counters.last_step
     assert last is not None

@@ -1,4 +1,4 @@
-"""All numbers of a panel have one form, which stays steady while they grow and shrink."""
+"""All numbers of a panel have one form."""
 
 from __future__ import annotations
 

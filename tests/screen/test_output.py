@@ -1,4 +1,4 @@
-"""The timing and content of output to a terminal that answers on request."""
+"""Output to a terminal."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ ASKED = re.compile(r"\x1b\[2;?(\d*)H\x1b\[6n")
 
 
 class FarTerminal:
-    """Receives the output of an Output, and answers on request."""
-
     def __init__(self) -> None:
         self.written: list[str] = []
         self.waiting = 0

@@ -1,4 +1,4 @@
-"""The panel of policies for bandits, and for worlds without a table."""
+"""The panel of policies in special worlds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A printed update can be recalculated from its printed numbers, for any size, sign and form of update."""
+"""Printed updates can be recalculated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of the playground with a watched program, from a snapshot made by hand."""
+"""Pictures of a watched program."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from rl_tui.screen.app.screenshot import settle
 
 
 def endless() -> Snapshot:
-    """A program with a fault and a risk, and an explained last step."""
     verdict = ProgramVerdict(KNOWN, (TIES, AFTER_END), ("Each update comes one step late.",))
     return watched(program(verdict=verdict), lake().counters.step)
 

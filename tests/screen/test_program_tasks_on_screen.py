@@ -1,4 +1,4 @@
-"""A lesson page that asks for a program: its file, the findings, and the pass."""
+"""A lesson page that asks for a program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables of few pairs, one per row, and a bandit's hidden means."""
+"""Q-tables of few pairs."""
 
 from __future__ import annotations
 

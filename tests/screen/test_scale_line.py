@@ -1,4 +1,4 @@
-"""The line below a world: the scale of its colours, and its legend."""
+"""The line below a world."""
 
 from __future__ import annotations
 
@@ -27,7 +27,6 @@ VALUES = NamedScale("value", ValueScale(0.0, 0.86))
 
 
 def line_below(view: WorldView, snapshot: Snapshot, width: int = 70, *, explained: bool = True) -> str:
-    """The last row of a world that has cells of 17 × 6."""
     view.cell, view.is_explained = Size(17, 6), explained
     view.show(snapshot)
     return view.picture(snapshot, width, 25)[-1].text.strip()

@@ -1,4 +1,4 @@
-"""The scenario's file is edited while its world is on screen."""
+"""The scenario's file changes during play."""
 
 from __future__ import annotations
 
@@ -29,7 +29,6 @@ def text(map_: str = "S..G", gamma: float = 0.9) -> str:
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    """A scenario of four cells."""
     path = tmp_path / "mine.toml"
     path.write_text(text(), encoding="utf-8")
     return path
@@ -40,8 +39,6 @@ MakeApp = Callable[..., RlTuiApp]
 
 @pytest.fixture
 def app_of(tmp_path: Path) -> MakeApp:
-    """An app that begins with a recipe or a session, and saves sessions."""
-
     def make(start: object) -> RlTuiApp:
         folder = tmp_path / "sessions"
         return app_at(start, sessions=folder)

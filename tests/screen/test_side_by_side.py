@@ -1,4 +1,4 @@
-"""Two visible runs: the same moment, cursor, layer and map section, and their differences."""
+"""Two visible runs."""
 
 from __future__ import annotations
 
@@ -57,7 +57,6 @@ def text_of(panel: Panel) -> str:
 
 
 def with_greedy(snapshot: Snapshot, actions: dict[int, int]) -> Snapshot:
-    """``snapshot`` of a lake with one greedy action in these states."""
     q = np.zeros(snapshot.world.space.pairs)
     visits = np.zeros(snapshot.world.space.pairs, np.int64)
     for state, action in actions.items():

@@ -1,4 +1,4 @@
-"""Run until and breakpoints with real keys: the requests and the messages."""
+"""Run until and breakpoints with real keys."""
 
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
 
 
 def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Record the requests in a list; the player receives none."""
     asked: list[Command] = []
     player = playground(pilot).player
     send: Callable[[Command], None] = player.send

@@ -1,4 +1,4 @@
-"""Evaluation and improvement apart, with real keys: effects, drawing and messages."""
+"""Evaluation and improvement apart, with real keys."""
 
 from __future__ import annotations
 

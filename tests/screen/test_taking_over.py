@@ -1,4 +1,4 @@
-"""A person in place of the agent, with real keys."""
+"""A person in place of the agent."""
 
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ LEFT, DOWN, RIGHT, UP = range(4)
 
 
 def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Record all requests in a list. A person's actions do not reach the player."""
     asked: list[Command] = []
     player = playground(pilot).player
     send: Callable[[Command], None] = player.send

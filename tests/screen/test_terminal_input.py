@@ -1,4 +1,4 @@
-"""Input of a terminal, and input that only looks like it."""
+"""Input of a terminal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from rl_tui.screen.terminal.driver import messages_from
 
 
 def keys_of(sent: bytes) -> list[str]:
-    """Return the keys read before the terminal was gone."""
     read, write = os.pipe()
     os.write(write, sent)
     os.close(write)

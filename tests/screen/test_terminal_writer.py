@@ -1,4 +1,4 @@
-"""Output on its way to the terminal, and its fate."""
+"""Output on its way to the terminal."""
 
 from __future__ import annotations
 

@@ -10,14 +10,12 @@ from textual.pilot import Pilot
 
 
 def lines_kept() -> int:
-    """Count the widgets with cached lines."""
     gc.collect()
     # isinstance raises for a weak proxy whose object is gone
     return sum(type(thing).__name__ == "StylesCache" for thing in gc.get_objects())
 
 
 async def open_and_close_dialogs(pilot: Pilot[None]) -> int:
-    """Return the number of widgets with cached lines after that."""
     for keys in (("question_mark", "escape"), ("ctrl+p", "escape"), ("w", "m", "escape")):
         await tap(pilot, *keys)
     return lines_kept()

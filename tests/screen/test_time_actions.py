@@ -1,4 +1,4 @@
-"""The keys of time travel: their requests to the player, and the screen's use of its answers."""
+"""The requests of the keys of time travel."""
 
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ JOURNAL = (JournalEntry(40, SetParameter("alpha", 0.5)),)
 
 
 def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Record all requests. The player receives none of them."""
     sent: list[Command] = []
 
     def send(command: Command) -> None:
@@ -35,7 +34,6 @@ def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[C
 
 
 def shows(pilot: Pilot[UserError], timeline: Timeline, **changes: object) -> Snapshot:
-    """Draw a hand-made moment that the player could have published just now."""
     made = changed(snapshot(pilot), timeline=timeline, step=timeline.current.here, **changes)
     screen = playground(pilot)
     show(screen, changed(made, handled=screen.wanted.sent))

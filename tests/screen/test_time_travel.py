@@ -1,4 +1,4 @@
-"""The five keys of time travel on all kinds of scenarios: every panel shows its earlier content again."""
+"""The keys of time travel."""
 
 from __future__ import annotations
 
@@ -52,7 +52,6 @@ def moment(pilot: Pilot[UserError]) -> Moment:
 
 
 def bits(shown: Snapshot) -> tuple[str, str]:
-    """Return the agent's position, and everything learned."""
     counters = shown.counters
     where = counters.state, counters.episodes, counters.episode_step
     learned = (
@@ -68,13 +67,11 @@ def bits(shown: Snapshot) -> tuple[str, str]:
 
 
 async def go(pilot: Pilot[UserError], text: str) -> Snapshot:
-    """Open the prompt for a moment, type ``text``, and wait until that moment is on screen."""
     await tap(pilot, "m", "g", *text, "enter")
     return snapshot(pilot)
 
 
 async def chosen(pilot: Pilot[UserError], planner: bool) -> None:
-    """Switch to a planner, if requested."""
     if planner:
         await switch(pilot, "value-iteration")
 

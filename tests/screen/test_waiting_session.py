@@ -1,4 +1,4 @@
-"""A session of many steps on screen while its replay waits for the compiler."""
+"""A session on screen while its replay waits."""
 
 from __future__ import annotations
 
@@ -51,7 +51,6 @@ def left_at(folder: Path, steps: int) -> StoredSession:
 
 
 async def says(pilot: Pilot[UserError], pattern: str) -> bool:
-    """Wait until this text is drawn."""
     for _ in range(3_000):
         if re.search(pattern, screen_text(pilot.app)):
             return True

@@ -1,4 +1,4 @@
-"""A person's wish stays on screen until a snapshot fulfils it."""
+"""A wish stays on screen until it is fulfilled."""
 
 from __future__ import annotations
 

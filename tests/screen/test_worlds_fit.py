@@ -1,4 +1,4 @@
-"""Every shipped world fits every screen, together with the panels around it."""
+"""Every shipped world fits every screen."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The deep check's findings about a world, compared with known facts."""
+"""The deep check's findings about a world."""
 
 from __future__ import annotations
 

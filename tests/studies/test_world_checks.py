@@ -1,4 +1,4 @@
-"""The world check on screen: the command's numbers for the current settings, in its own process."""
+"""The world check on screen."""
 
 from __future__ import annotations
 
@@ -80,15 +80,12 @@ def test_it_is_about_the_world_and_the_settings_in_force() -> None:
 
 
 class Beside:
-    """Checks in noted background processes, with an event for each piece of news."""
-
     def __init__(self, processes: list[subprocess.Popen[bytes]]) -> None:
         self.processes = processes
         self.has_news = threading.Event()
         self.checks = WorldChecks(self.has_news.set, automatic=True)
 
     def until(self, run: Run, holds: Callable[[WorldCheckView], bool]) -> WorldCheckView:
-        """Look at each piece of news until the knowledge about ``run`` is as wanted."""
         while True:
             self.has_news.clear()
             view = self.checks.of(run)

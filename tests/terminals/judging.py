@@ -1,4 +1,4 @@
-"""Requirements for a screen of the playground in every terminal."""
+"""Requirements for a screen of the playground."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ _COLOURS: Final = re.compile(rb"\x1b\[([0-9;]*)m")
 
 
 def check_playground(screen: str, size: tuple[int, int], step: int) -> None:
-    """Raise if a screen of the student's playground is wrong for a terminal of ``size``."""
     columns, rows = size
     lines = screen.splitlines()
     assert len(lines) == rows, screen
@@ -28,7 +27,6 @@ def check_playground(screen: str, size: tuple[int, int], step: int) -> None:
 
 
 def colour_kinds(written: bytes) -> set[str]:
-    """Return the kinds of colour in use: 16, 256, truecolor."""
     kinds = set()
     for numbers in _COLOURS.findall(written):
         left = [int(number or 0) for number in numbers.split(b";")]

@@ -1,4 +1,4 @@
-"""Programs inside tmux and inside GNU screen, each with a server and a configuration of its own."""
+"""Programs inside tmux and GNU screen."""
 
 from __future__ import annotations
 
@@ -38,8 +38,6 @@ _LOOK_AGAIN: Final = 0.05  # seconds
 
 
 class Tmux:
-    """A tmux server with one window of ``size`` that runs ``command``."""
-
     def __init__(
         self,
         folder: Path,
@@ -56,12 +54,10 @@ class Tmux:
 
     @property
     def screen(self) -> str:
-        """The text in the window, one line per row, without trailing blanks."""
         return self.coloured.text
 
     @property
     def coloured(self) -> Emulator:
-        """The content of the window, with its colours."""
         columns, rows = map(int, self._do("display", "-p", "#{window_width} #{window_height}").split())
         emulator = Emulator(columns, rows)
         lines = self._do("capture-pane", "-p", "-e").splitlines()[:rows]
@@ -71,7 +67,6 @@ class Tmux:
 
     @property
     def modes(self) -> str:
-        """The modes of the window: the alternate screen, the cursor, mouse reports."""
         return self._do(
             "display", "-p", "alternate #{alternate_on}, cursor #{cursor_flag}, mouse #{mouse_any_flag}"
         ).strip()
@@ -83,7 +78,6 @@ class Tmux:
         self._do("resize-window", "-x", str(columns), "-y", str(rows))
 
     def wait_for(self, pattern: str, seconds: float = DEADLINE) -> None:
-        """Wait until ``pattern`` is found in the window."""
         deadline = time.perf_counter() + seconds
         while not re.search(pattern, text := self.screen):
             if time.perf_counter() > deadline:
@@ -91,7 +85,6 @@ class Tmux:
             time.sleep(_LOOK_AGAIN)
 
     def close(self) -> None:
-        """End the server and everything in it."""
         self._do("kill-server")
 
     def _do(self, *what: str) -> str:
@@ -106,7 +99,6 @@ class Tmux:
 def in_tmux(
     command: Sequence[str], size: tuple[int, int], environment: Mapping[str, str | None] | None = None
 ) -> Iterator[Tmux]:
-    """Run ``command`` in its own tmux."""
     if shutil.which("tmux") is None:
         pytest.skip("needs tmux: apt-get install tmux")
     with TemporaryDirectory(prefix="rl-tui-", dir=_SHORT) as folder:
@@ -121,7 +113,6 @@ def in_tmux(
 def in_screen(
     command: Sequence[str], size: tuple[int, int], environment: Mapping[str, str | None] | None = None
 ) -> Iterator[PseudoTerminal]:
-    """Run ``command`` in its own GNU screen on a pseudo-terminal; it ends with the block at the latest."""
     if shutil.which("screen") is None:
         pytest.skip("needs GNU screen: apt-get install screen")
     with TemporaryDirectory(prefix="rl-tui-", dir=_SHORT) as folder:

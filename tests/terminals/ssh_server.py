@@ -1,4 +1,4 @@
-"""A temporary OpenSSH server on this machine, and the command to log in to it."""
+"""A temporary OpenSSH server."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ _PRIVILEGE_SEPARATION: Final = Path("/run/sshd")  # a server that runs as root i
 
 
 def why_not() -> str:
-    """Return what is missing for a server; empty if nothing is missing."""
     if _server() is None or shutil.which("ssh") is None:
         return "needs sshd and ssh: apt-get install openssh-server openssh-client"
     if os.getuid() == 0 and not _PRIVILEGE_SEPARATION.is_dir():
@@ -34,7 +33,7 @@ def why_not() -> str:
 
 
 def _terminals_have_their_group() -> bool:
-    """Return whether a new terminal has the group that sshd needs, which only root could change."""
+    """A new terminal has the group that sshd needs, which only root could change."""
     ours, theirs = os.openpty()
     try:
         group = os.fstat(theirs).st_gid
@@ -51,9 +50,9 @@ def _server() -> str | None:
 
 
 class SshServer:
-    """Serves on a free port of the loopback interface, only from ``folder``, with keys of its own.
+    """Serves on a free port of the loopback interface, from ``folder``, with keys of its own.
 
-    Each login has ``environment``. ``rules`` are more lines of its configuration.
+    ``rules`` are more lines of its configuration.
     """
 
     def __init__(self, folder: Path, environment: Mapping[str, str], rules: str = "") -> None:
@@ -92,7 +91,6 @@ class SshServer:
         self._process.wait(DEADLINE)
 
     def _start(self, deadline: float) -> bool:
-        """Start it on a free port, and wait until it listens there or has ended."""
         with socket.socket() as chosen:
             chosen.bind(("127.0.0.1", 0))
             self.port = chosen.getsockname()[1]
@@ -111,15 +109,13 @@ class SshServer:
 
     @property
     def log(self) -> str:
-        """The log of the server."""
         return (self._folder / "log").read_text(encoding="utf-8", errors="replace")
 
     def login(self, *options: str) -> list[str]:
-        """Return the login command up to the host name. Append the remote command to it."""
+        """Return the login command up to the host name."""
         return ["ssh", *self._settings, "-p", str(self.port), *options, f"{getpass.getuser()}@127.0.0.1"]
 
     def transfer(self, program: str, *options: str) -> list[str]:
-        """Return the login command of ``program`` (sftp, scp), without any file."""
         return [program, *self._settings, "-P", str(self.port), *options]
 
     @property

@@ -1,4 +1,4 @@
-"""The characters that the environment of a terminal requests."""
+"""The characters that an environment requests."""
 
 from __future__ import annotations
 

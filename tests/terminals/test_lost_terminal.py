@@ -1,4 +1,4 @@
-"""A terminal that is gone or does not read, and a program that is ended or fails in it."""
+"""A terminal that is gone or does not read."""
 
 from __future__ import annotations
 
@@ -26,7 +26,6 @@ FAILING = (
 
 @contextmanager
 def student(folder: Path, *before: str, command: tuple[str, ...] = RL_TUI) -> Iterator[LosableTerminal]:
-    """Start the program by the command ``before``, and take some steps."""
     environment = {"RL_TUI_SESSIONS_DIR": str(folder)}
     with LosableTerminal([*before, *command, "play", "student"], environment) as terminal:
         terminal.wait_for("paused")

@@ -1,4 +1,4 @@
-"""Without a usable terminal, the program prints one sentence and exits with status 2."""
+"""The program without a usable terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Terminals of any size, at the start and later: as small as a cell, or practically endless."""
+"""Terminals of any size."""
 
 from __future__ import annotations
 
@@ -21,10 +21,7 @@ WORDS = "no more than"
 
 
 class Told(PseudoTerminal):
-    """A terminal that reports a false size."""
-
     def say_size(self, columns: int, rows: int) -> None:
-        """Report this size, and send the program the signal of a terminal."""
         fcntl.ioctl(self.theirs, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         self.process.send_signal(signal.SIGWINCH)
 

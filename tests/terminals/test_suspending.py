@@ -1,4 +1,4 @@
-"""Going to the shell and back, and stops from outside."""
+"""Going to the shell and back."""
 
 from __future__ import annotations
 
@@ -31,7 +31,6 @@ needs_bash = pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash
 
 @contextmanager
 def shell(folder: Path, command: str = PLAY) -> Iterator[LosableTerminal]:
-    """Start the program from a shell with job control, and take some steps."""
     environment = {"RL_TUI_SESSIONS_DIR": str(folder), "PS1": PROMPT}
     with LosableTerminal([*CONTROLLING, *SHELL], environment, (100, 30)) as terminal:
         terminal.wait_for(ASKS)
@@ -51,7 +50,7 @@ def take_steps(terminal: LosableTerminal) -> None:
 
 
 def takes_lines(terminal: LosableTerminal) -> bool:
-    """Return whether the terminal is in the mode of a shell."""
+    """The terminal is in the mode of a shell."""
     return bool(terminal.attributes[3] & termios.ICANON and terminal.attributes[3] & termios.ECHO)
 
 
@@ -116,7 +115,6 @@ def test_what_only_started_it_is_no_shell_to_go_to(tmp_path: Path) -> None:
 
 
 def stop(terminal: LosableTerminal, number: int) -> None:
-    """Stop the program, and wait until it has stopped."""
     terminal.process.send_signal(number)
     terminal.wait_reading(
         lambda: os.waitid(os.P_PID, terminal.process.pid, os.WSTOPPED | os.WNOHANG) is not None, "it stops"

@@ -1,4 +1,4 @@
-"""Keys that arrive all at once have the same effects as single keys."""
+"""Keys that arrive all at once."""
 
 from __future__ import annotations
 

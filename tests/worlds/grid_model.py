@@ -1,4 +1,4 @@
-"""A slow and plain model of maps, one cell and one outcome at a time, to compare with the tables."""
+"""A slow and plain model of maps."""
 
 from __future__ import annotations
 
@@ -31,8 +31,6 @@ BUILT_IN = {
 
 
 class GridModel:
-    """A map of ``lines`` with its ``legend``, and the other keys of a [grid] table as ``rules``."""
-
     def __init__(self, lines, legend=None, **rules):
         self.lines, self.rules = lines, rules
         self.legend = BUILT_IN | (legend or {})
@@ -121,7 +119,6 @@ class GridModel:
         return cell
 
     def arrival(self, cell, entered, bumped):
-        """(next number, reward, terminated)."""
         reward = self.rules.get("step_reward", 0.0) + (self.rules.get("bump_reward", 0.0) if bumped else 0.0)
         if self.rules.get("rewards") == "leaving":
             reward += self.pays(cell)
@@ -131,7 +128,6 @@ class GridModel:
         return self.number(landed), reward, self.is_terminal(landed)
 
     def reached(self):
-        """The non-terminal cells that an episode can reach."""
         reached, to_visit = set(self.starts), list(self.starts)
         while to_visit:
             cell = to_visit.pop()

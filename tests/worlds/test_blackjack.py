@@ -1,4 +1,4 @@
-"""The exact table of blackjack, compared with Gymnasium's own game and the book's figure 5.2."""
+"""The exact table of blackjack."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def steps(kwargs, episodes: int, seed: int) -> Iterator[tuple[str, int, str, flo
 
 
 def unlikely(counts: np.ndarray, expected: np.ndarray) -> float:
-    """Return the probability of a χ² at least as large as for these counts. Rare cells are combined."""
+    """Return the probability of a χ² at least as large. Rare cells are combined."""
     rare = expected < 5.0
     if rare.any():
         counts = np.append(counts[~rare], counts[rare].sum())
@@ -111,7 +111,7 @@ def test_sizes():
 
 @pytest.mark.parametrize(("showing", "bust"), [(6, 0.4231), (10, 0.2121), (1, 0.1153)])
 def test_how_often_the_dealer_goes_bust(showing, bust):
-    """The known value, to four digits, for an infinite deck and a dealer who stands on soft 17."""
+    """The known value for an infinite deck and a dealer who stands on soft 17."""
     ends = dealer_showing(showing)
     assert sum(ends.values()) == pytest.approx(1.0)
     assert sum(p for hand, p in ends.items() if hand.sum > 21) == pytest.approx(bust, abs=1e-4)
@@ -126,7 +126,6 @@ def test_hands():
 
 
 def threshold(mdp: TabularMDP, greedy: np.ndarray, showing: int, ace: str) -> int:
-    """The lowest sum from which the optimal policy sticks."""
     sticks = []
     for total in range(21, 10, -1):
         name = f"{total}, {showing}, {ace}"
@@ -150,7 +149,7 @@ def test_the_optimal_policy_is_that_of_figure_5_2():
 
 @pytest.mark.parametrize(("kwargs", "value"), zip(RULES, [-0.043113, -0.025729, -0.046556], strict=True))
 def test_what_a_game_is_worth(kwargs, value):
-    """Our own number to six digits, consistent with 2,000 games of the optimal policy."""
+    """Our own number, consistent with 2,000 games of the optimal policy."""
     mdp = table(**kwargs)
     solution = solve(mdp, 1.0)
     assert solution.value_at_start == pytest.approx(value, abs=1e-6)

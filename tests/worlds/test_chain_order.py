@@ -1,4 +1,4 @@
-"""The worlds that are chains, and the order of their states."""
+"""The worlds that are chains."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from rl_tui.worlds.sections.chain import Move, chain_order
 
 
 def walk(action: str = "walk", states: int = 5) -> list[Move]:
-    """Each inner state leads to both neighbours. The ends have the largest numbers."""
     row = [states - 2, *range(states - 2), states - 1]
     return [
         Move(row[place], action, {row[place - 1]: 0.5, row[place + 1]: 0.5}) for place in range(1, states - 1)
@@ -16,7 +15,6 @@ def walk(action: str = "walk", states: int = 5) -> list[Move]:
 
 
 def choices(states: int = 5) -> list[Move]:
-    """Left and right mostly lead to smaller and larger numbers."""
     return [
         Move(state, action, {state - 1: 0.9 - 0.8 * goes_right, state + 1: 0.1 + 0.8 * goes_right})
         for state in range(1, states - 1)

@@ -1,4 +1,4 @@
-"""Tables of maps, compared with a plain model that works cell by cell."""
+"""Tables of maps against a plain model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ LETTERS = "....S#HG<>^vAXCT"
 
 @st.composite
 def random_grids(draw):
-    """The raw table of a small map with every feature of maps."""
     rows, columns = draw(st.integers(1, 5)), draw(st.integers(1, 5))
     cells = [[draw(st.sampled_from(LETTERS)) for _ in range(columns)] for _ in range(rows)]
     places = draw(st.permutations([(row, column) for row in range(rows) for column in range(columns)]))

@@ -13,7 +13,6 @@ from rl_tui.common.interrupts import INTERRUPTS, is_interrupt, note_interrupts
 
 @pytest.fixture(autouse=True)
 def usual(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Use Python's own handler, and restore the previous one."""
     monkeypatch.setattr(INTERRUPTS, "came", False)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield

@@ -1,4 +1,4 @@
-"""Our table against the real Gymnasium lake, both stepped with the same actions."""
+"""Our table against the real Gymnasium lake."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ LEAST_PLAUSIBLE = 0.001
 
 @pytest.fixture
 def lakes(request):
-    """The table and the real environment of one shipped scenario."""
     scenario = find(request.param)
     environment = gymnasium.make(scenario.section.id, **scenario.section.kwargs)
     yield scenario.build(np.random.default_rng(0)).mdp, environment
@@ -27,7 +26,6 @@ def lakes(request):
 
 
 def expected_of(mdp, pair):
-    """Return the probability of each (next state, reward, terminated). Equal outcomes are combined."""
     expected = Counter()
     for o in mdp.outcomes_of(pair):
         expected[int(mdp.next_state[o]), float(mdp.reward[o]), bool(mdp.terminated[o])] += mdp.probability[o]
@@ -43,7 +41,6 @@ def drawn(mdp, pair, generator):
 
 
 def chi_squared(observed, expected):
-    """The statistic of one pair and its degrees of freedom."""
     total = sum(observed.values())
     statistic = sum((observed[key] - total * p) ** 2 / (total * p) for key, p in expected.items())
     return statistic, len(expected) - 1

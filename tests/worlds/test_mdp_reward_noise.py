@@ -1,4 +1,4 @@
-"""Noise on the rewards of an [mdp] table, and the effects of another seed."""
+"""Noise on the rewards of an [mdp] table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The file of an edited world differs from the original only in the edits."""
+"""The files of edited worlds."""
 
 from __future__ import annotations
 
@@ -108,7 +108,6 @@ def drawn(text: str, edits: str = "") -> Draft:
 
 
 def changed_lines(old: str, new: str) -> tuple[list[str], list[str]]:
-    """Return the removed lines and the new ones."""
     lines = list(unified_diff(old.splitlines(), new.splitlines(), n=0, lineterm=""))[2:]
     return [each[1:] for each in lines if each[0] == "-"], [each[1:] for each in lines if each[0] == "+"]
 

@@ -17,8 +17,6 @@ from rl_tui.worlds.files.scenario import read_scenario
 
 @pytest.fixture
 def world(tmp_path):
-    """Return a function: the text of a file → its world."""
-
     def world_of(content: str, seed: int = 0):
         path = tmp_path / "mine.toml"
         path.write_text(content, encoding="utf-8")

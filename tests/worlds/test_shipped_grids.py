@@ -1,4 +1,4 @@
-"""The shipped maps, tables and chains have the values of the literature and of plain counting."""
+"""Shipped worlds have the values of the literature."""
 
 from __future__ import annotations
 
@@ -30,7 +30,6 @@ def solved(world: World, gamma: float) -> Solution:
 
 
 def values_of(world: World, gamma: float) -> dict[str, float]:
-    """Return V* of every state that has actions."""
     v = solved(world, gamma).v
     return {
         name: v[state] for state, name in enumerate(world.space.state_names) if world.space.pairs_of(state)
@@ -38,7 +37,6 @@ def values_of(world: World, gamma: float) -> dict[str, float]:
 
 
 def best_of(name: str) -> tuple[float, float | None]:
-    """Return V* at the start and the undiscounted return of that policy, at the scenario's own γ."""
     world = built(name)
     solution = solved(world, gamma_of(name))
     assert world.mdp is not None

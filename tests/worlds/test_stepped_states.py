@@ -1,4 +1,4 @@
-"""Environments without a table: their states, state names, and drawings."""
+"""The states of environments without a table."""
 
 from __future__ import annotations
 

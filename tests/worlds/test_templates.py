@@ -1,4 +1,4 @@
-"""Templates of new scenarios: valid files, with mazes and lakes that can be solved."""
+"""Templates of new scenarios."""
 
 from __future__ import annotations
 

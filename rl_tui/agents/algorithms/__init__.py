@@ -1,1 +1,1 @@
-"""Learning algorithms, one per module, each written like its box in Sutton & Barto (2nd ed.)."""
+"""Learning algorithms, each written like its box in Sutton & Barto (2nd ed.)."""

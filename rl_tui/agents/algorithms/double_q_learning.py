@@ -16,10 +16,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """The memory of Double Q-learning: two tables, and the number of updates of each pair in each, [P].
-
-    `q` is the mean of both tables. It is displayed, and actions are chosen by it.
-    """
+    """Two tables and their numbers of updates, [P]. Their mean `q` is shown and acted on."""
 
     q: FloatArray
     visits: IntArray
@@ -30,7 +27,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits. Both tables start with these estimates."""
+    """Wrap existing estimates and visits. Both tables start with the estimates."""
     return Memory(q, visits, q.copy(), q.copy(), visits.copy(), visits.copy())
 
 
@@ -47,14 +44,14 @@ def _learn(
     # else:                 Q₂(S,A) ← Q₂(S,A) + α [R + γ Q₁(S′, argmax_a Q₂(S′,a)) − Q₂(S,A)]
     pair = experience.pair
     memory.visits[pair] += 1
-    # One draw serves twice: the rest below or above 0.5, doubled, is again uniform on [0, 1)
+    # One draw serves twice: its rest below or above 0.5, doubled, is uniform again
     draw = uniform(generator)
     first_table = draw < 0.5
     learning = memory.q1 if first_table else memory.q2
     judging = memory.q2 if first_table else memory.q1
     updates = memory.updates1 if first_table else memory.updates2
     rest = 2.0 * draw if first_table else 2.0 * draw - 1.0
-    # The sample average is the mean of one table's targets, so each table counts its own updates
+    # The sample average is the mean of one table's targets
     updates[pair] += 1
     alpha = step_size(params, updates[pair])
     bootstrap, bootstrap_state = 0.0, NO_STATE

@@ -1,7 +1,7 @@
-"""Tabular Dyna-Q (Sutton & Barto, 2nd ed., box on page 164): Q-learning that also learns from a model.
+"""Tabular Dyna-Q (Sutton & Barto, 2nd ed., box on page 164).
 
-The model is deterministic: it returns the last observed outcome. In a stochastic world, planning therefore
-pulls the estimates towards one of several outcomes, more strongly with more planning steps.
+The model returns the last observed outcome. In a stochastic world, planning therefore pulls the estimates
+towards one of several outcomes.
 """
 
 from __future__ import annotations
@@ -21,12 +21,11 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """The memory of Dyna-Q.
+    """Estimates, visits and a model.
 
-    The model of each pair, [P], is the last observed `model_reward` and `model_next` state. `model_next` is
-    −2 for the end of the episode and −1 for a pair that was never taken. The first ``observed_count[0]``
-    entries of `observed`, [S], are the visited states. From first_pair[s] on, `tried`, [P], lists the
-    ``tried_count[s]`` pairs taken in state s, in the order of their first use.
+    The last observed outcome of a pair is `model_reward` and `model_next`, [P], with −2 for the end of the
+    episode and −1 for a pair never taken. The first ``observed_count[0]`` entries of `observed`, [S], are the
+    visited states. From first_pair[s] on, `tried`, [P], lists the ``tried_count[s]`` pairs taken in state s.
     """
 
     q: FloatArray
@@ -40,7 +39,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits, with an empty model."""
+    """Wrap existing estimates and visits, with an empty model."""
     return Memory(
         q,
         visits,
@@ -82,8 +81,7 @@ def learn_and_practise(
 ) -> Update:
     """Learn from a step, then from n steps of the model, and return the update of the real step.
 
-    Each of the n draws picks an observed state. Its fractional part, which is uniform again, picks an action
-    taken there.
+    Each draw picks an observed state, and its fractional part, uniform again, the action.
     """
     q, visits = memory.q, memory.visits
     # Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]

@@ -15,14 +15,14 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """The memory of Expected SARSA: an estimate and a count for each pair, [P]."""
+    """An estimate and a count for each pair, [P]."""
 
     q: FloatArray
     visits: IntArray
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits."""
+    """Wrap existing estimates and visits."""
     return Memory(q, visits)
 
 

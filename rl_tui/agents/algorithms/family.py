@@ -16,7 +16,7 @@ NO_STATE: Final = -1
 
 
 class Experience(NamedTuple):
-    """One step in the environment: state, pair, reward, next state and end of the episode."""
+    """One step in the environment."""
 
     state: int
     pair: int
@@ -27,22 +27,16 @@ class Experience(NamedTuple):
 
 
 class Update(NamedTuple):
-    """The result of learning from one step: `pair` moved from `before` to `after` by `step_size`.
+    """The result of learning from one step: `pair` moved from `before` to `after`.
 
     The target is `gathered` + `discount` · `bootstrap`, and after = before + step_size · (target − before). A
     one-step method gathers the reward and discounts by γ. An n-step method gathers a discounted sum and
     discounts by γⁿ.
 
     Args:
-        pair: The pair, or −1 if nothing was updated.
-        before: Its estimate before the update.
-        step_size: The step size.
-        gathered: The sum of rewards in the target.
-        discount: The factor of the bootstrap.
-        bootstrap: An estimate from before the update.
-        bootstrap_state: The state of that estimate; −1 for none, and for planners, which read several.
-        after: Its estimate after the update.
-        others: Number of further updates of the same step (traces, planning).
+        pair: −1 if nothing was updated.
+        bootstrap_state: −1 for none, and for planners, which read several.
+        others: Number of further updates of the step (traces, planning).
         extreme: The new estimate with the largest magnitude, to detect divergence.
         table: 1 or 2 for algorithms with two tables, else 0.
     """
@@ -83,13 +77,7 @@ def no_update() -> Update:
 
 @inlined
 def with_others(update: Update, others: int, extreme: float) -> Update:
-    """Return `update` with the number of other updates in the same step.
-
-    Args:
-        update: The update to report.
-        others: Number of other updates.
-        extreme: The new estimate with the largest magnitude.
-    """
+    """Add the other updates of a step, and their `extreme`."""
     return Update(
         update.pair,
         update.before,
@@ -113,19 +101,9 @@ def further(extreme: float, estimate: float) -> float:
 
 @inlined_by_type
 def act(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    """Choose the pair to take in `state`.
+    """Choose the pair to take in `state`. Return it, and True if it was drawn to explore.
 
-    Most algorithms derive the choice from Q. Those that chose on arrival have their own member.
-
-    Args:
-        memory: Memory of the algorithm.
-        rule: Rule of the policy.
-        tables: Tables of the world.
-        state: Current state.
-        generator: Stream of the learner.
-
-    Returns:
-        The pair, and True if it was drawn to explore.
+    Algorithms that chose on arrival have their own member.
     """
     first, last = pairs_of(tables, state)
     return choose(rule, memory.q, memory.visits, first, last, generator)
@@ -133,10 +111,9 @@ def act(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator
 
 @inlined_by_type
 def on_override(memory: Any, tables: Tables, state: int, pair: int) -> None:
-    """Note that a person takes `pair` in `state` instead of the agent.
+    """Note, before the step, that a person takes `pair` instead of :func:`act`.
 
-    It is called instead of :func:`act`, before the step. Most algorithms do nothing: they learn from the
-    taken pair, and the next choice replaces the one made on arrival.
+    Most algorithms do nothing: the next choice replaces the one made on arrival.
     """
     return
 
@@ -150,18 +127,10 @@ def learn(
     experience: Experience,
     generator: Generator,
 ) -> Update:
-    """Update the memory with one step.
+    """Update the memory in place with one step.
 
     After a terminated step the bootstrap is 0. After a truncated one the algorithm still bootstraps, but its
     memory of the episode ends too.
-
-    Args:
-        memory: Memory of the algorithm, changed in place.
-        rule: Rule of the policy.
-        params: Hyper-parameters.
-        tables: Tables of the world.
-        experience: The step.
-        generator: Stream of the learner.
     """
     raise NotImplementedError
 
@@ -174,15 +143,14 @@ def has_room(memory: Any) -> bool:
 
 @inlined_by_type
 def back_up(memory: Any, params: KernelParameters, tables: Tables, state: int, sweep: int) -> Update:
-    """Back up `state` in a planner's sweep, counted from 0.
+    """Back up `state` in a sweep, from 0, and return the update of its best pair.
 
-    Returns:
-        The update of the best pair. ``others`` counts the other pairs of the state that moved.
+    Other pairs that moved count as ``others``.
     """
     raise NotImplementedError
 
 
 @inlined_by_type
 def has_converged(memory: Any, params: KernelParameters) -> bool:
-    """Return True, at the end of a sweep, if the planner is finished."""
+    """Return True, after a sweep, if the planner is finished."""
     raise NotImplementedError

@@ -1,7 +1,7 @@
 """Every-visit Monte Carlo control (Sutton & Barto, 2nd ed., section 5.4, after the box on page 101).
 
-There are two differences from the box. The box learns only from first visits, and by the average. And it has
-no time limit: a truncated episode bootstraps here, which Monte Carlo in the book never does.
+The box learns only from first visits, and by the average. It has no time limit: a truncated episode
+bootstraps here.
 """
 
 from __future__ import annotations
@@ -22,11 +22,9 @@ MOST_REMEMBERED: Final = 1_000_000
 
 
 class Memory(NamedTuple):
-    """The memory of Monte Carlo control.
+    """Estimates, visits and updates, [P], and `pairs` and `rewards` of the current episode.
 
-    It holds estimates, visits and updates of each pair, [P], and `pairs` and `rewards` of the current
-    episode. These have room for the time limit, at most a million steps. `length`, [1], is the number of
-    steps so far.
+    There is room for the time limit, at most a million steps, of which ``length[0]`` are used.
     """
 
     q: FloatArray
@@ -38,7 +36,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits. Earlier visits count as updates."""
+    """Wrap existing estimates and visits. Earlier visits count as updates."""
     room = min(space.time_limit or MOST_REMEMBERED, MOST_REMEMBERED)
     return Memory(
         q,
@@ -72,9 +70,8 @@ def _learn(
 ) -> Update:
     """Store the step. At the end of the episode, update all its pairs, the last one first.
 
-    After truncation the rest of the return is unknown. Taking it as 0 would make the time limit a terminal
-    state, so the expected value of the policy replaces it. It is discounted separately from the rewards. The
-    returned update belongs to the first step, whose target is the return of the episode.
+    After truncation, the expected value of the policy replaces the rest of the return: 0 would make the time
+    limit a terminal state. The returned update belongs to the first step of the episode.
     """
     memory.visits[experience.pair] += 1
     memory.pairs[memory.length[0]] = experience.pair

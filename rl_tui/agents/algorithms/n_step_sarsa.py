@@ -29,11 +29,11 @@ _ROOM: Final = MOST_STEPS + 1
 
 
 class Memory(NamedTuple):
-    """The memory of n-step SARSA.
+    """Estimates, visits and updates, [P], and recent steps.
 
-    It holds estimates, visits and updates of each pair, [P]. `pairs` A_t and `rewards` R_{t+1} of recent
-    steps are ring buffers: step t is at t modulo their size. `time`, [2], is t, the steps taken, and τ, the
-    next step to update. `chosen` is A′; see :mod:`rl_tui.agents.algorithms.shared.next_action`.
+    Ring buffers are `pairs` A_t and `rewards` R_{t+1}: step t is at t modulo their size. In `time`, [2], are
+    t, the steps taken, and τ, the next step to update. A′ is `chosen`; see
+    :mod:`rl_tui.agents.algorithms.shared.next_action`.
     """
 
     q: FloatArray
@@ -46,7 +46,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits. Earlier visits count as updates."""
+    """Wrap existing estimates and visits. Earlier visits count as updates."""
     return Memory(
         q,
         visits,
@@ -96,10 +96,8 @@ def _learn(
 def _update(
     memory: Memory, params: KernelParameters, due: int, last: int, time: int, experience: Experience
 ) -> Update:
-    """Update the pair of step `due` with the rewards up to step `last`.
-
-    The reported bootstrap state is the one where `experience` ends. This is right for the last update of a
-    step; the others are only counted.
+    """Update the pair of step `due` with the rewards up to step `last`. The bootstrap state is right only for
+    the last update of a step.
     """
     # G ← Σ γ^(i−τ−1) R_i for i from τ+1 to min(τ+n, T)
     gathered, discount = 0.0, 1.0

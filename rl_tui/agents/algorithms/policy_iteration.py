@@ -1,12 +1,11 @@
 """Policy iteration with evaluation in place (Sutton & Barto, 2nd ed., section 4.3, box on page 80).
 
-The first policy takes all actions equally (Figure 4.1). If all states can reach an end, it ends with
-probability 1, so it has values at γ = 1. Otherwise, values at γ = 1 may grow without bound. The policy of a
-state changes only if that gains something. Without this rule it could alternate between equally good policies
-forever (exercise 4.4), or reach one that never ends at γ = 1.
+The first policy takes all actions equally (Figure 4.1). If all states can reach an end, it has values at γ =
+1, otherwise they may grow without bound. A policy changes only if that gains something. It could alternate
+between equally good policies forever (exercise 4.4), or reach one that never ends at γ = 1.
 
-A user can order the next sweep. Then the policy may improve before the evaluation has converged (generalized
-policy iteration, section 4.6).
+After a user's order, it may improve before the evaluation has converged (generalized policy iteration,
+section 4.6).
 """
 
 from __future__ import annotations
@@ -42,21 +41,21 @@ NO_ORDER: Final = -1
 
 
 class Memory(NamedTuple):
-    """The memory of policy iteration.
+    """Estimates, the policy, and progress in arrays of one number.
 
     Args:
-        q: Estimates, [P].
-        visits: Number of backups of each pair, [P].
-        v: Value of each state under the policy, [S]; 0 for states without pairs.
+        q: [P].
+        visits: Number of backups, [P].
+        v: [S]; 0 for states without pairs.
         policy: Probability of each pair, [P].
-        phase: 0 in an evaluation, 1 in an improvement, [1].
-        policies: Number of the policy, from 1, [1].
-        improved: States whose policy changed in the improvement, [1].
-        ordered: Phase of the next sweep if a person ordered one, else −1, [1].
+        phase: 0 in an evaluation, 1 in an improvement.
+        policies: Number of the policy, from 1.
+        improved: States whose policy changed in the improvement.
+        ordered: Phase ordered for the next sweep, or −1.
         number: See :class:`rl_tui.agents.algorithms.shared.backups.Sweep`.
-        sweeps: Sweeps of the current evaluation, [1].
-        change: Largest change in the last evaluation; infinite if the policy has changed since, [1].
-        gamma: Discount of the last evaluation, [1].
+        sweeps: Sweeps of the current evaluation.
+        change: Largest change in the last evaluation; infinite if the policy has changed since.
+        gamma: Discount of the last evaluation.
     """
 
     q: FloatArray
@@ -74,7 +73,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits."""
+    """Wrap existing estimates and visits."""
     each = np.diff(space.first_pair)
     v = np.zeros(space.states)
     v[each > 0] = np.add.reduceat(q, space.first_pair[:-1][each > 0]) / each[each > 0]
@@ -86,7 +85,7 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 
 
 def phase_of(memory: Memory) -> SweepPhase | None:
-    """Return the phase of the current or last sweep; None before the first."""
+    """Return the phase of the last sweep; None before the first."""
     return None if memory.number[0] < 0 else SWEEP_PHASES[int(memory.phase[0])]
 
 
@@ -96,12 +95,12 @@ def order(memory: Memory, phase: SweepPhase) -> None:
 
 
 def ordered(memory: Memory) -> SweepPhase | None:
-    """Return the phase that was ordered for the next sweep, or None."""
+    """Return the phase ordered for the next sweep, or None."""
     return None if memory.ordered[0] == NO_ORDER else SWEEP_PHASES[int(memory.ordered[0])]
 
 
 def describe(memory: Memory) -> str:
-    """Return the progress of the current sweep as text. Empty before the first."""
+    """Return the progress as text. Empty before the first sweep."""
     if memory.number[0] < 0:
         return ""
     policy, is_next = f"policy {memory.policies[0]:,}", ordered(memory)
@@ -151,7 +150,7 @@ def take_turns(memory: Memory, progress: Sweep, params: KernelParameters) -> Non
 
 @compiled
 def evaluate(memory: Memory, progress: Sweep, params: KernelParameters, tables: Tables, state: int) -> Update:
-    """Update the value of `state` under the policy, and return the update of the pair it takes."""
+    """Update the value of `state`, and return the update of its policy's pair."""
     first, last = pairs_of(tables, state)
     taken = ANY
     for pair in range(first, last):
@@ -169,7 +168,7 @@ def evaluate(memory: Memory, progress: Sweep, params: KernelParameters, tables: 
 
 @compiled
 def improve(memory: Memory, progress: Sweep, params: KernelParameters, tables: Tables, state: int) -> Update:
-    """Make the policy of `state` greedy if that gains something. Values do not change."""
+    """Make the policy of `state` greedy if that gains something."""
     update = back_up_pairs(memory.q, memory.visits, memory.v, params, tables, state, ANY)
     note_change(progress, params, 0.0)
     first, last = pairs_of(tables, state)

@@ -1,8 +1,7 @@
-"""Prioritized sweeping (Sutton & Barto, 2nd ed., box on page 170): planning backwards from large changes.
+"""Prioritized sweeping (Sutton & Barto, 2nd ed., box on page 170).
 
-The model is deterministic: it returns the last observed outcome, even in a stochastic world. All learning
-happens in planning, so zero planning steps learn nothing. A queued pair keeps its highest priority. With
-equal priorities, the lower pair number comes first.
+The model returns the last observed outcome. All learning happens in planning, so zero planning steps learn
+nothing. A queued pair keeps its highest priority.
 """
 
 from __future__ import annotations
@@ -33,12 +32,11 @@ NONE = -1
 
 
 class Memory(NamedTuple):
-    """The memory of prioritized sweeping.
+    """Estimates, visits, a model and a :class:`rl_tui.agents.algorithms.shared.priority_queue.Queue`.
 
-    The model of each pair, [P], is the last observed `model_reward` and `model_next` state. `model_next` is
-    −2 for the end of the episode and −1 for a pair that was never taken. The pairs leading to state s form a
-    doubly linked list: `leading`, [S], is its first pair, `link_next` and `link_previous`, [P], the
-    neighbours, −1 for none. The rest is the :class:`rl_tui.agents.algorithms.shared.priority_queue.Queue`.
+    The last observed outcome of a pair is `model_reward` and `model_next`, [P], with −2 for the end of the
+    episode and −1 for a pair never taken. The pairs leading to state s form a doubly linked list: `leading`,
+    [S], is its first pair, `link_next` and `link_previous`, [P], the neighbours, −1 for none.
     """
 
     q: FloatArray
@@ -55,7 +53,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits, with an empty model."""
+    """Wrap existing estimates and visits, with an empty model."""
     pairs = space.pairs
     return Memory(
         q,
@@ -87,7 +85,7 @@ def _learn(
 def remember_and_sweep(
     memory: Memory, params: KernelParameters, tables: Tables, pair: int, reward: float, next_state: int
 ) -> Update:
-    """Add a step to the model and plan. Return the first update, of the most urgent pair."""
+    """Add a step to the model and plan. Return the first update."""
     # Model(S,A) ← R, S′
     if memory.model_next[pair] != next_state:
         relink(memory, pair, next_state)
@@ -135,7 +133,7 @@ def consider(memory: Memory, queue: Queue, params: KernelParameters, tables: Tab
 
 @inlined
 def relink(memory: Memory, pair: int, next_state: int) -> None:
-    """Make the model of `pair` lead to `next_state` (−2 for the end) instead of its old one."""
+    """Make the model of `pair` lead to `next_state` (−2 for the end)."""
     former = memory.model_next[pair]
     if former >= 0:
         ahead, behind = memory.link_previous[pair], memory.link_next[pair]

@@ -1,7 +1,6 @@
 """Watkins's Q(λ) (Sutton & Barto, 2nd ed., section 12.10): Q-learning with traces.
 
-A trace is valid only while the greedy policy is followed, so all traces are cut before a non-greedy action.
-An action with the best estimate is greedy, even if it was drawn to explore.
+Traces are cut before a non-greedy action. One with the best estimate is greedy, even if drawn to explore.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ class Memory(TracedMemory):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits, without traces."""
+    """Wrap existing estimates and visits, without traces."""
     return Memory(*no_traces(q, visits, space))
 
 

@@ -15,9 +15,8 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """The memory of SARSA: an estimate and a count for each pair, [P], and A′, [2].
-
-    For `chosen` see :mod:`rl_tui.agents.algorithms.shared.next_action`.
+    """An estimate and a count for each pair, [P], and A′, [2]; see
+    :mod:`rl_tui.agents.algorithms.shared.next_action`.
     """
 
     q: FloatArray
@@ -26,7 +25,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits."""
+    """Wrap existing estimates and visits."""
     return Memory(q, visits, nothing_chosen())
 
 

@@ -20,7 +20,7 @@ class Memory(TracedMemory):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits, without traces."""
+    """Wrap existing estimates and visits, without traces."""
     return Memory(*no_traces(q, visits, space))
 
 

@@ -27,11 +27,9 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """The memory of value iteration.
+    """Estimates, and the :class:`rl_tui.agents.algorithms.shared.backups.Sweep`.
 
-    `q` and `visits`, the number of backups, are [P]. `v`, [S], is the greatest estimate of each state, 0
-    without pairs. The rest is the :class:`rl_tui.agents.algorithms.shared.backups.Sweep`, with the change of
-    `v`.
+    Backups of `q`, [P], are counted in `visits`, [P]. The greatest estimate is `v`, [S], or 0.
     """
 
     q: FloatArray
@@ -44,7 +42,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory for existing estimates and visits."""
+    """Wrap existing estimates and visits."""
     v = np.zeros(space.states)
     own = np.diff(space.first_pair) > 0
     v[own] = np.maximum.reduceat(q, space.first_pair[:-1][own])
@@ -52,7 +50,7 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 
 
 def describe(memory: Memory) -> str:
-    """Return the progress of the current sweep as text. Empty before the first."""
+    """Return the progress as text. Empty before the first sweep."""
     if not memory.sweeps[0]:
         return ""
     return f"sweep {memory.sweeps[0]:,}: {change_in_words(memory.change)}"

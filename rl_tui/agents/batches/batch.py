@@ -1,4 +1,4 @@
-"""A batch of runs: many seeds of one setting, in worlds of equal shape."""
+"""A batch of runs: many seeds of one setting."""
 
 from __future__ import annotations
 
@@ -42,25 +42,22 @@ _NONE: Final = -1
 
 
 class DrawnWorld(NamedTuple):
-    """A world drawn from a seed, and the streams of that seed afterwards."""
+    """A world drawn from a seed, and the streams afterwards."""
 
     mdp: TabularMDP
     streams: Streams
 
 
 class RunBatch:
-    """Runs of one algorithm with one setting and many seeds.
+    """Runs of one algorithm with one setting and many seeds, in machine code.
 
-    Results equal those of a :class:`~rl_tui.agents.learner.Learner`, bit for bit. A batch needs machine code;
-    see :func:`rl_tui.agents.compiling.loops.compile_here`.
+    Results equal those of a :class:`~rl_tui.agents.learner.Learner`, bit for bit.
 
     Args:
-        algorithm: Id of the algorithm.
-        hyperparameters: Setting of all runs.
-        seeds: Seed of each run, [B].
+        seeds: [B].
         world: The common world, or one per run with equal numbers of states, pairs and outcomes.
-        steps: Steps after which a run is finished.
-        episodes: Episodes after which a run is finished, if earlier.
+        steps: Length of a run in steps.
+        episodes: Length in episodes, if earlier.
         curve_episodes: Number of episodes in the curve.
         width: Episodes per bin of the curve.
         mark_episodes: Rising numbers of episodes after which estimates are stored.
@@ -113,7 +110,7 @@ class RunBatch:
         self._next = 0
 
     def advance(self, budget: int) -> bool:
-        """Take about `budget` steps, without the GIL. Return True if there is more to do."""
+        """Take about `budget` steps, without the GIL. Return True if there are more."""
         marks = self._mark_episodes, self._mark_estimates
         if self._even is not None:
             return bool(
@@ -127,7 +124,7 @@ class RunBatch:
         return self._next < len(self._runs.stop)
 
     def _of_own_pairs(self, values: Array) -> Array:
-        """Return the part of `values`, […, P], that belongs to pairs of the real world."""
+        # [… P] → the pairs of the real world
         return values if self._even is None else values[..., self._even.places]
 
     @property
@@ -137,7 +134,7 @@ class RunBatch:
 
     @property
     def visits(self) -> IntArray:
-        """Number of times each pair was taken, [B, P]."""
+        """Visits of each pair, [B, P]."""
         return self._of_own_pairs(cast("IntArray", self._runs.memory.visits))
 
     @property
@@ -151,24 +148,24 @@ class RunBatch:
         return max(int(self.steps.max()), int(self._seats.step[: int(self._seats.taken[0])].max(initial=0)))
 
     def done(self) -> tuple[int, int]:
-        """Return the total steps and episodes of all runs."""
+        """Return the steps and episodes of all runs."""
         seats, taken = self._seats, slice(0, int(self._seats.taken[0]))
         steps, episodes = int(seats.step[taken].sum()), int(seats.episode[taken].sum())
         return steps + int(self.steps.sum()), episodes + int(self.episodes.sum())
 
     @property
     def stop(self) -> IntArray:
-        """Reason why each run stopped, a number of :class:`Stop`, [B]."""
+        """Number of a :class:`Stop` of each run, [B]."""
         return self._runs.stop
 
     @property
     def steps(self) -> IntArray:
-        """Steps taken, [B]. Runs that take turns show 0 until they are finished."""
+        """Steps taken, [B]; 0 in unfinished runs that take turns."""
         return self._runs.position.step[:, 0]
 
     @property
     def episodes(self) -> IntArray:
-        """Finished episodes, [B]. Runs that take turns show 0 until they are finished."""
+        """Finished episodes, [B]; 0 in unfinished runs that take turns."""
         return self._runs.position.episodes[:, 0]
 
     @property
@@ -178,28 +175,28 @@ class RunBatch:
 
     @property
     def marks_passed(self) -> IntArray:
-        """Number of marks that each run has reached, [B]."""
+        """Number of marks reached, [B]."""
         return self._runs.marks
 
     @property
     def digest(self) -> Digest:
-        """Summary of the episodes, with one row per run."""
+        """Summary of the episodes, one row per run."""
         return self._runs.digest
 
     @property
     def drift(self) -> Drift:
-        """Drift of bandit means, with one row per run."""
+        """Drift of bandit means, one row per run."""
         return self._runs.drift
 
     def drifted(self, run: int) -> Drifted | None:
-        """Return the regret figures of `run` if means drift, else None."""
+        """Return the regret of `run` if means drift, else None."""
         drift = self._runs.drift
         return drifted_by(Drift(*(part[run] for part in drift)))
 
     def recent_means(self) -> tuple[FloatArray, FloatArray]:
-        """Return mean return and mean length of the last 100 episodes, [B] each.
+        """Return mean return and length of the last 100 episodes, [B] each, or NaN.
 
-        Sums are exact and rounded once. A run without episodes gets NaN.
+        Sums are exact and rounded once.
         """
         returns, lengths = np.full((2, len(self.stop)), np.nan)
         fastest(mean_recent)(self._runs.digest, self.episodes, returns, lengths)
@@ -216,23 +213,12 @@ class RunBatch:
 
 
 def batching_of(mdp: TabularMDP, *, is_shared: bool) -> Batching:
-    """Return how runs in `mdp` are batched.
-
-    Args:
-        mdp: The world.
-        is_shared: True if all runs share it.
-    """
+    """Return how runs in `mdp` are batched."""
     return Batching.IN_TURN if is_shared and with_four_actions(mdp) else Batching.ONE_BY_ONE
 
 
 def compile_batch(algorithm: str, hyperparameters: Hyperparameters, batching: Batching) -> None:
-    """Compile the loop of a batch, or read it from the cache.
-
-    Args:
-        algorithm: Id of the algorithm.
-        hyperparameters: Setting, which names the policy.
-        batching: Kind of batch.
-    """
+    """Compile the loop of a batch, or read it from the cache."""
     mdp = smallest_mdp() if batching is Batching.ONE_BY_ONE else smallest_of_four()
     RunBatch(algorithm, hyperparameters, [0], mdp, steps=0).advance(0)
 
@@ -251,7 +237,7 @@ def _agent_in(
 
 
 def _streams_of(seeds: Sequence[int], drawn: Sequence[Streams]) -> tuple[WordArray, WordArray]:
-    """Return memory and addresses of the streams of `seeds`. `drawn` streams are continued."""
+    """Return memory and addresses of streams. `drawn` ones are continued."""
     memory, address = streams_of(seeds)
     for index, both in enumerate(drawn):
         copy_streams(both, memory[index])

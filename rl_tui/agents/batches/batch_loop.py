@@ -1,4 +1,4 @@
-"""The compiled loop over the runs of a batch, which uses the loop of a single run."""
+"""The compiled loop over the runs of a batch."""
 
 from __future__ import annotations
 
@@ -22,11 +22,10 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 class Runs(NamedTuple):
-    """The data of B runs, with one row each. They share one setting.
+    """The data of B runs with one setting, one row each.
 
-    `tables` has one row per world, and `world`, [B], is the row of each run. `address`, [B, 2], locates the
-    streams of world and learner. `stop`, [B], is the reason of the last return, and `marks`, [B], the number
-    of marks passed.
+    World `world`, [B], is a row of `tables`. The streams of world and learner are at `address`, [B, 2]. Each
+    run has passed `marks`, [B].
     """
 
     memory: Any
@@ -44,7 +43,7 @@ class Runs(NamedTuple):
 
 
 class Shared(NamedTuple):
-    """Scratch memory that the runs of a batch use in turn."""
+    """Scratch memory for one run at a time."""
 
     log: EpisodeLog
     record: StepRecord
@@ -63,21 +62,10 @@ def advance_runs(
     episodes: int,
     budget: int,
 ) -> int:
-    """Advance the runs one after the other, until each has reached its goal.
+    """Advance the runs one after the other until each has reached its goal.
 
-    Args:
-        runs: Data of all runs, changed in place.
-        shared: Scratch memory.
-        generator: Any generator. Only its type matters.
-        mark_episodes: Episodes after which estimates are stored, [K].
-        mark_estimates: Receives these estimates, [B, K, P].
-        first: Run to start with.
-        steps: Goal in steps.
-        episodes: Goal in episodes.
-        budget: Approximate number of steps in this call.
-
-    Returns:
-        The run to continue with, or B when all have finished or failed.
+    Returns the run to continue with after about `budget` steps, or B. Estimates after `mark_episodes`, [K],
+    go to `mark_estimates`, [B, K, P]. Only the type of `generator` matters.
     """
     for run in range(first, len(runs.stop)):
         memory, rule = row(runs.memory, run), row(runs.rule, run)

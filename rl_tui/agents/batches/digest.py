@@ -1,4 +1,4 @@
-"""The summary of a run's episodes in a batch, of constant size."""
+"""The summary of a run's episodes, of constant size."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ RECENT: Final = 100
 class Digest(NamedTuple):
     """Summary of the finished episodes of a run.
 
-    `total_return`, [1], is the sum of all returns. `recent_returns` and `recent_lengths`, [100], are ring
-    buffers: episode k (from 0) is at k modulo 100. `curve` has the first `episodes` in bins of `width`.
+    Ring buffers are `recent_returns` and `recent_lengths`, [100]: episode k (from 0) is at k modulo 100. The
+    first `episodes` are in `curve`, in bins of `width`.
     """
 
     total_return: FloatArray
@@ -32,7 +32,7 @@ class Digest(NamedTuple):
 
 
 def new_digest(episodes: int, width: int) -> Digest:
-    """Return an empty summary with a curve of `episodes` (possibly 0) in bins of `width`."""
+    """Return an empty summary."""
     bins = -(-episodes // width)
     return Digest(
         np.zeros(1),
@@ -46,10 +46,7 @@ def new_digest(episodes: int, width: int) -> Digest:
 
 @for_kernels
 def digest_episodes(digest: Digest, log: EpisodeLog, done: int) -> None:
-    """Add the episodes of `log`, which follow `done` earlier ones.
-
-    They are summed in the same order as in a single run.
-    """
+    """Add the episodes after `done` earlier ones, in the order of a single run."""
     total, curve = digest.total_return[0], digest.curve
     for index in range(log.finished[0]):
         episode = done + index

@@ -1,4 +1,4 @@
-"""Worlds with four actions in every state, as most maps have. Kernels then know this number."""
+"""Worlds with four actions in every state, as most maps have."""
 
 from __future__ import annotations
 
@@ -17,10 +17,9 @@ ACTIONS: Final = 4
 
 
 class FourActions(Tables):
-    """Tables of a world in which state s owns the pairs 4 s .. 4 s + 4, including terminal states.
+    """Tables of a world in which state s owns the pairs 4 s .. 4 s + 3, even if terminal.
 
-    With a constant number of actions, machine code needs no loops over them. Runs that take turns are a third
-    faster.
+    Machine code needs no loops over actions, so runs that take turns are a third faster.
     """
 
     __slots__ = ()
@@ -32,7 +31,7 @@ def _pairs_of(tables: FourActions, state: int) -> tuple[int, int]:
 
 
 class FourActionWorld(NamedTuple):
-    """A world with pairs for terminal states too, and the index of each real pair, [P]."""
+    """A world with pairs for terminal states, and the index of each real pair, [P]."""
 
     mdp: TabularMDP
     places: IntArray
@@ -40,7 +39,7 @@ class FourActionWorld(NamedTuple):
 
 @lru_cache(maxsize=8)
 def with_four_actions(mdp: TabularMDP) -> FourActionWorld | None:
-    """Return `mdp` with four pairs in every state, or None for bandits and other numbers of actions."""
+    """Return `mdp` with four pairs in every state, or None for others and bandits."""
     own = np.diff(mdp.first_pair)
     if is_bandit(mdp) or not set(own.tolist()) <= {0, ACTIONS}:
         return None
@@ -82,7 +81,7 @@ def with_four_actions(mdp: TabularMDP) -> FourActionWorld | None:
 
 
 def smallest_of_four() -> TabularMDP:
-    """Return the smallest world with four actions in every state that is not a bandit."""
+    """Return the smallest world of this kind."""
     transitions = [
         Transition(state, action, [Outcome(1.0, 1 - state, 0.0, terminated=bool(state))])
         for state in (0, 1)

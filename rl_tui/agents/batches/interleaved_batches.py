@@ -1,4 +1,4 @@
-"""Runs that take turns, one step each: while one waits for memory, the processor works on the others."""
+"""Runs that take turns: while one waits for memory, the processor works on others."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ SEATS: Final = 4
 class Seats(NamedTuple):
     """The state of the runs that take turns, one seat each, [M]. The first `taken`, [1], are in use.
 
-    `run` is the run of each seat, and `waiting`, [1], the next run without a seat. A run needs attention
-    after `until_episode` episodes, or because of `stop`. `returns` and `lengths`, [M, L], hold its latest
-    `logged` episodes. `run` and `state` are unsigned; see :class:`Tables`.
+    The next run without a seat is `waiting`, [1]. A run needs attention after `until_episode` episodes, or
+    for `stop`. Its latest `logged` episodes are in `returns` and `lengths`, [M, L]. Indices are unsigned; see
+    :class:`Tables`.
     """
 
     run: IndexArray
@@ -93,9 +93,9 @@ def advance_in_turn(
     episodes: int,
     budget: int,
 ) -> bool:
-    """Advance all runs in turn; otherwise like :func:`~rl_tui.agents.batches.batch_loop.advance_runs`.
+    """Advance all runs in turn, like :func:`~rl_tui.agents.batches.batch_loop.advance_runs`.
 
-    All runs share one world, which is not a bandit. Returns True if there is more to do.
+    They share one world, not a bandit. Returns True if there is more to do.
     """
     tables = row(runs.tables, 0)
     while True:
@@ -120,8 +120,7 @@ def advance_in_turn(
 def take_rounds(runs: Runs, seats: Seats, tables: Any, generator: Generator, taken: int, rounds: int) -> int:
     """Let the first `taken` seats take turns for `rounds`, or until a run needs attention.
 
-    Each round is a step of the loop in :func:`rl_tui.agents.kernels.loop.advance`. Returns the number of
-    rounds done.
+    Returns the rounds done, each a step as in :func:`rl_tui.agents.kernels.loop.advance`.
     """
     drift = row(runs.drift, 0)
     # Shared data is read once, since policies that learn are for bandits only
@@ -209,7 +208,7 @@ def _look_after(
     steps: int,
     episodes: int,
 ) -> None:
-    """Sum up the episodes of a run, store estimates at a mark, and free the seat of a finished run."""
+    # Sums up its episodes, stores estimates at a mark, and frees the seat of a finished run
     run, episode = _index(seats.run, seat), seats.episode[seat]
     digest, position = row(runs.digest, run), row(runs.position, run)
     logged = seats.logged[seat : seat + 1]
@@ -233,7 +232,7 @@ def _look_after(
     position.episodes[0] = episode
     position.first_reward_episode[0] = seats.first_reward_episode[seat]
     runs.stop[run] = seats.stop[seat]
-    # The last seat moves here. It was handled already, because seats are visited in reverse order
+    # The last seat moves here. It was handled already, because seats are visited in reverse
     last = seats.taken[0] - 1
     seats.taken[0] = last
     _move(seats, last, seat)
@@ -241,7 +240,6 @@ def _look_after(
 
 @inlined
 def _move(seats: Seats, origin: int, seat: int) -> None:
-    """Copy a run, whose episodes are summed up, from seat `origin` to `seat`."""
     seats.run[seat] = seats.run[origin]
     seats.step[seat] = seats.step[origin]
     seats.episode[seat] = seats.episode[origin]

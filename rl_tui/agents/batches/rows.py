@@ -1,4 +1,4 @@
-"""NamedTuples of many runs stacked into one, whose arrays have one row per run."""
+"""NamedTuples stacked into one, with one row per run."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ def stacked(parts: Sequence[Part], counts: Sequence[int]) -> Part:
 
 @inlined
 def row(stack: Any, run: int) -> Any:
-    """Return row `run` of a stacked NamedTuple as views, for kernels of a single run."""
+    """Return row `run` of a stacked NamedTuple as views."""
     return type(stack)(*(row(each, run) if isinstance(each, tuple) else each[run] for each in stack))
 
 
 @inlined
 def generator_at(generator: Generator, address: int) -> Generator:
-    """Return a generator like `generator` with its state at `address`.
+    """Return a generator with its state at `address`, in machine code only.
 
-    Machine code only; see :func:`rl_tui.agents.batches.seeding.streams_of`.
+    See :func:`rl_tui.agents.batches.seeding.streams_of`.
     """
     raise NotImplementedError

@@ -1,8 +1,7 @@
 """The random streams of many seeds at once: the PCG64 states that NumPy would create.
 
-It implements the hash of M. E. O'Neill, "Developing a seed_seq Alternative" (2015), as in NumPy's
-SeedSequence, and the seeding of PCG64, for the streams of :func:`rl_tui.common.streams.streams`. NumPy's
-objects take 0.1 ms per seed, a third of the time for a thousand episodes.
+The hash of M. E. O'Neill, "Developing a seed_seq Alternative" (2015), as in NumPy's SeedSequence, and the
+seeding of PCG64. NumPy's objects take 0.1 ms per seed, a third of the time for a thousand episodes.
 """
 
 from __future__ import annotations
@@ -34,11 +33,9 @@ _MULTIPLIER: Final = (0xF645, 0x9FCC, 0xDF64, 0x4385, 0x5DA4, 0x1FC6, 0xED05, 0x
 
 
 def streams_of(seeds: Sequence[int]) -> tuple[WordArray, WordArray]:
-    """Return the streams of `seeds`.
+    """Return the streams of `seeds`: memory, [B, 2, 6] words, and addresses, [B, 2].
 
-    Returns:
-        Memory of the streams, [B, 2, 6] words, and their addresses, [B, 2]. World comes first, then learner.
-        Addresses are valid as long as the memory exists.
+    World comes first, then learner. Addresses are valid as long as the memory exists.
     """
     memory = _aligned(len(seeds))
     seeded = np.array([min(seed, MOST_SEED) for seed in seeds], np.int64)
@@ -53,7 +50,7 @@ def streams_of(seeds: Sequence[int]) -> tuple[WordArray, WordArray]:
 
 
 def copy_streams(origin: Streams, memory: WordArray) -> None:
-    """Copy the current state and increment of both streams of `origin` into `memory`, [2, 6]."""
+    """Copy state and increment of both streams into `memory`, [2, 6]."""
     for stream, generator in enumerate(origin):
         state = generator.bit_generator.state["state"]
         for place, number in ((0, state["state"]), (2, state["inc"])):
@@ -62,13 +59,13 @@ def copy_streams(origin: Streams, memory: WordArray) -> None:
 
 
 def _put_in_order(memory: WordArray) -> None:
-    """Convert `memory`, [..., 6], from low word first to this NumPy's order."""
+    # [..., 6], from low word first to this NumPy's order
     if not has_low_word_first():
         memory[..., :4] = memory[..., [1, 0, 3, 2]]
 
 
 def _aligned(seeds: int) -> WordArray:
-    """Return memory for the streams of `seeds` seeds, aligned to 16 bytes for 128-bit integers."""
+    # Aligned to 16 bytes for 128-bit integers
     words = np.zeros(seeds * STREAMS * WORDS + 1, np.uint64)
     first = words.ctypes.data // 8 % 2
     return words[first : first + seeds * STREAMS * WORDS].reshape(seeds, STREAMS, WORDS)
@@ -92,7 +89,7 @@ def seed_streams(seeds: IntArray, pool: IntArray, limbs: IntArray, memory: WordA
 
 @for_kernels
 def _mix(seed: int, stream: int, pool: IntArray) -> None:
-    """Hash `seed` and the number of the `stream` into `pool`, [4] numbers of 32 bits."""
+    # Into `pool`, [4] numbers of 32 bits
     constant = 0x43B0D7E5
     for place in range(_POOL):
         word = (seed >> 32 * place) & _MASK if place < 2 else 0
@@ -122,7 +119,6 @@ def _mixed(one: int, other: int) -> int:
 
 @for_kernels
 def _seed_pcg64(pool: IntArray, limbs: IntArray, words: WordArray) -> None:
-    """Write the PCG64 state and increment seeded by `pool` into the first four of `words`."""
     state, increment, product = limbs[0], limbs[1], limbs[2]
     constant = 0x8B51F9DD
     for place in range(2 * _POOL):

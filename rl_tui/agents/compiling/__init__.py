@@ -1,1 +1,1 @@
-"""Machine code: read from the cache, compiled by a worker process, or compiled here."""
+"""Machine code: from the cache, a worker process, or compiled here."""

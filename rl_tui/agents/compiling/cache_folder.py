@@ -1,4 +1,4 @@
-"""The folder of machine code on disk, which copies of the program can share."""
+"""The folder of machine code, which copies of the program can share."""
 
 from __future__ import annotations
 
@@ -27,20 +27,19 @@ _OURS: Final = re.compile(r"\d[\w.+]*-[0-9a-f]{16}")
 def cache_folder() -> Path:
     """Return the folder of machine code for this state of the sources, numba and NumPy.
 
-    Numba only checks the file of the compiled function. A changed helper in another file would leave stale
-    code. Inside the folder, numba separates processors and versions of Python.
+    Numba only checks the file of the compiled function, not of its helpers.
     """
     return base_folder() / KERNELS / cache_key()
 
 
 @cache
 def takes_code() -> bool:
-    """Return True if machine code can be stored. A kiosk only reads code compiled earlier."""
+    """Return True if machine code can be stored. A kiosk only reads it."""
     return not in_kiosk() and _writable(cache_folder())
 
 
 def _writable(folder: Path) -> bool:
-    """Create `folder` if needed, and return True if it is writable. This updates its time."""
+    # Its time is updated too
     try:
         with closed_to_others():
             folder.mkdir(parents=True, exist_ok=True)
@@ -53,17 +52,14 @@ def _writable(folder: Path) -> bool:
 
 
 def note_compiled(loop: Loop) -> None:
-    """Note that machine code of `loop` is in the cache, if possible."""
+    """Record that machine code of `loop` is in the cache, if possible."""
     if takes_code():
         with suppress(OSError):
             _note_of(loop).touch()
 
 
 def was_compiled(loop: Loop) -> bool:
-    """Return True if machine code of `loop` should be in the cache, perhaps for another processor.
-
-    This is fast and needs no numba.
-    """
+    """Return True if machine code of `loop` should be in the cache, perhaps for another processor."""
     return _note_of(loop).exists()
 
 
@@ -73,10 +69,7 @@ def _note_of(loop: Loop) -> Path:
 
 
 def remove_unfinished(now: float) -> None:
-    """Remove partial files that killed processes wrote over an hour before `now`.
-
-    `now` is in seconds, as in file times.
-    """
+    """Remove partial files written over an hour before `now`, in seconds."""
     if takes_code():
         for file in (*cache_folder().glob("*/*.tmp.*"), *cache_folder().glob("writable-*")):
             with suppress(OSError):
@@ -85,11 +78,7 @@ def remove_unfinished(now: float) -> None:
 
 
 def prune(kernels: Path, current: Path, now: float) -> None:
-    """Remove folders in `kernels` that were unused for thirty days, except `current`.
-
-    `now` is in seconds, as in file times. A program still running on an old folder has its code in memory and
-    compiles the rest again.
-    """
+    """Remove folders unused for thirty days before `now`, in seconds, except `current`."""
     with suppress(OSError):
         for folder in kernels.iterdir():
             is_ours = _OURS.fullmatch(folder.name) and folder.is_dir() and not folder.is_symlink()

@@ -1,8 +1,8 @@
 """The key of the machine code: a hash over all modules that can influence it.
 
 Numba freezes everything that a kernel reads from modules: code of helpers, constants, indices. So the key
-covers every module with marked functions, the compiler module, the module of native replacements, and all
-their imports. It is a superset, since some of them only prepare arrays.
+covers every module with marked functions, the compiler module, the native replacements, and all their
+imports.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ _FOR_TYPES: Final = re.compile(rb"^if TYPE_CHECKING:\n(?:(?:[ \t].*)?\n)*", re.M
 
 
 def cache_key(package: Path = PACKAGE) -> str:
-    """Return a name made of numba's version and a hash over NumPy's version and the sources.
+    """Return numba's version with a hash over NumPy's version and the sources.
 
-    It does not depend on the location of `package`. It takes about 5 ms.
+    The location of `package` does not matter.
     """
     from importlib.metadata import PackageNotFoundError, version
 
@@ -55,7 +55,7 @@ def cache_key(package: Path = PACKAGE) -> str:
 
 
 def kernel_sources(package: Path = PACKAGE) -> dict[str, bytes]:
-    """Return the source of every module that the key depends on, by module name."""
+    """Return the source of every module of the key, by name."""
     files = dict(_modules(package))
     room = ".".join(DECORATORS.split(".")[:2])
     read = {module: Path(file).read_bytes() for module, file in files.items() if module.startswith(room)}

@@ -1,6 +1,6 @@
-"""Compilation of kernels with numba. Only this module and ``machine_cache.py`` use numba's compiler.
+"""Compilation of kernels with numba, which takes half a second to import.
 
-Importing takes half a second and compiles nothing. A process without machine code never imports it.
+Only this module and ``machine_cache.py`` use its compiler. A process without machine code never imports it.
 """
 
 from __future__ import annotations
@@ -31,11 +31,7 @@ warnings.simplefilter("ignore", NumbaIRAssumptionWarning)
 def _keep_written(
     write: Any, args: Any, typemap: Any, func_ir: Any, alias_map: Any, arg_aliases: set[str]
 ) -> None:
-    """Tell numba's dead-code elimination that the array of `write` belongs to an argument.
-
-    Numba follows the arguments of inlined functions, but not always their results. It would silently remove
-    writes to an array of a returned NamedTuple.
-    """
+    # Numba's dead-code elimination would remove writes to an array of a returned NamedTuple
     arg_aliases.add(write.target.name)
 
 
@@ -43,11 +39,7 @@ alias_analysis_extensions[ir.SetItem] = _keep_written
 
 
 def _borrow_generator(kind: Any, generator: Any, context: Any) -> Any:
-    """Pass `generator` to a kernel without a reference that would never be released.
-
-    Numba allocates 64 bytes per call and frees them only in reference-counted code, which kernels are not.
-    The caller holds the generator during the call.
-    """
+    # Without the 64 bytes that Numba allocates per call and never frees. The caller holds the generator
     if context.context.enable_nrt:
         return boxing.unbox_numpy_random_generator(kind, generator, context)
     context.pyapi.nrt_meminfo_new_from_pyobject = lambda *_: cgutils.voidptr_t(None)
@@ -79,10 +71,9 @@ def dispatcher_of(function: Callable[..., Any]) -> Dispatcher:
 
 
 def entry(function: Callable[..., Any], *example: Any) -> Callable[..., Any]:
-    """Return the machine code of `function` for exactly the types of `example`.
+    """Return the machine code of `function` for exactly the types of `example`, made now if needed.
 
-    It is compiled or read from the cache if needed. Calls skip the type check, which is slow for a dozen
-    arrays: 8 µs instead of 31. Other types give undefined results.
+    Calls skip the type check: 8 µs instead of 31 for a dozen arrays. Other types give undefined results.
     """
     machine_code: Callable[..., Any] = dispatcher_of(function).compile(
         tuple(numba.typeof(each) for each in example)
@@ -91,7 +82,7 @@ def entry(function: Callable[..., Any], *example: Any) -> Callable[..., Any]:
 
 
 def _take_in_marks() -> None:
-    """Register everything marked since the last call with numba. One thread at a time."""
+    # One thread at a time
     for function in INLINED:
         if function not in _KNOWN:
             _inline(function, NATIVE.get(function) or always(function))
@@ -117,8 +108,6 @@ def _take_in_marks() -> None:
 
 
 def _choice(family: Family) -> Callable[..., Callable[..., Any] | None]:
-    """Return a function that selects a member of `family` by the type of the first argument."""
-
     def chosen(first: Any, *_: object) -> Callable[..., Any] | None:
         is_known = isinstance(first, types.BaseNamedTuple)
         return family.members.get(first.instance_class, family.otherwise) if is_known else None
@@ -127,12 +116,7 @@ def _choice(family: Family) -> Callable[..., Callable[..., Any] | None]:
 
 
 def _inline(function: Callable[..., Any], implementation: Callable[..., Any]) -> None:
-    """Make compiled code inline the result of `implementation`, called with argument types.
-
-    This equals numba's ``overload(function, inline="always")``, but is faster. Numba types inlined code again
-    at every call and level. Here this happens once per types. Numba also compiles it separately, only as a
-    check. Here the surrounding code is the check.
-    """
+    # As numba's `overload(function, inline="always")`, but types the inlined code only once
     template = make_overload_template(function, implementation, {}, strict=False, inline="always")
     type_anew, known = template.generic, dict[Any, Any]()
 
@@ -149,11 +133,8 @@ def _inline(function: Callable[..., Any], implementation: Callable[..., Any]) ->
 
 
 def _only_typed(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Act like ``numba.njit`` for a function that is typed but never compiled separately.
-
-    If numba ignores this flag, the function is merely compiled as well.
-    """
-
+    # As `numba.njit`, for a function that is typed but never compiled separately. If numba ignores this flag,
+    # it is merely compiled as well
     def decorate(function: Callable[..., Any]) -> Any:
         dispatcher = numba.njit(**options)(function)
         # numba's disable_compile requires a compiled signature

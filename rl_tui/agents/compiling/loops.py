@@ -1,6 +1,6 @@
 """Machine code for the loops of all agents, from the cache or compiled here.
 
-Of the processes that share a cache, only one compiles at a time.
+Only one of the processes that share a cache compiles at a time.
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ from rl_tui.worlds.mdp.tabular_mdp import smallest_mdp
 
 
 class CompilerLock(FileLock):
-    """The lock of the compiling process. A ``with`` block releases it if it was acquired."""
+    """The lock of the compiling process, released by a ``with`` block."""
 
     def __init__(self) -> None:
         super().__init__(cache_folder() / "compiling")
 
     def acquire(self) -> bool:
-        """Take the lock, and return False while another process holds it.
+        """Take the lock, or return False while another process holds it.
 
-        If the cache cannot store anything, waiting is pointless and everyone gets the lock.
+        Everyone gets it if the cache cannot store anything.
         """
         try:
             return not takes_code() or super().acquire()
@@ -73,8 +73,7 @@ LOOKED_FOR_EVERY: Final = 0.1
 LONGEST_WAIT: Final = 300.0
 """Seconds after which a compiling process counts as stopped, for example by ctrl+Z."""
 
-# Marks exist once their module is imported. All programs must find the same in the cache, whatever they
-# imported
+# Marks exist once their module is imported. All programs must find the same in the cache
 _CALLED_FROM_PYTHON: Final = (
     "rl_tui.agents.batches.digest",
     "rl_tui.agents.batches.seeding",
@@ -109,7 +108,7 @@ def all_loops() -> Iterator[Loop]:
 
 
 def all_batches() -> Iterator[Loop]:
-    """Yield every loop for batches: agents that learn in worlds with a table."""
+    """Yield every loop for batches: agents in worlds with a table."""
     for loop in all_loops():
         if loop.policy and not loop.stepped:
             yield loop._replace(batching=Batching.ONE_BY_ONE)
@@ -118,10 +117,9 @@ def all_batches() -> Iterator[Loop]:
 
 
 def compile_here(loop: Loop) -> CodeOrigin:
-    """Get machine code for `loop`, from the cache or by compiling.
+    """Get machine code for `loop`, from the cache or by compiling, for the smallest world.
 
-    Code does not depend on the world, so it is compiled for the smallest one. Of the processes that share a
-    cache, one compiles. The others wait for its result without importing numba.
+    Other processes with the same cache compile nothing meanwhile. They wait without importing numba.
 
     Raises:
         KeyError: The algorithm or policy does not exist.
@@ -141,7 +139,7 @@ def compile_here(loop: Loop) -> CodeOrigin:
 
 
 def compile_in_turn(loop: Loop, is_there: Callable[[], bool] = lambda: False) -> CodeOrigin:
-    """Compile `loop` once no other process compiles, unless `is_there` returns True first."""
+    """Compile `loop` in turn with other processes, unless `is_there` returns True first."""
     longest = time.monotonic() + LONGEST_WAIT
     with CompilerLock() as lock:
         while not is_there():
@@ -170,7 +168,7 @@ def compile_alone(loop: Loop) -> CodeOrigin:
 
 
 def load(loop: Loop) -> bool:
-    """Read machine code for `loop` from the cache. Return False if it is missing or incomplete."""
+    """Read machine code from the cache, or return False if anything is missing."""
     if ALWAYS_INTERPRETED or not cache_folder().is_dir():
         return False
     from rl_tui.agents.compiling.machine_cache import NotCachedError, only_loading
@@ -195,7 +193,7 @@ def _make(loop: Loop) -> None:
 
 
 def compile_what_all_share() -> None:
-    """Get machine code for everything that runs need in addition to their loop."""
+    """Get machine code for all that runs need besides their loop."""
     for module in _CALLED_FROM_PYTHON:
         import_module(module)
     use_machine_code_from_python()
@@ -203,11 +201,7 @@ def compile_what_all_share() -> None:
 
 
 def learner_of(loop: Loop) -> Learner:
-    """Return a learner in the smallest world that runs `loop`.
-
-    Raises:
-        KeyError: The algorithm or policy does not exist.
-    """
+    """Return a learner in the smallest world, or raise KeyError."""
     algorithm, policy = BY_ID[loop.algorithm].id, loop.policy and POLICY_BY_ID[loop.policy].id
     hyperparameters = Hyperparameters(policy=policy) if policy else Hyperparameters()
     if loop.stepped:
@@ -217,8 +211,6 @@ def learner_of(loop: Loop) -> Learner:
 
 
 class _Nowhere:
-    """An environment with one state, in which no step is ever taken."""
-
     def reset(self, seed: int | None = None) -> int:
         return 0
 

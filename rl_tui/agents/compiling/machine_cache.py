@@ -34,11 +34,11 @@ if CACHED:
 
 
 class NotCachedError(Exception):
-    """The cache lacks this machine code, and compiling is not allowed here."""
+    """Missing machine code that must not be compiled here."""
 
 
 class Saves:
-    """Counts of machine code that this process compiled and stored."""
+    """Counts of machine code compiled and stored by this process."""
 
     kept = 0
     """Number of functions, each for some types, that were stored."""
@@ -50,8 +50,6 @@ SAVES: Final = Saves()
 
 
 class _Thread(threading.local):
-    """The mode of one thread."""
-
     only_loads = False
 
 
@@ -69,10 +67,7 @@ def only_loading() -> Iterator[None]:
 
 
 class _Shared(_CacheLocator):  # type: ignore[misc]
-    """The cache location of our own functions, independent of the installation path.
-
-    Numba uses the path of the file and its hash; here the folder name contains the hash.
-    """
+    """The cache location of our own functions, independent of the installation path."""
 
     def __init__(self, function: Callable[..., Any], file: str) -> None:
         self._py_file = file  # numba's warnings print it
@@ -149,10 +144,7 @@ class _FinishedCache(FunctionCache):  # type: ignore[misc]
 
 
 def _for_types(sig: Any, found: CompileResult | None) -> CompileResult | None:
-    """Return `found` if it fits the types of `sig`, else None, or raise NotCachedError if required.
-
-    Two programs that save at the same moment may use the same number for different types.
-    """
+    # Raises NotCachedError if required
     if found is not None and tuple(found.signature.args) == tuple(normalize_signature(sig)[0]):
         return found
     if _THREAD.only_loads:
@@ -162,10 +154,7 @@ def _for_types(sig: Any, found: CompileResult | None) -> CompileResult | None:
 
 @contextmanager
 def _saving_alone() -> Iterator[None]:
-    """Wait until no other process saves, because simultaneous saves would lose index entries.
-
-    It waits a few seconds at most, and not at all without file locks.
-    """
+    # Parallel saves would lose index entries, so wait a few seconds at most
     lock = FileLock(FOLDER / "saving")
     try:
         with suppress(OSError):
@@ -178,6 +167,6 @@ def _saving_alone() -> Iterator[None]:
 
 
 def cache_of(function: Callable[..., Any]) -> FunctionCache:
-    """Return the cache for the machine code of `function`. It must exist (``CACHED``)."""
+    """Return the existing cache for the machine code of `function`."""
     with closed_to_others():
         return (_FinishedCache if READ_ONLY else _ForgivingCache)(function)

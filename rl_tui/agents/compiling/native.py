@@ -1,8 +1,8 @@
 """Replacements for some inlined functions in machine code, mainly PCG64.
 
 M. E. O'Neill, *PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for Random Number
-Generation* (2014): a 128-bit linear congruential generator with XSL-RR output. Its state stays in NumPy's
-generator.
+Generation* (2014): a 128-bit linear congruential generator with XSL-RR output. NumPy's generator keeps the
+state.
 """
 
 from __future__ import annotations
@@ -29,8 +29,7 @@ _I64, _I128 = ir.IntType(64), ir.IntType(128)
 
 
 def _next_uniform(context: Any, generator: Any) -> Any:
-    """Step the PCG64 of `generator`, and return the upper 53 bits of its output as a number in [0, 1)."""
-
+    # The upper 53 bits of the output, as a number in [0, 1)
     def generate(target: Any, builder: Any, signature: Any, args: Any) -> Any:
         struct = cgutils.create_struct_proxy(generator)(target, builder, value=args[0])
         bits = cgutils.create_struct_proxy(_BITS)(target, builder, value=struct.bit_generator)
@@ -52,8 +51,6 @@ def _next_uniform(context: Any, generator: Any) -> Any:
 
 
 def _with_state_at(context: Any, generator: Any, address: Any) -> Any:
-    """Return `generator` with the state at `address` instead of its own."""
-
     def generate(target: Any, builder: Any, signature: Any, args: Any) -> Any:
         struct = cgutils.create_struct_proxy(generator)(target, builder, value=args[0])
         bits = cgutils.create_struct_proxy(_BITS)(target, builder, value=struct.bit_generator)
@@ -83,7 +80,7 @@ def _generator_at(generator: Generator, address: int) -> Generator:
 
 
 def _row_of(stack: Any, _: Any) -> Implementation:
-    """Return a function that takes a row of this NamedTuple type, generated field by field."""
+    # Generated field by field
     names = list(stack.instance_class._fields)
     parts = [
         f"row(stack.{name}, run)" if isinstance(part, types.BaseNamedTuple) else f"stack.{name}[run]"
@@ -96,7 +93,7 @@ def _row_of(stack: Any, _: Any) -> Implementation:
 
 
 def always(implementation: Implementation) -> Callable[..., Implementation]:
-    """Return a chooser that ignores types and returns `implementation`."""
+    """Return a chooser that ignores types."""
     return lambda *_: implementation
 
 

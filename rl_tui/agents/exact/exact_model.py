@@ -1,4 +1,4 @@
-"""A finite MDP for exact solvers: in extended precision, with one common end state."""
+"""A finite MDP in extended precision, with one end state."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ ExtendedArray = npt.NDArray[np.longdouble]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExactModel:
-    """Data of `mdp` shared by the solvers.
+    """Data of `mdp` for the solvers, in numpy's long double.
 
-    State number S represents all ends: terminated outcomes lead there. Value arrays are [S+1] and contain the
-    value of the end, normally 0. `live` lists the N states with pairs. Probabilities are scaled to sum to 1
-    in each pair. Numbers are numpy's long double, which is more precise than a float on most machines.
+    State S is the end of all terminated outcomes. Value arrays are [S+1]. `live` lists the N states with
+    pairs. Probabilities of each pair are scaled to sum to 1.
     """
 
     mdp: TabularMDP
@@ -50,17 +49,9 @@ class ExactModel:
         return np.diff(self.mdp.first_pair)[self.live]
 
     def advantage(self, v: ExtendedArray, gamma: float) -> ExtendedArray:
-        """Return q(s, a) − v(s) of every pair (equation 4.6).
+        """Return q(s, a) − v(s), [P] (equation 4.6), for `v`, [S+1].
 
-        It sums differences of values. These keep the digits that γ v(s′) − v(s) would lose for γ near 1 and
-        large values.
-
-        Args:
-            v: State values, [S+1].
-            gamma: Discount, 0 to 1.
-
-        Returns:
-            Advantages, [P].
+        Differences keep the digits that γ v(s′) − v(s) would lose for γ near 1.
         """
         own = v[self.pair_state]
         gain = self.probability * (self.reward + gamma * (v[self.landing] - own[self.outcome_pair]))
@@ -68,24 +59,16 @@ class ExactModel:
         return summed - (1.0 - np.longdouble(gamma)) * own
 
     def best(self, of_pairs: ExtendedArray) -> ExtendedArray:
-        """Return the highest of the pair values, [P], in every live state, [N]."""
+        """Return the highest pair value, [P], in every live state, [N]."""
         highest: ExtendedArray = np.maximum.reduceat(of_pairs, self.mdp.first_pair[self.live])
         return highest
 
     def steps_to(self, goals: Iterable[int], usable: BoolArray) -> IntArray:
-        """Return the fewest possible steps from each state to one of `goals`.
-
-        Args:
-            goals: States, possibly the end.
-            usable: True for pairs that may be taken, [P].
-
-        Returns:
-            Steps, [S+1]; −1 if no goal can be reached.
-        """
+        """Return the fewest steps, [S+1], to one of `goals` by `usable` pairs, [P], or −1."""
         return self._ways(usable).steps_to(goals)
 
     def endless(self, usable: BoolArray) -> IntArray:
-        """Return the live states, [n], from which `usable` pairs, [P], never lead to an end, in order."""
+        """Return the live states, [n], that `usable` pairs, [P], never end."""
         may_end = self._ways(usable).leading_to(np.array([self.end]))
         return self.live[~may_end[self.live]]
 
@@ -95,7 +78,7 @@ class ExactModel:
 
 
 class Ways:
-    """Edges between states, `source` to `target`, [n] each, for backward searches."""
+    """Edges between states, [n], for backward searches."""
 
     def __init__(self, source: IntArray, target: IntArray, states: int) -> None:
         ways = np.sort(target * states + source)
@@ -105,7 +88,7 @@ class Ways:
         self._states = states
 
     def steps_to(self, goals: Iterable[int]) -> IntArray:
-        """Return the fewest steps, [S+1], from each state to one of `goals`, or −1."""
+        """Return the fewest steps, [S+1], to one of `goals`, or −1."""
         before, first = self._before.tolist(), self._first.tolist()
         steps = [-1] * self._states
         queue = list(goals)
@@ -119,7 +102,7 @@ class Ways:
         return np.array(steps, dtype=np.int64)
 
     def leading_to(self, goals: IntArray) -> BoolArray:
-        """Return the states that can reach one of `goals`, [n], including the goals, [S+1]."""
+        """Return the states, [S+1], that can reach one of `goals`, [n], and these."""
         return reachable(self._first, self._before, goals)
 
 

@@ -1,7 +1,6 @@
-"""Exact arithmetic with integer polynomials: signs, sign variations and common factors.
+"""Exact arithmetic with integer polynomials.
 
-A polynomial is the tuple of its coefficients, constant first. The last one is not 0; the polynomial 0 is
-empty.
+A polynomial is the tuple of its coefficients, constant first, without trailing zeros.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ LOOK_EVERY: Final = 3
 
 
 def polynomial(coefficients: Iterable[int]) -> Polynomial:
-    """Return the polynomial with these coefficients, without trailing zeros."""
+    """Return the polynomial with these coefficients."""
     kept = list(coefficients)
     while kept and not kept[-1]:
         kept.pop()
@@ -34,7 +33,7 @@ def primitive(given: Polynomial) -> Polynomial:
 
 
 def scaled_value(given: Sequence[int], at: Fraction) -> int:
-    """Return the value at `at`, times its denominator to the power len(given) − 1, as an integer."""
+    """Return the value at `at`, times its denominator to the power len(given) − 1."""
     numerator, denominator = at.numerator, at.denominator
     value, scale = 0, 1
     for coefficient in reversed(given):
@@ -52,14 +51,8 @@ def sign_at(given: Polynomial, at: Fraction) -> int:
 def variations(given: Polynomial, lower: Fraction, upper: Fraction) -> int:
     """Return Descartes' bound of the number of roots between the bounds.
 
-    It counts the sign changes among the coefficients of (1 + t)ⁿ p((lower·t + upper) / (1 + t)), whose
-    positive roots correspond to these roots. The number of roots, with multiplicity, is the bound or less by
-    an even number. So 0 and 1 are exact.
-
-    Args:
-        given: The polynomial.
-        lower: Lower bound, excluded.
-        upper: Upper bound, excluded.
+    It counts the sign changes among the coefficients of (1 + t)ⁿ p((lower·t + upper) / (1 + t)). The number
+    of roots, with multiplicity, is less by an even number. So 0 and 1 are exact.
     """
     # p(lower + (upper − lower)·s) has the wanted roots in (0, 1)
     moved = list(given)
@@ -72,7 +65,7 @@ def variations(given: Polynomial, lower: Fraction, upper: Fraction) -> int:
 
 
 def without_roots_at_ends(given: Polynomial) -> Polynomial:
-    """Remove the roots at 0 and 1 from `given`, which is not 0. Signs in between do not change."""
+    """Remove the roots at 0 and 1. Signs in between stay."""
     rest = list(given)
     while not rest[0]:
         del rest[0]
@@ -104,12 +97,10 @@ def quotient(dividend: Polynomial, divisor: Polynomial) -> Polynomial | None:
 def common_factor(one: Polynomial, other: Polynomial) -> Polynomial:
     """Return the greatest common divisor of two primitive polynomials, itself primitive.
 
-    The values at a large integer x have a greatest common divisor. Its digits in base x, from −x/2 to x/2,
-    are the coefficients of the result times a number of at most x/2. Proof that a candidate C dividing both
-    is the greatest: let C·Q be the greatest. Q(x) divides that number, so |Q(x)| ≤ x/2. Each root of Q is a
-    root of both polynomials, so at most 1 + h in size, where h is the smaller of their largest coefficients.
-    If Q were not constant, |Q(x)| ≥ x − 1 − h > x/2, as x > 2h + 2. Increasing x terminates: the common part
-    of the values beyond the divisor divides the resultant of the cofactors.
+    The digits of the common divisor of their values at a large integer x, in base x from −x/2 to x/2, give a
+    candidate. If it divides both, and x > 2h + 2 (h: the smaller of their largest coefficients), it is the
+    greatest. Proof: each root of a further common factor Q has a size of at most 1 + h, so |Q(x)| > x/2. But
+    Q(x) divides a number of at most x/2.
     """
     base = 4 * min(max(map(abs, one)), max(map(abs, other))) + 9
     while True:
@@ -121,7 +112,7 @@ def common_factor(one: Polynomial, other: Polynomial) -> Polynomial:
 
 
 def square_free(given: Polynomial) -> Polynomial:
-    """Return the primitive polynomial with the roots of the primitive `given`, each once."""
+    """Return the primitive polynomial with the roots of `given`, each once."""
     repeated = common_factor(given, primitive(derivative(given)))
     result = quotient(given, repeated)
     assert result is not None
@@ -129,7 +120,7 @@ def square_free(given: Polynomial) -> Polynomial:
 
 
 def _stretched(given: list[int], by: Fraction) -> list[int]:
-    """Return the coefficients of p(by · x), times a positive number that makes them integers."""
+    # p(by · x), times a positive number that makes it integer
     result = given
     if by.numerator != 1:
         result = list(map(mul, result, _powers(by.numerator, len(given))))
@@ -143,7 +134,7 @@ def _powers(base: int, many: int) -> list[int]:
 
 
 def _shifted_by_one(given: list[int]) -> list[int]:
-    """Return the coefficients of p(x + 1) by running sums (Horner)."""
+    # p(x + 1) by running sums (Horner)
     running = given[::-1]
     result = []
     while running:
@@ -153,10 +144,7 @@ def _shifted_by_one(given: list[int]) -> list[int]:
 
 
 def _changes_of_shifted(given: list[int]) -> int:
-    """Return the number of sign changes among the coefficients of p(x + 1), ignoring zeros.
-
-    If all remaining sums have one sign, so have the remaining coefficients.
-    """
+    # Sign changes of p(x + 1), ignoring zeros
     running = given[::-1]
     changes, last = 0, 0
     while running:
@@ -170,7 +158,7 @@ def _changes_of_shifted(given: list[int]) -> int:
 
 
 def _digits(number: int, base: int) -> Polynomial:
-    """Return the polynomial of the digits of `number`, from −base/2 to base/2, made primitive."""
+    # Digits from −base/2 to base/2, made primitive
     digits = []
     while number:
         digit = number % base

@@ -1,4 +1,4 @@
-"""The exact solution of a world: optimal values, optimal policy, and their return."""
+"""The exact solution of a world."""
 
 from __future__ import annotations
 
@@ -19,17 +19,14 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def endless_states(mdp: TabularMDP) -> BoolArray:
-    """Return the states, [S], that episodes may reach and that never end under any policy.
-
-    With a time limit there are none. For 10,000 states this takes a few milliseconds.
-    """
+    """Return the reachable states, [S], that never end under any policy."""
     return np.zeros(mdp.states, dtype=np.bool_) if mdp.time_limit else states_without_end(mdp)
 
 
 def states_without_end(mdp: TabularMDP) -> BoolArray:
-    """Return the same as :func:`endless_states`, but ignore the time limit.
+    """Return :func:`endless_states` without the time limit.
 
-    If only the time limit ends episodes, there are none, because then it is the end.
+    There are none if only the time limit ends episodes, because then it is the end.
     """
     live = _is_live(mdp)
     endless = live & ~_comes_to_an_end(mdp, np.ones(len(mdp.next_state), dtype=np.bool_))
@@ -37,10 +34,9 @@ def states_without_end(mdp: TabularMDP) -> BoolArray:
 
 
 def endless_part(mdp: TabularMDP, policy: FloatArray) -> int | None:
-    """Return a state that `policy`, [P], may reach and from which it never ends, or None.
+    """Return a state that `policy`, [P], may reach and that never ends, or None.
 
-    The time limit is ignored. A finite chain runs forever with positive probability exactly if it can reach
-    such a state, so the search over edges is exact.
+    The time limit is ignored. A finite chain runs forever with positive probability exactly if there is one.
     """
     followed = policy[mdp.outcome_pair] > 0.0
     goes_on = followed & ~mdp.terminated
@@ -52,23 +48,20 @@ def endless_part(mdp: TabularMDP, policy: FloatArray) -> int | None:
 
 
 def steps_from_start(mdp: TabularMDP) -> IntArray:
-    """Return the fewest possible steps, [S], from a start to each state, or −1.
-
-    The time limit is ignored.
-    """
+    """Return the fewest steps, [S], from a start, or −1, without a time limit."""
     ways = Ways(mdp.next_state, mdp.pair_state[mdp.outcome_pair], mdp.states)
     return ways.steps_to(mdp.start_state[mdp.start_probability > 0.0].tolist())
 
 
 def never_reached(mdp: TabularMDP) -> IntArray:
-    """Return the states, [N], that no episode can reach within the time limit, in order."""
+    """Return the states, [N], that cannot be reached within the time limit."""
     steps = steps_from_start(mdp)
     is_too_far = steps > mdp.time_limit if mdp.time_limit else np.zeros(mdp.states, dtype=np.bool_)
     return np.flatnonzero((steps < 0) | is_too_far)
 
 
 def shortest_way(mdp: TabularMDP, usable: BoolArray) -> int | None:
-    """Return the fewest possible steps from a start to an end by `usable` pairs, [P], or None.
+    """Return the fewest steps to an end by `usable` pairs, [P], or None.
 
     The time limit is ignored.
     """
@@ -79,10 +72,9 @@ def shortest_way(mdp: TabularMDP, usable: BoolArray) -> int | None:
 
 
 def staying_states(model: ExactModel, usable: BoolArray) -> BoolArray:
-    """Return the states, [S+1], in which some choice among the `usable` pairs, [P], never ends.
+    """Return the states, [S+1], where some choice among the `usable` pairs, [P], never ends.
 
-    This is the largest set in which every state has a usable pair with all outcomes inside. States without
-    such a pair are removed until none is left.
+    Each has a usable pair with all outcomes inside this largest set.
     """
     inside = model.is_live
     used = usable[model.outcome_pair]
@@ -110,7 +102,6 @@ def _is_live(mdp: TabularMDP) -> BoolArray:
 
 
 def _comes_to_an_end(mdp: TabularMDP, usable: BoolArray) -> BoolArray:
-    """Return the states, [S], from which the `usable` outcomes, [O], can lead to an end."""
     source = mdp.pair_state[mdp.outcome_pair]
     goes_on = usable & ~mdp.terminated
     ways = Ways(source[goes_on], mdp.next_state[goes_on], mdp.states)
@@ -126,11 +117,7 @@ TIE: Final = 1e-9
 def solve(mdp: TabularMDP, gamma: float, near: FloatArray | None = None) -> Solution:
     """Compute the optimal values and policy, exact to 1e-9.
 
-    Args:
-        mdp: The world.
-        gamma: Discount, 0 to 1.
-        near: Values near the best, [S], for example of a similar world. They save time and may change the
-            last digit by rounding.
+    Values `near` the best, [S], save time and may change the last digit.
 
     Raises:
         NoExactAnswer: At γ = 1 there is no best value, or γ is too close to 1 to compute it.
@@ -157,12 +144,12 @@ def solve(mdp: TabularMDP, gamma: float, near: FloatArray | None = None) -> Solu
 
 
 def greedy_return(mdp: TabularMDP, solution: Solution) -> float | None:
-    """Return the return of the greedy policy of `solution`; see :class:`Returns`."""
+    """Return the return of the greedy policy; see :class:`Returns`."""
     return expected_return(mdp, uniform_over(mdp, solution.greedy))
 
 
 def returns(mdp: TabularMDP, solution: Solution) -> Returns:
-    """Return the returns of the greedy policy of `solution`, and of the best policy."""
+    """Return both returns."""
     if mdp.time_limit:
         return Returns(greedy_return(mdp, solution), best_expected_return(mdp))
     if solution.gamma == 1.0 or bool(mdp.terminated.all()):  # discounting has no effect
@@ -177,10 +164,9 @@ def returns(mdp: TabularMDP, solution: Solution) -> Returns:
 
 
 def best_expected_return(mdp: TabularMDP) -> float | None:
-    """Return the return of the best policy that may use the elapsed time, within the time limit.
+    """Return the return of the best policy, which may use the elapsed time.
 
-    Without a time limit it is the best policy that ends with probability 1. None means that γ = 1 has no
-    answer.
+    Without a time limit it must end with probability 1; None if γ = 1 has no answer.
     """
     if mdp.time_limit:
         return mdp.average_at_start(best_values(mdp, 1.0, mdp.time_limit))
@@ -189,7 +175,7 @@ def best_expected_return(mdp: TabularMDP) -> float | None:
 
 
 def _undiscounted(model: ExactModel, start: IntArray | None) -> Optimum | None:
-    """Return the optimum at γ = 1, or None. `start`, [N] pairs, may be a good first policy."""
+    # `start`, [N] pairs, saves time
     try:
         return policy_iteration(model, 1.0, start=start)
     except NoExactAnswer:
@@ -199,15 +185,12 @@ def _undiscounted(model: ExactModel, start: IntArray | None) -> Optimum | None:
 def ending_ties(model: ExactModel, tied: BoolArray) -> BoolArray:
     """Return the `tied` pairs, [P], among which every choice ends with probability 1.
 
-    `tied` marks the best pairs of each live state at γ = 1. Some of them lead to an end from everywhere. The
-    rank of a state is the fewest possible steps to an end by tied pairs. A tied pair is dropped if it surely
-    stays among states in which some choice never ends, and none of its outcomes has a lower rank. If no
-    choice can run forever, nothing is dropped.
+    They are the best pairs of each live state at γ = 1. The rank of a state is the fewest steps to an end by
+    tied pairs. A tied pair is dropped if it stays among states in which some choice never ends, and none of
+    its outcomes has a lower rank.
 
-    Proof: a choice that may run forever would reach a closed set of states in which some choice never ends.
-    Each of its pairs was kept because of an outcome with lower rank, which is impossible for the state of
-    least rank. A choice among best pairs that ends with probability 1 attains V*, because V*(s) = E[R +
-    V*(S′)] adds up to the expected return along it.
+    Proof: a choice that may run forever would reach a closed set of such states. Each of its pairs was kept
+    because of an outcome with lower rank, which is impossible for the state of least rank.
     """
     rank = model.steps_to([model.end], tied)
     lower = rank[model.landing] < rank[model.pair_state][model.outcome_pair]

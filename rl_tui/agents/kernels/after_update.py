@@ -1,4 +1,4 @@
-"""The part of every loop after an update, and the record of steps for display."""
+"""The work of every loop after an update, and the record of steps."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _REAL: Final = [field.name for field in fields(LastStep) if field.type == "float
 class StepRecord(NamedTuple):
     """The record of recent steps.
 
-    `whole` and `real` are the fields of the last :class:`LastStep`. `td_errors` and `pairs`, [TD_ERRORS_KEPT]
-    each, are ring buffers of recent updates: update k (from 0) is at k modulo their size. ``updates[0]``
-    counts all updates.
+    The fields of the last :class:`LastStep` are in `whole` and `real`. Ring buffers are `td_errors` and
+    `pairs`, [TD_ERRORS_KEPT]: update k (from 0) is at k modulo their size. All updates are counted in
+    ``updates[0]``.
     """
 
     whole: IntArray
@@ -50,9 +50,7 @@ def new_record() -> StepRecord:
 def after_update(record: StepRecord, update: Update) -> int:
     """Store the TD error of `update`, if any. Return DIVERGED if an estimate diverged, else 0.
 
-    It is called once per step, with the reported update. Further updates of the same step (traces, model, end
-    of episode) store no TD error. Watched events depend on the start of the next step, so they are checked
-    later; see :func:`rl_tui.agents.kernels.watch.watched`.
+    Further updates of the same step (traces, model, end of episode) store none.
     """
     if update.pair >= 0:
         place = record.updates[0] % TD_ERRORS_KEPT
@@ -78,10 +76,7 @@ def record_step(
     experience: Experience,
     update: Update,
 ) -> None:
-    """Record one step and its update. `outcome` is −1 if unknown.
-
-    It is not inlined, so that all loops share its code.
-    """
+    """Record one step and its update (`outcome` −1: unknown). Not inlined, so that all loops share it."""
     whole, real = record.whole, record.real
     whole[0], whole[1], whole[2], whole[3] = step, episode, experience.state, experience.pair
     whole[4], whole[5], whole[6] = explored, outcome, experience.next_state

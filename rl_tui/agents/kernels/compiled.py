@@ -1,7 +1,6 @@
-"""Decorators that mark functions for compilation. Python still calls the plain functions.
+"""Decorators that mark functions for compilation by ``jit.py``. Python still calls the plain functions.
 
-So every kernel has an interpreted form with the same bits, without a compiler. This module knows nothing of
-numba; ``jit.py`` compiles the marked functions.
+So every kernel has an interpreted form with the same bits, without numba.
 """
 
 from __future__ import annotations
@@ -45,10 +44,9 @@ def compiled(function: Callable[Parameters, Result]) -> Callable[Parameters, Res
 def compiled_for(
     example: Callable[[], tuple[Any, ...]],
 ) -> Callable[[Callable[Parameters, Result]], Callable[Parameters, Result]]:
-    """Mark a function as :func:`compiled`, and as called from Python with constant argument types.
+    """Mark a function as :func:`compiled`, and as called from Python with the types of `example`.
 
-    `example` returns arguments of these types, by position. Python calls the function through
-    :func:`rl_tui.agents.kernels.machine_code.fastest`.
+    Python calls it through :func:`rl_tui.agents.kernels.machine_code.fastest`.
     """
 
     def mark(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
@@ -59,10 +57,7 @@ def compiled_for(
 
 
 def for_kernels(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Mark `function` as :func:`compiled` and called only by kernels.
-
-    It compiles faster, since it needs no conversion of Python objects.
-    """
+    """Mark `function` as called only by kernels: without conversion of Python objects it compiles faster."""
     CALLED_BY_KERNELS.add(function)
     return compiled(function)
 
@@ -70,17 +65,17 @@ def for_kernels(function: Callable[Parameters, Result]) -> Callable[Parameters, 
 def inlined(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
     """Mark `function` as inlined by machine code.
 
-    A call would cost two to four times its work, because every call counts the references of all arrays.
+    A call would cost more than its work, because it counts the references of all arrays.
     """
     INLINED.append(function)
     return function
 
 
 def inlined_by_type(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Make `function` a family of inlined functions, chosen by the NamedTuple type of the first argument.
+    """Make `function` a family of inlined functions, chosen by the type of the first argument.
 
-    Members join with :func:`member_of`. Types without a member use `function` itself. Machine code makes the
-    choice at compile time, at no cost.
+    Members join with :func:`member_of`; other types use `function` itself. Machine code chooses when it is
+    compiled.
     """
     members: dict[type, Callable[..., Any]] = {}
 
@@ -95,16 +90,16 @@ def inlined_by_type(function: Callable[Parameters, Result]) -> Callable[Paramete
 
 
 def has_member(dispatch: Callable[..., Any], first_type: type) -> bool:
-    """Return True if `first_type` has its own member in the family `dispatch`."""
+    """Return True if `first_type` has its own member in the family."""
     return first_type in dispatch.__dict__["members"]
 
 
 def member_of(
     dispatch: Callable[..., Any], first_type: type
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Add the decorated function to the family `dispatch` for a first argument of `first_type`."""
-    # Numba first compares NamedTuples by type name and fields. Two algorithms with a Memory(q, visits) would
-    # share code without unique names
+    """Add the decorated function to the family, for `first_type`."""
+    # Numba compares NamedTuples by type name and fields. Without unique names, two algorithms with a
+    # Memory(q, visits) would share code
     first_type.__name__ = f"{first_type.__module__}.{first_type.__qualname__}"
 
     def join(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -1,4 +1,4 @@
-"""The uniform random draw that nearly every step needs."""
+"""The uniform draw that nearly every step needs."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from rl_tui.agents.kernels.compiled import inlined
 
 @inlined
 def uniform(generator: Generator) -> float:
-    """Return a draw from [0, 1). Machine code steps the PCG64 of `generator` directly, with the same bits.
+    """Return a draw from [0, 1). Machine code steps the PCG64 directly, with the same bits.
 
-    A call of the generator would cost as much as the rest of a step. See
+    A call of the generator would cost as much as the rest of a step; see
     :mod:`rl_tui.agents.compiling.native`.
     """
     return generator.random()

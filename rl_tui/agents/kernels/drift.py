@@ -15,11 +15,11 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 class Drift(NamedTuple):
-    """`optimal`, [P], marks the best arms of a bandit, and nothing in other worlds.
+    """The best arms of a bandit, marked in `optimal`, [P], and sums since the last change of the world, [1]
+    each.
 
-    If rewards drift, `mean` and `offset`, [P], are the current means and their drift; otherwise both are
-    empty. Then the loop also sums up, [1] each, since the last change of the world: the `regret` of all
-    pulls, `best_total` of the best arm of each moment, and the number of `optimal_pulls`.
+    Current means and their drift are `mean` and `offset`, [P], empty without drift. The sums are the `regret`
+    of all pulls, `best_total` of the best arm of each moment, and `optimal_pulls`.
     """
 
     optimal: BoolArray
@@ -31,7 +31,7 @@ class Drift(NamedTuple):
 
 
 class Drifted(NamedTuple):
-    """Sums over the pulls since the last change of the world; see :class:`Drift`."""
+    """Sums over pulls; see :class:`Drift`."""
 
     regret: float
     best_total: float
@@ -59,7 +59,7 @@ def new_drift(space: FiniteSpace) -> Drift:
 
 @inlined
 def drift_on(drift: Drift, tables: Tables, pair: int, generator: Generator) -> None:
-    """Add the regret of `pair`, then let the mean of every arm drift one step."""
+    """Add the regret of `pair`, then let all means drift."""
     if len(drift.mean) > 0:
         best = 0
         for arm in range(len(drift.mean)):

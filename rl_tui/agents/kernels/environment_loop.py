@@ -1,4 +1,4 @@
-"""The agent–environment loop for environments without a transition table, one step per call."""
+"""The agent–environment loop without a transition table, one step per call."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MOST_SEEDS: Final = 2**31
 
 
 class Chosen(NamedTuple):
-    """The chosen action, [1] each: its pair, and 1 if it was drawn to explore."""
+    """The chosen pair, [1], and 1 if it explores, [1]."""
 
     pair: IntArray
     explored: IntArray
@@ -64,10 +64,10 @@ def turn(
     last_step: int,
     last_episode: int,
 ) -> int:
-    """Learn from the result of the chosen action, if there is one, then choose the next.
+    """Learn from the result of the chosen action, if any, then choose the next.
 
-    `start` is the start of the next episode, if this one is over. Returns the pair to take, or −1 −
-    :class:`Stop` if the loop must stop. One call per step, because a call costs more than its work.
+    If the episode is over, `start` begins the next one. Returns the pair to take, or −1 − :class:`Stop`. One
+    call per step, because a call costs more than its work.
     """
     step = position.step[0]
     episode = position.episodes[0]
@@ -149,14 +149,8 @@ def turn(
 class SteppedLoop:
     """One environment and its current episode, seeded by a draw from `world`.
 
-    `state` is the start of the first episode. `failure` describes an error of the environment in one line,
-    and is empty otherwise. `time_budget` is the number of seconds during which :meth:`advance` starts new
-    steps.
-
-    Args:
-        environment: The environment.
-        world: Stream of the world.
-        pair_action: Action of each pair, [P].
+    The first episode starts in `state`. Errors of the environment are in `failure`. Steps start only within
+    `time_budget` seconds of :meth:`advance`. Pairs have the actions `pair_action`, [P].
 
     Raises:
         EnvironmentFailedError: The environment cannot start.
@@ -188,10 +182,9 @@ class SteppedLoop:
         episodes: int,
         in_machine_code: bool,
     ) -> Stop:
-        """Take steps until the step, episode or time limit is reached.
+        """Take steps until the step, episode or time limit is reached, with the bits of the compiled loop.
 
-        The bits equal those of the compiled loop if the environment returns the same results. If it fails,
-        the loop stops after the last valid step and keeps what was learned.
+        If the environment fails, the loop stops after the last valid step.
         """
         args = (memory, rule, params, schedules, tables, position, log, record, watch, self._chosen, learner)
         last_step = int(position.step[0]) + steps
@@ -223,7 +216,7 @@ class SteppedLoop:
         return Stop.WORLD_FAILED if self.failure and stop is not Stop.DIVERGED else stop
 
     def _start(self, otherwise: int, step: int) -> int:
-        """Start an episode after `step` and return its state, or `otherwise` on failure."""
+        # `otherwise` on failure
         try:
             return self._environment.reset()
         except EnvironmentFailedError as failure:

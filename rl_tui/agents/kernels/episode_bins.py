@@ -1,4 +1,4 @@
-"""Finished episodes summed up in bins of equal width, for learning curves."""
+"""Finished episodes in bins of equal width, for learning curves."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class EpisodeBins(NamedTuple):
-    """Bins of `width` episodes. `used` of them are in use, all full except the last."""
+    """Bins of `width` episodes. The first `used` are full, except the last."""
 
     width: IntArray
     used: IntArray
@@ -72,7 +72,7 @@ def fold(bins: EpisodeBins, returns: FloatArray, lengths: IntArray) -> None:
 
 
 def empty_bins(bins: int) -> EpisodeBins:
-    """Return `bins` empty bins (an even number) of one episode each."""
+    """Return an even number of empty bins of one episode each."""
     return EpisodeBins(
         width=np.ones(1, np.int64),
         used=np.zeros(1, np.int64),
@@ -86,7 +86,7 @@ def empty_bins(bins: int) -> EpisodeBins:
 
 
 class CurveSums(NamedTuple):
-    """Sums over the episodes of each bin, [B] each: returns, lengths and optimal actions."""
+    """Sums of each bin, [B]: returns, lengths and optimal actions."""
 
     returns: FloatArray
     lengths: IntArray

@@ -1,4 +1,4 @@
-"""The compiled agent–environment loop, common to all algorithms (Sutton & Barto, 2nd ed., Fig. 3.1)."""
+"""The compiled agent–environment loop (Sutton & Barto, 2nd ed., Fig. 3.1)."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def draw_outcome(tables: Tables, pair: int, generator: Generator) -> int:
 
 @inlined
 def draw_reward(tables: Tables, drift: Drift, pair: int, outcome: int, generator: Generator) -> float:
-    """Return the reward of an outcome of `pair`, with drift and Gaussian noise."""
+    """Return the reward of an outcome, with drift and Gaussian noise."""
     reward = float(tables.reward[outcome])
     if len(drift.offset) > 0:
         reward += drift.offset[pair]

@@ -1,7 +1,4 @@
-"""The kernels that this process has as machine code. Others run interpreted, with the same bits.
-
-Numba is imported only when machine code is requested.
-"""
+"""The kernels that this process has as machine code. Others run interpreted, with the same bits."""
 
 from __future__ import annotations
 
@@ -34,7 +31,7 @@ class Batching(StrEnum):
 
 
 class Loop(NamedTuple):
-    """The key of a compiled agent–environment loop. Planners have no `policy`."""
+    """The key of a compiled loop. Planners have no `policy`."""
 
     algorithm: str
     policy: str
@@ -53,22 +50,19 @@ _MACHINE_CODE: Final[dict[Callable[..., Any], Callable[..., Any]]] = {}
 
 @cache
 def interpreted(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Return `function` as run by Python.
-
-    As in machine code, overflow gives inf or NaN without a warning.
-    """
+    """Return `function` as run by Python, without warnings of overflow, as in machine code."""
     return np.errstate(all="ignore")(function)
 
 
 def fastest(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Return the machine code of `function` if this process has it, else its interpreted form."""
+    """Return `function` as machine code if this process has it, else interpreted."""
     return _MACHINE_CODE.get(function) or interpreted(function)
 
 
 def machine_code(function: Callable[Parameters, Result], *example: Any) -> Callable[Parameters, Result]:
     """Return the machine code of `function`, compiled or read from the cache on the first call.
 
-    With `example` arguments this happens immediately, and the result accepts only these types; see
+    With `example` arguments this happens now, for these types only; see
     :func:`rl_tui.agents.compiling.jit.entry`.
     """
     if ALWAYS_INTERPRETED:
@@ -79,15 +73,12 @@ def machine_code(function: Callable[Parameters, Result], *example: Any) -> Calla
 
 
 def use_machine_code(function: Callable[..., Any], *example: Any) -> None:
-    """Let :func:`fastest` return machine code of `function` from now on.
-
-    With `example` arguments it is compiled, or read from the cache, immediately.
-    """
+    """Let :func:`fastest` return machine code of `function`, made now if there is an `example`."""
     machine_code(function, *example)
     _MACHINE_CODE[function] = machine_code(function)
 
 
 def use_machine_code_from_python() -> None:
-    """Let :func:`fastest` return machine code for all imported functions that Python calls."""
+    """Let :func:`fastest` return machine code for all that Python calls."""
     for function, example in CALLED_FROM_PYTHON.items():
         use_machine_code(function, *example())

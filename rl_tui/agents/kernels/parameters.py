@@ -1,4 +1,4 @@
-"""The hyper-parameters in the form for kernels."""
+"""The hyperparameters in the form for kernels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _LINEAR: Final = SCHEDULES.index("linear")
 
 
 class Schedule(NamedTuple):
-    """The change of a number from `start` towards `least` per episode. `kind` is an index of SCHEDULES."""
+    """The change of a number towards `least` per episode. `kind` is an index of SCHEDULES."""
 
     kind: int
     start: float
@@ -29,10 +29,10 @@ class Schedules(NamedTuple):
 
 
 class KernelParameters(NamedTuple):
-    """Hyper-parameters of an update rule.
+    """Hyperparameters of an update rule in the current episode.
 
-    `alpha` is the step size of the current episode, unless `sample_average` is true; see :func:`step_size`.
-    `trace_decay` is λ, and `steps` the n of n-step methods.
+    The step size is `alpha`, unless `sample_average` is true. Traces decay by `trace_decay`, λ. The n of
+    n-step methods is `steps`.
     """
 
     alpha: float
@@ -49,7 +49,7 @@ class KernelParameters(NamedTuple):
 
 @compiled
 def scheduled(schedule: Schedule, episode: int) -> float:
-    """Return the number in `episode`, counted from 0. It is not inlined, so that all loops share it."""
+    """Return the number in `episode`, from 0. Not inlined, so that all loops share it."""
     if schedule.kind == _CONSTANT or schedule.decay == 0.0:
         return schedule.start
     if schedule.kind == _LINEAR and schedule.start >= schedule.least:
@@ -61,14 +61,14 @@ def scheduled(schedule: Schedule, episode: int) -> float:
 
 @inlined
 def epsilon_in(schedules: Schedules, episode: int) -> float:
-    """Return ε in `episode`, counted from 0, without a call if it is constant."""
+    """Return ε in `episode`, from 0, without a call if it is constant."""
     schedule = schedules.epsilon
     return schedule.start if schedule.decay == 0.0 else scheduled(schedule, episode)
 
 
 @inlined
 def alpha_in(schedules: Schedules, episode: int) -> float:
-    """Return the step size in `episode`, counted from 0, without a call if it is constant."""
+    """Return α in `episode`, from 0, without a call if it is constant."""
     schedule = schedules.alpha
     return schedule.start if schedule.decay == 0.0 else scheduled(schedule, episode)
 
@@ -92,12 +92,12 @@ def with_alpha(params: KernelParameters, alpha: float) -> KernelParameters:
 
 @inlined
 def step_size(params: KernelParameters, count: int) -> float:
-    """Return the step size of update number `count` of a pair, counted from 1."""
+    """Return the step size of update `count` of a pair, from 1."""
     return 1.0 / count if params.sample_average else params.alpha
 
 
 def kernel_parameters(hyperparameters: Hyperparameters) -> KernelParameters:
-    """Convert hyper-parameters for the update rules. Types never vary, as machine code requires."""
+    """Convert hyperparameters, always to the same types, as machine code requires."""
     return KernelParameters(
         alpha=float(hyperparameters.alpha_at(0) or 0.0),
         sample_average=hyperparameters.sample_average,
@@ -113,7 +113,7 @@ def kernel_parameters(hyperparameters: Hyperparameters) -> KernelParameters:
 
 
 def schedules_of(hyperparameters: Hyperparameters) -> Schedules:
-    """Return the schedules of ε and α. Types never vary, as machine code requires."""
+    """Return the schedules of ε and α, always of the same types."""
     alpha = 0.0 if isinstance(hyperparameters.alpha, str) else hyperparameters.alpha
     step_size_kind = "constant" if hyperparameters.sample_average else hyperparameters.step_size_schedule
     return Schedules(

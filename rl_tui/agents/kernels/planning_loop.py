@@ -15,7 +15,7 @@ from rl_tui.agents.kernels.watch import Watch, watched
 
 @compiled
 def state_with_pairs(tables: Tables, start: int) -> int:
-    """Return the first state from `start` on with pairs, or the number of states if there is none."""
+    """Return the first state from `start` on with pairs, or the number of states."""
     state = start
     while state < len(tables.first_pair) - 1 and tables.first_pair[state] == tables.first_pair[state + 1]:
         state += 1
@@ -33,9 +33,9 @@ def sweep(
     steps: int,
     episodes: int,
 ) -> int:
-    """Back up to `steps` states or `episodes` sweeps, and return a :class:`Stop`.
+    """Back up to `steps` states with pairs, or `episodes` sweeps, and return a :class:`Stop`.
 
-    States without pairs are skipped. ``position.state`` is the next state; a sweep begins with the first one.
+    The next state is ``position.state``.
     """
     step, episode, state = position.step[0], position.episodes[0], position.state[0]
     first_step, last_step, last_episode = step, step + steps, episode + episodes

@@ -1,4 +1,4 @@
-"""The position of a learner in arrays that the loops change, and the reasons to stop."""
+"""The position of a learner in arrays, and the reasons to stop."""
 
 from __future__ import annotations
 
@@ -16,18 +16,13 @@ NOT_FORCED: Final = -1
 
 
 class Position(NamedTuple):
-    """The position of a learner. Most arrays have one element, so that kernels can change them.
+    """The position of a learner. Arrays of one element let kernels change them.
 
     Args:
-        step: Steps taken.
-        episodes: Finished episodes.
         state: Start of the next step.
-        episode_step: Steps of the current episode.
-        episode_return: Undiscounted return of the current episode.
-        first_reward_episode: First episode (from 1) with a non-zero reward, or 0.
-        forced: Pair that a person takes instead of the agent, or −1.
-        rewards: Recent rewards of the last step's episode, [REWARDS_KEPT]: step k (from 0) is at k modulo the
-            size.
+        first_reward_episode: From 1; 0 before a non-zero reward.
+        forced: Pair that a person takes, or −1.
+        rewards: Rewards of the last step's episode, [REWARDS_KEPT]: step k (from 0) is at k modulo the size.
         discounted: Discounted return of that episode so far, and the discount of its next reward, [2].
     """
 
@@ -43,7 +38,7 @@ class Position(NamedTuple):
 
 
 def new_position(state: int) -> Position:
-    """Return the position before the first step, in `state`."""
+    """Return the position before the first step."""
     step, episodes, at, episode_step, first_reward_episode, forced = (
         np.full(1, number, dtype=np.int64) for number in (0, 0, state, 0, 0, NOT_FORCED)
     )
@@ -62,10 +57,7 @@ def new_position(state: int) -> Position:
 
 @compiled
 def discount_rewards(position: Position, gamma: float, new: int, episode_step: int) -> None:
-    """Add the last `new` rewards to the discounted return of an episode with `episode_step` steps.
-
-    Rewards of earlier episodes are skipped. Adding many at once is faster than adding each.
-    """
+    """Add the last `new` rewards to the discounted return of this episode, all at once for speed."""
     total, discount = position.discounted[0], position.discounted[1]
     if new >= episode_step:
         total, discount = 0.0, 1.0

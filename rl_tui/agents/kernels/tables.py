@@ -1,4 +1,4 @@
-"""The arrays of a finite MDP in the form for kernels."""
+"""The arrays of a finite MDP for kernels."""
 
 from __future__ import annotations
 
@@ -17,9 +17,8 @@ IndexArray = npt.NDArray[np.uint32]
 class Tables(NamedTuple):
     """The part of a :class:`TabularMDP` that kernels need, with the same names and shapes.
 
-    Indices are unsigned. So compiled code need not check for negative indices, which makes the loop a third
-    faster. Read them through :func:`pairs_of`, :func:`outcomes_of` or ``np.int64``, because unsigned plus
-    signed gives a float.
+    Unsigned indices need no checks for negative ones, so the loop is a third faster. Read them through
+    :func:`pairs_of`, :func:`outcomes_of` or ``np.int64``, because unsigned plus signed gives a float.
     """
 
     first_pair: IndexArray
@@ -37,7 +36,7 @@ class Tables(NamedTuple):
 
 
 def tables_of(space: FiniteSpace) -> Tables:
-    """Return the kernel's view of `space`, without outcomes if it has no transition table."""
+    """Return the tables of `space`, perhaps without outcomes."""
     if isinstance(space, TabularMDP):
         return Tables(
             first_pair=_indices(space.first_pair),
@@ -80,13 +79,13 @@ def _indices(array: npt.NDArray[np.int64]) -> IndexArray:
 
 @inlined_by_type
 def pairs_of(tables: Tables, state: int) -> tuple[int, int]:
-    """Return the first pair of `state` and the one after its last. Both are equal if it owns none."""
+    """Return the first pair of `state` and the one after its last."""
     return np.int64(tables.first_pair[state]), np.int64(tables.first_pair[state + 1])  # type: ignore[return-value]
 
 
 @compiled
 def state_of(tables: Tables, pair: int) -> int:
-    """Return the state that owns `pair`, by binary search."""
+    """Return the state that owns `pair`."""
     low, high = 0, len(tables.first_pair) - 1
     while high - low > 1:
         middle = (low + high) // 2

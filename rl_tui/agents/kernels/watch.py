@@ -1,4 +1,4 @@
-"""Breakpoints of the loops: they stop after exactly the step at which an event happens."""
+"""Breakpoints: the loops stop after exactly the step with an event."""
 
 from __future__ import annotations
 
@@ -27,12 +27,10 @@ class Watching:
 
     Args:
         reward: A step with a non-zero reward.
-        policy: A change of the greedy policy in any state: of the tied best actions, or of the first one if
-            ties take the first. Only equal floats tie.
+        policy: A change of the greedy policy in any state: its tied best actions, or the first one if ties
+            take the first. Only equal floats tie.
         cell: The estimate of this pair reaches or crosses `threshold`.
-        threshold: The threshold for `cell`.
-        states: The agent enters one of these, by a step or at the start of a later episode. A planner backs
-            one up.
+        states: The agent enters one, by a step or at the start of a later episode. A planner backs one up.
         pairs: One of these is taken. A planner updates one.
     """
 
@@ -45,7 +43,7 @@ class Watching:
 
 
 class WatchedEvents(NamedTuple):
-    """Watched events of one step. `state` and `pair` are the marked ones, if any."""
+    """Watched events of one step, with the marked `state` and `pair`, if any."""
 
     reward: bool = False
     policy: bool = False
@@ -58,17 +56,13 @@ NOTHING_NOTICED = WatchedEvents()
 
 
 class Watch(NamedTuple):
-    """Watched events in the form for the loops. Single values are arrays of one element.
+    """Watched events for the loops. Single values are arrays of one element.
 
     Args:
-        active: True if anything is watched.
-        reward: True if rewards are watched.
-        policy: True if the greedy policy is watched.
         cell: Watched pair, or −1.
-        threshold: Threshold of its estimate.
         side: Sign of its estimate minus the threshold, changed by the loops.
-        states: Watched states, [S], or empty.
-        pairs: Watched pairs, [P], or empty.
+        states: [S], or empty.
+        pairs: [P], or empty.
         greedy: 1 for each pair of the former greedy policy, [P], or empty, changed by the loops.
         noticed: Events of the last step, [5]: reward, policy, cell (1 or 0), state and pair (−1 for none).
     """
@@ -88,18 +82,7 @@ class Watch(NamedTuple):
 def new_watch(
     watching: Watching, space: FiniteSpace, tables: Tables, q: FloatArray, random_ties: bool
 ) -> Watch:
-    """Return the watch for `watching`, starting from current estimates.
-
-    Args:
-        watching: Events to watch.
-        space: States and actions.
-        tables: Tables of the world.
-        q: Current estimates, [P].
-        random_ties: True if ties are broken at random.
-
-    Raises:
-        ValueError: A state or pair does not exist.
-    """
+    """Return the watch for `watching`, from estimates `q`, [P], or raise ValueError."""
     cell = NONE if watching.cell is None else watching.cell
     if not -1 <= cell < space.pairs:
         raise ValueError(f"watched cell {cell}; expected a pair in 0..{space.pairs - 1}")
@@ -160,9 +143,9 @@ def watched(
 ) -> int:
     """Return the reason to stop after a step that would have stopped for `stop` (0: continue).
 
-    `watching` is ``watch.active[0]``, read once before the loop. `start` is the start of the next step: after
-    the end of an episode the new start, for a planner the state backed up. A final stop and the end of a
-    planner have priority. If the log is full too, the next call reports that.
+    The flag `watching` is ``watch.active[0]``, read once before the loop. The start of the next step is
+    `start`: after an episode the new start, for a planner the state backed up. A final stop and the end of a
+    planner have priority.
     """
     if watching and notice(watch, q, random_ties, tables, experience, update, start):
         return NOTICED if stop in (DONE, EPISODES_FULL) else stop
@@ -179,9 +162,10 @@ def notice(
     update: Update,
     start: int,
 ) -> bool:
-    """Return True if a step brought a watched event, and store it. Not inlined, to compile only once.
+    """Store the watched events of a step, and return True if there are any. Not inlined, to compile only
+    once.
 
-    The pair is −1 if a planner backed up the state where it landed.
+    For a planner that backed up the state where it landed, the pair is −1.
     """
     seen, pair, landed = watch.noticed, experience.pair, experience.next_state
     seen[_REWARD] = watch.reward[0] and experience.reward != 0.0
@@ -216,7 +200,6 @@ def _side(estimate: float, threshold: float) -> int:
 
 @inlined
 def _reached(watch: Watch, estimate: float) -> bool:
-    """Return True if the cell has reached or crossed its threshold in this step."""
     before, now = watch.side[0], _side(estimate, watch.threshold[0])
     watch.side[0] = now
     return bool(before != now and before != 0)
@@ -224,7 +207,7 @@ def _reached(watch: Watch, estimate: float) -> bool:
 
 @inlined
 def _marked_pair(marked: BoolArray, tables: Tables, pair: int, state: int) -> int:
-    """Return `pair` if it is marked, or the first marked pair of a planner's `state`, or −1."""
+    # The first marked pair for a planner's `state`
     if len(marked) == 0:
         return NONE
     first, last = pair, pair + 1
@@ -250,7 +233,7 @@ def policy_changed(
     first_state: int,
     last_state: int,
 ) -> bool:
-    """Return True if the greedy pairs of a range of states differ from `greedy`, and update `greedy`."""
+    """Return True if the greedy pairs of a range of states differ from `greedy`, and update it."""
     changed = False
     for state in range(first_state, last_state):
         first, last = pairs_of(tables, state)

@@ -1,4 +1,4 @@
-"""The action probabilities π(a|s) for the screen, from the interpreted kernels."""
+"""Action probabilities π(a|s) for the screen, from the interpreted kernels."""
 
 from __future__ import annotations
 
@@ -24,17 +24,10 @@ MOST_LOOKS: Final = 200_000
 def action_chances(
     hyperparameters: Hyperparameters, epsilon: float, q: FloatArray, visits: IntArray
 ) -> FloatArray | None:
-    """Compute π(a|s) of the actions of one state.
-
-    Args:
-        hyperparameters: Settings, which name the policy.
-        epsilon: Current ε.
-        q: Estimates of the actions, [A].
-        visits: Visits of the actions, [A].
+    """Compute π(a|s), [A], of one state from estimates and visits, [A].
 
     Returns:
-        Probabilities, [A]. None for more than ``MOST_ACTIONS`` actions, for NaN estimates, and for policies
-        that learn, because their rule is not given here.
+        None for more than ``MOST_ACTIONS`` actions, NaN estimates, and policies that learn.
     """
     actions = len(q)
     if actions > MOST_ACTIONS or np.isnan(q).any():
@@ -55,19 +48,11 @@ def all_chances(
     q: FloatArray,
     visits: IntArray,
 ) -> FloatArray | None:
-    """Compute π(a|s) of every pair.
-
-    Args:
-        space: States and actions.
-        hyperparameters: Settings, which name the policy.
-        rule: Current rule of the policy, with what it has learned.
-        epsilon: Current ε.
-        q: Estimates, [P].
-        visits: Visits, [P].
+    """Compute π(a|s) of every pair, [P], from the current rule, estimates and visits, [P].
 
     Returns:
-        Probabilities, [P]. None without a closed form (Thompson sampling), and if there are too many actions.
-        ε-greedy is always fast.
+        None without a closed form (Thompson sampling), and if there are too many actions, except for
+        ε-greedy.
     """
     if POLICY_BY_ID[hyperparameters.policy].explores_by_epsilon:
         return softened(space, greedy_policy(space, q, hyperparameters.ties), epsilon)

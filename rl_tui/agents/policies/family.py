@@ -1,4 +1,4 @@
-"""The interface of all policies. A rule is a NamedTuple of current numbers and learned arrays."""
+"""The interface of all policies. A rule is a NamedTuple."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 @inlined_by_type
 def in_force(rule: Any, epsilon: float) -> Any:
-    """Return the rule for an episode with this exploration probability."""
+    """Return the rule for an episode with this ε."""
     return rule
 
 
@@ -20,15 +20,9 @@ def in_force(rule: Any, epsilon: float) -> Any:
 def choose(
     rule: Any, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
 ) -> tuple[int, bool]:
-    """Choose one of the pairs of a state.
+    """Choose one of the pairs `first` .. `last` − 1; there is at least one.
 
-    Args:
-        rule: Rule of the policy.
-        q: Estimates, [P].
-        visits: Visits, [P].
-        first: First pair of the state.
-        last: One after its last pair. There is at least one pair.
-        generator: Stream of the learner.
+    `q` and `visits` are [P].
 
     Returns:
         The pair, and True if it explored: drawn at random (ε-greedy), or not greedy (other policies).
@@ -38,34 +32,18 @@ def choose(
 
 @inlined_by_type
 def probability_of(rule: Any, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
-    """Return π(a|s), the probability of choosing `pair`. Screens call it interpreted.
+    """Return π(a|s) of one of the pairs `first` .. `last` − 1, or NaN without a closed form.
 
-    Args:
-        rule: Rule of the policy.
-        q: Estimates, [P].
-        visits: Visits, [P].
-        first: First pair of the state.
-        last: One after its last pair.
-        pair: The pair.
-
-    Returns:
-        The probability, or NaN without a closed form.
+    `q` and `visits` are [P]. Screens call it interpreted.
     """
     raise NotImplementedError
 
 
 @inlined_by_type
 def expectation(rule: Any, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
-    """Return Σ π(a|s) Q(s, a) over the pairs of a state (equation 6.9).
+    """Return Σ π(a|s) Q(s, a) over the pairs `first` .. `last` − 1 (equation 6.9), or 0 without pairs.
 
-    A policy may provide a faster way. Saved runs depend on the last bits of its result.
-
-    Args:
-        rule: Rule of the policy.
-        q: Estimates, [P].
-        visits: Visits, [P].
-        first: First pair of the state.
-        last: One after its last pair. With no pairs the result is 0.
+    `q` and `visits` are [P]. Saved runs depend on the last bits.
     """
     total = 0.0
     for pair in range(first, last):
@@ -75,27 +53,18 @@ def expectation(rule: Any, q: FloatArray, visits: IntArray, first: int, last: in
 
 @inlined_by_type
 def reinforce(rule: Any, alpha: float, first: int, last: int, pair: int, reward: float) -> None:
-    """Update the rule with the reward of `pair`. Most policies learn nothing.
-
-    Args:
-        rule: Rule of the policy, changed in place.
-        alpha: Current step size.
-        first: First pair of the state.
-        last: One after its last pair.
-        pair: Pair that was taken.
-        reward: Its reward.
-    """
+    """Update the rule with the reward of one of the pairs `first` .. `last` − 1."""
     return
 
 
 def learns(rule: Any) -> bool:
-    """Return True if the policy learns from rewards, which means it has its own :func:`reinforce`."""
+    """Return True if the policy has its own :func:`reinforce`."""
     return has_member(reinforce, type(rule))
 
 
 @inlined
 def best_value(q: FloatArray, first: int, last: int) -> float:
-    """Return the greatest of the estimates `first` .. `last`, or 0 if there are none."""
+    """Return the greatest of the estimates `first` .. `last` − 1, or 0 if there are none."""
     if first == last:
         return 0.0
     best = float(q[first])
@@ -106,7 +75,7 @@ def best_value(q: FloatArray, first: int, last: int) -> float:
 
 @inlined
 def greedy(q: FloatArray, first: int, last: int, random_ties: bool, draw: float) -> int:
-    """Return the best of the pairs `first` .. `last`. Ties take the first, or use `draw` in [0, 1)."""
+    """Return the best of the pairs `first` .. `last` − 1. Ties take the first, or use `draw` in [0, 1)."""
     best = first
     ties = 1
     highest = float(q[first])
@@ -131,7 +100,7 @@ def greedy(q: FloatArray, first: int, last: int, random_ties: bool, draw: float)
 def greedy_in_turn(q: FloatArray, first: int, last: int, random_ties: bool, draw: float) -> int:
     """Return the same as :func:`greedy`, with data-dependent branches only for ties.
 
-    Alone it is slower, since processors predict well. But a wrong prediction would also stall the other runs.
+    A wrong prediction of the processor would stall the other runs. Alone this is slower.
     """
     highest = best_value(q, first, last)
     ties, offset = 0, 0

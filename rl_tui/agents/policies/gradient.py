@@ -18,8 +18,8 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 class Rule(NamedTuple):
     """The preferences H, `preference`, and their softmax π, `probability`, both [P].
 
-    `mean_reward` is the average of the `rewards` received so far, [1] each. It is the baseline R̄. Without
-    `with_baseline` the baseline is 0.
+    The baseline R̄ is `mean_reward`, the average of the `rewards` received so far, [1] each, or 0 without
+    `with_baseline`.
     """
 
     preference: FloatArray
@@ -41,10 +41,7 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 
 
 def carry_rule(now: Rule, before: Rule, pairs: IntArray) -> None:
-    """Copy the preferences of common arms from `before` to `now`. New arms get 0.
-
-    `pairs` holds the former number of each arm, or NEW.
-    """
+    """Copy the preferences of common arms. New arms get 0. `pairs` holds former numbers, or NEW."""
     known = pairs >= 0
     now.preference[known] = before.preference[pairs[known]]
     now.mean_reward[:] = before.mean_reward
@@ -54,7 +51,7 @@ def carry_rule(now: Rule, before: Rule, pairs: IntArray) -> None:
 
 @inlined
 def _take_softmax(rule: Rule, first: int, last: int) -> None:
-    """Set π(a) ← exp H(a) / Σ exp H(b) for the arms `first` .. `last`."""
+    # π(a) ← exp H(a) / Σ exp H(b) for the arms `first` .. `last` − 1
     highest = best_value(rule.preference, first, last)
     total = 0.0
     for arm in range(first, last):

@@ -16,7 +16,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Rule(NamedTuple):
-    """The temperature τ, and scratch memory for running sums over the actions of a state, [A]."""
+    """The temperature τ, and scratch memory for running sums over actions, [A]."""
 
     temperature: float
     sums: FloatArray

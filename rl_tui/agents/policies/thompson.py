@@ -1,8 +1,7 @@
 """Thompson sampling for bandits (posterior sampling; Sutton & Barto, 2nd ed., section 2.10).
 
-Arms that pay 0 or 1 have a uniform prior on their probability, Beta(1, 1). All others are treated as
-Gaussian, with a prior N(0, 1) on the mean and the noise of the transition table. Means are assumed to be
-constant.
+Arms that pay 0 or 1 have a prior Beta(1, 1) on their probability. All others are treated as Gaussian, with a
+prior N(0, 1) on the mean and the noise of the transition table. Means are assumed constant.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 class Rule(NamedTuple):
-    """The knowledge of each arm, [P]: number of `rewards`, their `total`, and its `variance`.
+    """Number of `rewards`, their `total`, and `variance` of each arm, [P].
 
     `bernoulli` is set if all arms pay 0 or 1. Without `random_ties` the first of equal draws is taken.
     """
@@ -35,7 +34,7 @@ class Rule(NamedTuple):
 
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule before the first pull. The transition table gives the kind of arms."""
+    """Return the rule before the first pull."""
     return Rule(
         np.zeros(space.pairs, np.int64),
         np.zeros(space.pairs),
@@ -46,10 +45,9 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 
 
 def carry_rule(now: Rule, before: Rule, pairs: IntArray) -> None:
-    """Copy the knowledge of common arms from `before` to `now`.
+    """Copy what is known of common arms. `pairs` holds former numbers, or NEW.
 
-    `pairs` holds the former number of each arm, or NEW. If arms stop paying 0 or 1, counts are kept. If they
-    start paying 0 or 1, earlier rewards are forgotten, because they say nothing about a probability.
+    If arms start paying 0 or 1, earlier rewards are forgotten: they say nothing about a probability.
     """
     if now.bernoulli and not before.bernoulli:
         return
@@ -64,7 +62,6 @@ def _pays_0_or_1(mdp: TabularMDP) -> bool:
 
 
 def _variances(mdp: TabularMDP) -> FloatArray:
-    """Return the variance of the reward of each pair, [P]."""
     spread = mdp.reward_std**2 + (mdp.reward - mdp.expected_reward[mdp.outcome_pair]) ** 2
     variance: FloatArray = np.add.reduceat(mdp.probability * spread, mdp.first_outcome[:-1])
     return variance
@@ -100,7 +97,7 @@ def beta_draw(successes: float, failures: float, generator: Generator) -> float:
 
 @inlined
 def normal_draw(count: int, total: float, variance: float, generator: Generator) -> float:
-    """Draw a mean from its posterior, given `count` rewards with this `total` and noise `variance`.
+    """Draw a mean from its posterior, given `count` rewards.
 
     Prior N(0, 1), posterior N(total / (σ² + n), σ² / (σ² + n)). Without noise the first reward decides.
     """

@@ -28,7 +28,7 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 
 @inlined
 def log_time(visits: IntArray, first: int, last: int) -> float:
-    """Return ln t, where t is the number of the next step in this state, counted from 1."""
+    """Return ln t of the next step in this state, from t = 1."""
     time = 1
     for pair in range(first, last):
         time += visits[pair]
@@ -37,7 +37,7 @@ def log_time(visits: IntArray, first: int, last: int) -> float:
 
 @inlined
 def upper_bound(confidence: float, estimate: float, count: int, log_time: float) -> float:
-    """Return Q + c √(ln t / N). It is infinite for an action never tried, even at c = 0."""
+    """Return Q + c √(ln t / N): infinite for an action never tried, even at c = 0."""
     if count == 0:
         return math.inf
     return estimate + confidence * math.sqrt(log_time / count)

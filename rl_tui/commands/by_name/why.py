@@ -1,4 +1,4 @@
-"""``rl-tui why``: how long nothing is learned, the reason, and what would help."""
+"""``rl-tui why``: how long nothing is learned, and why."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 def command(scenario: str, overrides: dict[str, object], seed: int, as_json: bool) -> None:
     """Print how long nothing is learned, why, and what would help.
 
-    While all estimates are equal, each episode has the same chance to change one. That needs an outcome whose
-    target differs from Q. The target is r + γ·Q, or only r at the end of an episode. The chance is computed
-    from the transition table, for ε-greedy agents with constant ε that update one pair per step.
+    While all estimates are equal, each episode has the same chance to change one. This takes an outcome whose
+    target, r + γ·Q or r at the end, differs from Q. The chance is computed from the transition table. The
+    agent must be ε-greedy with a constant ε, and update one pair per step.
     """
     from rl_tui.agents.exact.first_update import first_update
     from rl_tui.common.errors import UserError

@@ -1,1 +1,1 @@
-"""Output, progress and screen start, shared by all commands."""
+"""Output, progress and screen start."""

@@ -1,1 +1,1 @@
-"""Options shared by several commands."""
+"""Options shared by commands."""

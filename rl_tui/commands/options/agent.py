@@ -1,4 +1,4 @@
-"""The option ``--agent``: the user's own agent instead of a built-in one."""
+"""The option ``--agent``: the user's own agent."""
 
 from __future__ import annotations
 
@@ -33,11 +33,6 @@ def request_of(
 ) -> ProgramRequest:
     """Return the request to watch `agent` learn without end.
 
-    Args:
-        agent: File and name of the agent.
-        start: How the run starts.
-        given: Hyper-parameters given by the user.
-
     Raises:
         UserError: There is no such agent.
         click.UsageError: `start` is a session.
@@ -56,7 +51,7 @@ def request_of(
 
 
 def warn_of_agent(given: Mapping[str, object]) -> None:
-    """Warn on stderr about options in `given` that a user's own agent never receives."""
+    """Warn about options that a user's own agent never receives."""
     from rl_tui.programs.grading.agent_training import GIVEN
 
     for name in given:

@@ -1,1 +1,1 @@
-"""The Python interface: the functions of ``import rl_tui``."""
+"""The functions of ``import rl_tui``."""

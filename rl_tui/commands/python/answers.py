@@ -1,6 +1,6 @@
 """Exact answers from Python: ``rl_tui.solve``, ``rl_tui.evaluate`` and ``rl_tui.scenarios``.
 
-The handling of keyword settings is here too; ``rl_tui.train`` shares it.
+The keyword settings of ``rl_tui.train`` are here too.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ MOST_RUNS: Final = 100_000
 
 
 class Settings(TypedDict, total=False):
-    """Hyper-parameters as keyword arguments of :func:`rl_tui.train`, which explains each one.
+    """Hyperparameters as keyword arguments of :func:`rl_tui.train`, which explains each one.
 
-    ``lambda_`` is λ, because ``lambda`` is a Python keyword. Missing settings take the scenario's values.
+    ``lambda_`` is λ, because ``lambda`` is a Python keyword.
     """
 
     alpha: float | Literal["sample-average"]
@@ -67,16 +67,9 @@ class Settings(TypedDict, total=False):
 def recipe_of(
     scenario: str | Path, algorithm: str | None, settings: Mapping[str, object], seed: int
 ) -> tuple[Recipe, tuple[str, ...]]:
-    """Return the recipe of a run, and the settings without effect.
+    """Return the recipe of a run, and the names of the settings without effect.
 
-    Args:
-        scenario: Scenario id, path of a scenario file, or ``gym:ENV_ID``.
-        algorithm: Algorithm id; None: the scenario's.
-        settings: Hyper-parameters by keyword name.
-        seed: Seed of the run, 0 or more.
-
-    Returns:
-        The recipe, and the names of settings that neither the algorithm nor its policy uses.
+    None is the scenario's algorithm.
 
     Raises:
         UserError: A scenario, algorithm or parameter is unknown, or a value is out of range.
@@ -91,7 +84,7 @@ def recipe_of(
 
 
 def goal_of(recipe: Recipe, episodes: int | None, steps: int | None) -> Goal:
-    """Return the end of training: after `episodes`, after `steps`, or after the scenario's episodes.
+    """Return the end of training, by default the scenario's episodes.
 
     Raises:
         UserError: Both are given, or one is out of range.
@@ -109,12 +102,6 @@ def goal_of(recipe: Recipe, episodes: int | None, steps: int | None) -> Goal:
 def whole(value: object, name: str, least: int = 1, most: int | None = MOST) -> int:
     """Return `value` as a Python integer; NumPy integers are accepted.
 
-    Args:
-        value: The value given by the user.
-        name: Name of the argument, for the message.
-        least: Smallest allowed value.
-        most: Largest allowed value; None: no limit.
-
     Raises:
         UserError: `value` is not a whole number in this range.
     """
@@ -126,11 +113,7 @@ def whole(value: object, name: str, least: int = 1, most: int | None = MOST) -> 
 
 
 def checked(name: str, value: object) -> float:
-    """Return `value` as a number that is allowed for the hyper-parameter `name`.
-
-    Raises:
-        UserError: The value is out of range.
-    """
+    """Return a number for the hyperparameter `name`, or raise UserError."""
     from rl_tui.agents.hyperparameters import PARAMETERS
 
     number = _plain(value)
@@ -140,7 +123,7 @@ def checked(name: str, value: object) -> float:
 
 
 def _plain(value: object) -> object:
-    """Convert a NumPy scalar to a Python number. Return any other value unchanged."""
+    # A NumPy scalar becomes a Python number
     item = getattr(value, "item", None)
     return item() if item is not None and getattr(value, "ndim", None) == 0 else value
 
@@ -235,7 +218,7 @@ def evaluate(
         policy: One of these: ``"uniform"`` (random), ``"optimal"``, ``"greedy"`` (trained first), the path of
             a JSON file, the result of :func:`rl_tui.train`, or an array. An array holds one action per state,
             whole numbers [S], or probabilities [S, A].
-        epsilon: Probability from 0 to 1 of a random action instead of the policy's.
+        epsilon: Probability, 0 to 1, that a random action replaces the policy's.
         gamma: Discount γ from 0 to 1; None: the scenario's.
         algorithm: Only for ``"greedy"``: algorithm to train with; None: the scenario's.
         alpha: Only for ``"greedy"``: step size in (0, 1], or ``"sample-average"``.
@@ -284,15 +267,7 @@ def evaluate(
 
 
 def _name_of(policy: object, training: Sequence[str]) -> str:
-    """Return the name of the policy for the report.
-
-    Args:
-        policy: The argument of :func:`evaluate`.
-        training: Names of the training arguments that were given.
-
-    Raises:
-        UserError: The name is unknown, or training arguments do not apply to this policy.
-    """
+    # Raises UserError for unknown names, and for arguments that do not apply
     if isinstance(policy, TrainResult):
         name = "trained"
     elif isinstance(policy, str | Path):

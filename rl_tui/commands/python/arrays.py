@@ -1,4 +1,4 @@
-"""Conversion between arrays over available pairs, [P], and over states and actions, [S, A]."""
+"""Arrays over available pairs, [P], and over states and actions, [S, A]."""
 
 from __future__ import annotations
 
@@ -14,35 +14,21 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 
 def by_state(space: FiniteSpace, of_pairs: npt.NDArray[Any], otherwise: float = np.nan) -> npt.NDArray[Any]:
-    """Return values of pairs as an array over states and actions.
-
-    Args:
-        space: States and actions.
-        of_pairs: Values, [P].
-        otherwise: Value where an action is not available.
-
-    Returns:
-        Array [S, A] of the same type.
-    """
+    """Return values of pairs, [P], as [S, A], with `otherwise` for unavailable actions."""
     table = np.full((space.states, len(space.action_names)), otherwise, dtype=of_pairs.dtype)
     table[space.pair_state, space.pair_action] = of_pairs
     return table
 
 
 def numbers(values: Iterable[float | None]) -> FloatArray:
-    """Return the values as a float array, with NaN for None."""
+    """Return a float array, with NaN for None."""
     return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 
 def choices_in(space: FiniteSpace, policy: npt.ArrayLike) -> Mapping[int, Choice]:
-    """Read a policy from an array.
+    """Read a policy: one action per state, whole numbers [S], or probabilities [S, A].
 
-    Args:
-        space: States and actions.
-        policy: One action per state, whole numbers [S], or probabilities [S, A]. Terminal states are ignored.
-
-    Returns:
-        The probability of each pair, by state.
+    Terminal states are ignored. Returns the probability of each pair, by state.
 
     Raises:
         UserError: The shape is wrong, an action is not available, or probabilities are negative or do not sum

@@ -1,4 +1,4 @@
-"""``rl_tui.train``: training from Python, with the same runs as on screen."""
+"""``rl_tui.train``: training from Python."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def train(
 ) -> TrainResult | TrainResults:
     """Train an agent on a scenario and compare the result with the exact answer.
 
-    Nothing is printed. All numbers equal those of ``rl-tui train``, bit for bit. Every hyper-parameter is
+    Nothing is printed. All numbers equal those of ``rl-tui train``, bit for bit. Every hyperparameter is
     optional and defaults to the scenario's value.
 
     Args:
@@ -65,7 +65,7 @@ def train(
         episodes: Episodes to train; None: the scenario's number.
         steps: Steps to train, instead of `episodes`.
         seed: Seed of the world and of the agent, 0 or more.
-        **settings: Hyper-parameters by keyword, listed here.
+        **settings: Hyperparameters by keyword, listed here.
         alpha: Step size α in (0, 1], or ``"sample-average"`` for 1/N(s, a).
         step_size_schedule: How α changes per episode: ``"constant"``, ``"linear"``, ``"exponential"`` or
             ``"sample-average"``.
@@ -97,6 +97,13 @@ def train(
 
     Raises:
         rl_tui.Error: A name is unknown or a value is out of range. The message is one line.
+
+    Example:
+        >>> run = rl_tui.train("frozenlake", algorithm="sarsa", alpha=0.5, epsilon=0.2, episodes=1000)
+        >>> run.expected_return, run.q.shape
+        (1.0, (16, 4))
+        >>> many = rl_tui.train("frozenlake", runs=50)
+        >>> many.plot().save("frozenlake.svg")
     """
     recipe, unused = recipe_of(scenario, algorithm, settings, seed)
     goal = goal_of(recipe, episodes, steps)
@@ -106,8 +113,6 @@ def train(
 
 
 class _Episodes:
-    """A collector of the returns and lengths of finished episodes."""
-
     def __init__(self) -> None:
         self._returns: list[FloatArray] = []
         self._lengths: list[IntArray] = []

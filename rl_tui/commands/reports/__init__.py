@@ -1,1 +1,1 @@
-"""Printed reports: words and tables for people."""
+"""Printed reports for people."""

@@ -1,4 +1,4 @@
-"""The reports on flip points and on the world check, as JSON and as text."""
+"""The reports on flip points and on the world check."""
 
 from __future__ import annotations
 
@@ -89,13 +89,7 @@ def _actions(world: World, pairs: Sequence[int]) -> str:
 
 
 def check_document(faults: Sequence[str], world: World | None, report: WorldReport) -> dict[str, Any]:
-    """Return the document of ``check --deep --json``.
-
-    Args:
-        faults: Errors of the file, one line each.
-        world: The world, or None if the file has errors.
-        report: Results of the check.
-    """
+    """Return the document of ``check --deep --json``. `faults` are errors of the file."""
     wait, tried = report.first_update, report.tried
     return {
         "faults": list(faults),

@@ -17,7 +17,7 @@ _HEAD: Final = ("submission", "", "share of best", "least", "return", "of best",
 
 
 def grades(grading: Grading, graded: Sequence[GradedSubmission]) -> str:
-    """Return a table of all graded submissions, followed by the findings for each."""
+    """Return a table of all submissions, followed by the findings for each."""
     recipe, seeds = grading.recipe, counted(grading.seeds, "seed")
     head = f"{recipe.scenario.title}: {seeds}, {grading.threshold:g} of the best needed"
     rows = [_HEAD, *(_row(each, grading.yardstick.best) for each in graded)]
@@ -53,7 +53,6 @@ def _row(each: GradedSubmission, best: float) -> tuple[str, ...]:
 
 
 def _remarks(each: GradedSubmission) -> list[str]:
-    """Return one line per finding or error of a submission, with the number of seeds."""
     of = f"of {len(each.runs):,}"
     lines = []
     for finding, seeds in each.findings:
@@ -73,6 +72,6 @@ def _remarks(each: GradedSubmission) -> list[str]:
 
 
 def _of_another(file: str, submission: str) -> str:
-    """Return `` of FILE`` if the line is not in the submission's own file."""
+    # " of FILE" if the line is not in the submission's own file
     name = Path(file).name
     return "" if not name or name == AgentName.read(submission).path.name else f" of {name}"

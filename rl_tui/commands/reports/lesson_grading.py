@@ -12,7 +12,7 @@ from rl_tui.live.sessions.grade import PROVES, GradedSession
 
 
 def session_grade(lesson: Lesson, graded: GradedSession) -> str:
-    """Return the result of one session: tasks, conditions and predictions."""
+    """Return the tasks, conditions and predictions of one session."""
     lines = [f"{lesson.title}: {_passed_tasks(graded)}", ""]
     for task in graded.tasks:
         lines.append(f"{_mark(task.passed)} {task.id}: {task.title}")
@@ -24,7 +24,7 @@ def session_grade(lesson: Lesson, graded: GradedSession) -> str:
 
 
 def session_table(lesson: Lesson, graded: Sequence[GradedSession]) -> str:
-    """Return a table with one row per session and one column per task."""
+    """Return a table of sessions by tasks."""
     head = ["session", *(page.id for page in lesson.tasks), "passed", "predictions right"]
     rows = [head, *(_row(each, len(lesson.tasks)) for each in graded)]
     remarks = [
@@ -58,6 +58,6 @@ def _ending(graded: GradedSession) -> Iterator[str]:
 
 
 def _mark(holds: bool) -> str:
-    """Return ✓ or ✗, or an ASCII sign if stdout cannot encode them."""
+    # ASCII if stdout cannot encode these
     sign, plain = ("✓", "x") if holds else ("✗", "-")
     return sign if can_print(sign) else plain

@@ -1,1 +1,1 @@
-"""The server of ``rl-tui serve``: one app process per browser tab."""
+"""The server of ``rl-tui serve``."""

@@ -2,7 +2,7 @@
 
 A page of another site in the same browser can send requests to 127.0.0.1. Browsers let it open WebSockets and
 only report its site in ``Origin``. A site can also point its name to 127.0.0.1 after loading (DNS rebinding).
-Then the origin matches, but the name is in ``Host``. Both headers are therefore checked.
+Then the origin matches, but the name is in ``Host``. So both headers are checked.
 """
 
 from __future__ import annotations
@@ -21,11 +21,7 @@ _THIS_MACHINE: Final = ("localhost", "127.0.0.1", "::1")
 
 
 def bind(host: str, port: int) -> socket.socket:
-    """Return a socket bound to `port` of `host` that does not listen yet.
-
-    Args:
-        host: Address or name.
-        port: Port number; 0: any free port.
+    """Return a socket bound to `port` (0: any free one), not listening yet.
 
     Raises:
         UserError: The address is unknown or in use.
@@ -50,15 +46,7 @@ def bind(host: str, port: int) -> socket.socket:
 
 
 def listen(bound: socket.socket, host: str) -> None:
-    """Accept connections on `bound`.
-
-    Args:
-        bound: Socket from :func:`bind`.
-        host: Its address, for messages.
-
-    Raises:
-        UserError: Another program took the port first.
-    """
+    """Accept connections on a socket from :func:`bind`, or raise UserError."""
     try:
         bound.listen()
     except OSError as fault:  # another program bound the same port and was faster
@@ -78,7 +66,7 @@ def _cannot_listen(host: str, port: int, fault: OSError) -> UserError:
 
 
 def is_this_machine(host: str) -> bool:
-    """Return True if only this machine can reach `host`, a name or an address."""
+    """Return True if only this machine can reach a name or an address."""
     try:
         found = socket.getaddrinfo(host.strip("[]"), None, type=socket.SOCK_STREAM)
     except OSError:
@@ -94,26 +82,21 @@ def url_of(listening: socket.socket) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Doorkeeper:
-    """The check of request headers. `host` is the server's address, `url` what people type."""
+    """The check of request headers. `url` is what people type."""
 
     host: str
     url: str | None = None
 
     def knows(self, asked_for: str) -> bool:
-        """Return True if a request with the ``Host`` header `asked_for` is meant for this server.
+        """Return True if a request with this ``Host`` header is meant for this server.
 
-        Numeric addresses always pass, since nobody can redirect them. A name must be one of ours.
+        Numeric addresses always pass, since nobody can redirect them. A name must be ours.
         """
         name = _name(asked_for)
         return name in self._names() or _is_address(name)
 
     def lets_in(self, origin: str, asked_for: str) -> bool:
-        """Return True if the page that opens a WebSocket came from this server.
-
-        Args:
-            origin: The ``Origin`` header.
-            asked_for: The ``Host`` header.
-        """
+        """Return True if a page came from this server, by ``Origin`` and ``Host``."""
         if not self.knows(asked_for):
             return False
         if self.url is not None and origin.lower() == _origin(self.url):
@@ -131,7 +114,7 @@ class Doorkeeper:
 
 
 def _name(netloc: str) -> str:
-    """Return the host of ``host:port``, without brackets. Empty if it is invalid."""
+    # The host of "host:port", without brackets
     try:
         return urlsplit(f"//{netloc}").hostname or ""
     except ValueError:

@@ -1,8 +1,8 @@
 """One app process for one browser tab, connected by pipes.
 
 Data goes in packets: a letter, the length in four bytes (big-endian), and the content. D is terminal data, M
-a JSON message, P a file (never used here). The app first writes a marker line, so earlier output is not taken
-for a packet (Textual's web driver, ``textual/drivers/web_driver.py``).
+a JSON message, P a file (never used here). The app first writes a marker line, to separate earlier output
+(Textual's web driver, ``textual/drivers/web_driver.py``).
 """
 
 from __future__ import annotations
@@ -35,13 +35,7 @@ _OF_THE_TERMINAL: Final = frozenset(
 
 
 def environment_of_app(around: Mapping[str, str], size: tuple[int, int], *, kiosk: bool) -> dict[str, str]:
-    """Return the environment variables of an app in a browser terminal.
-
-    Args:
-        around: Variables of the server.
-        size: Columns and rows.
-        kiosk: True if the app runs in kiosk mode.
-    """
+    """Return the environment variables of an app, from those `around` it."""
     kept = {
         name: value
         for name, value in around.items()
@@ -61,7 +55,7 @@ def environment_of_app(around: Mapping[str, str], size: tuple[int, int], *, kios
 
 
 def bounded_size(columns: object, rows: object) -> tuple[int, int]:
-    """Return a drawable size for the numbers sent by a browser; 80×24 if they are invalid."""
+    """Return a drawable size for the numbers of a browser; 80×24 if invalid."""
     if not (isinstance(columns, int) and isinstance(rows, int)):
         return (80, 24)
     width, height = (
@@ -84,16 +78,12 @@ class AppProcess:
 
     @property
     def fault(self) -> str:
-        """The last line that the app wrote to stderr. Empty if there is none."""
+        """The last line of stderr, or an empty text."""
         lines = self._errors.decode("utf-8", "replace").strip().splitlines()
         return "".join(letter for letter in lines[-1] if letter.isprintable()) if lines else ""
 
     async def start(self) -> None:
-        """Start the process.
-
-        Raises:
-            OSError: The system cannot start another process.
-        """
+        """Start the process. Raises OSError if the system cannot."""
         self._process = await asyncio.create_subprocess_exec(
             *self._command,
             stdin=PIPE,
@@ -105,7 +95,7 @@ class AppProcess:
         self._reading_errors = asyncio.create_task(self._read_errors())
 
     async def output(self) -> AsyncIterator[bytes]:
-        """Yield terminal output for the browser until the app ends."""
+        """Yield terminal output until the app ends."""
         process = self._running()
         assert process.stdout is not None
         with suppress(asyncio.IncompleteReadError, asyncio.LimitOverrunError):
@@ -123,7 +113,7 @@ class AppProcess:
                     return
 
     async def type(self, text: str) -> None:
-        """Send terminal input to the app: keys, mouse, answers to queries."""
+        """Send terminal input: keys, mouse, answers to queries."""
         await self._send(b"D", text.encode("utf-8", "replace"))
 
     async def tell(self, **message: object) -> None:
@@ -191,7 +181,7 @@ async def _ends(process: Process, seconds: float) -> bool:
 
 
 def command_line(python: str, arguments: Sequence[str]) -> tuple[str, ...]:
-    """Return a command that starts rl-tui with `arguments`.
+    """Return a command that starts rl-tui.
 
     ``-P`` keeps Python from importing modules of the current folder.
     """

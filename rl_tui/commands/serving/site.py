@@ -50,7 +50,7 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 class Allowance:
-    """A rate limit for browser input. Floods are delayed, normal typing never is.
+    """A rate limit for browser input, which delays floods but no normal typing.
 
     The budget grows by `per_second` up to `at_once`.
     """
@@ -62,7 +62,7 @@ class Allowance:
         self._filled = asyncio.get_running_loop().time()
 
     async def spend(self, characters: int) -> None:
-        """Wait until a message of this many characters may pass."""
+        """Wait until a message of this length may pass."""
         now = asyncio.get_running_loop().time()
         self._left = min(self._left + (now - self._filled) * self._per_second, self._at_once)
         self._filled = now
@@ -147,7 +147,7 @@ class Site:
         return websocket
 
     async def _connect(self, app: AppProcess, websocket: web.WebSocketResponse) -> None:
-        """Connect app and browser until one leaves, then send the browser the reason."""
+        # Until one of both leaves; the browser gets the reason
         try:
             await app.start()
         except OSError as fault:
@@ -227,7 +227,7 @@ _SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows knows the first two
 
 
 def _faults_of_ours() -> logging.Logger:
-    """Return a log that leaves out malformed requests: these are answered, and that is enough."""
+    # Malformed requests are answered, and that is enough
     log = logging.getLogger(__name__)
     log.addFilter(_is_no_bad_request)
     return log
@@ -238,12 +238,9 @@ def _is_no_bad_request(record: logging.LogRecord) -> bool:
 
 
 async def serve(site: Site, listening: socket.socket, started: Callable[[], None]) -> None:
-    """Serve `site` until SIGINT, SIGTERM or SIGHUP. All app processes are gone afterwards.
+    """Serve until SIGINT, SIGTERM or SIGHUP. All app processes are gone afterwards.
 
-    Args:
-        site: The web application.
-        listening: Socket that accepts browsers.
-        started: Called when browsers may connect.
+    `started` is called when browsers may connect.
     """
     signalled = asyncio.Event()
     on_signals(_SIGNALS, lambda _: signalled.set())

@@ -1,1 +1,1 @@
-"""The numbers in texts of lessons: their expressions, and the check of their values."""
+"""The numbers in texts of lessons, recomputed from expressions."""

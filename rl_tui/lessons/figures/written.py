@@ -28,13 +28,14 @@ class WrittenNumber:
     error: WrittenNumber | None = None
 
     def agrees_with(self, exact: float) -> bool:
-        """Return True if `exact`, rounded to the digits of this number, equals it."""
+        """Return True if `exact`, rounded like this, equals it."""
         slack = _EXACT * max(abs(exact), abs(self.value), self.unit)
         return math.isfinite(exact) and abs(exact - self.value) <= self.unit / 2 + slack
 
 
 def written_number(text: str) -> WrittenNumber | None:
     """Parse a number, such as `−1.5`, `+4.0`, `184,616`, `52 %`, `14/17`, `5.4·10⁻⁶`, `70.9 ± 0.7`, `⅓`.
+
     After `≈`, trailing zeros of a whole number are not significant. Return None if `text` is not a number.
     """
     mean, plus_minus, error = text.partition("±")
@@ -77,7 +78,6 @@ def _single(text: str) -> WrittenNumber | None:
 
 
 def _last_digit(digits: str, *, is_rough: bool) -> float:
-    """Return one unit of the last digit."""
     whole, point, decimals = digits.partition(".")
     if point:
         return 10.0 ** -len(decimals)
@@ -86,7 +86,7 @@ def _last_digit(digits: str, *, is_rough: bool) -> float:
 
 
 def in_digits_of(exact: float, written: str) -> str:
-    """Format `exact` with six digits, or as a percentage if `written` is one."""
+    """Format `exact` with six digits, or as a percentage like `written`."""
     if not math.isfinite(exact):
         return str(exact)
     if "%" in written:

@@ -1,4 +1,4 @@
-"""The setups of a lesson, with which its runs begin."""
+"""The setups with which a lesson's runs begin."""
 
 from __future__ import annotations
 
@@ -16,24 +16,21 @@ if TYPE_CHECKING:
 
 
 def recipe_of(lesson: Lesson, setup: str) -> Recipe:
-    """Return the recipe of a setup.
-
-    Raises:
-        UserError: The scenario cannot be found or played, or a setting does not fit.
-    """
+    """Return a setup's recipe. Raises UserError if a part does not fit."""
     table = lesson.setups[setup]
     return recipe_for(scenario_for(lesson, setup), table.settings, table.seed)
 
 
 def check_setups(lesson: Lesson) -> None:
-    """Raise UserError if the run of a setup cannot begin, without building worlds."""
+    """Raise UserError for an impossible setup, without building worlds."""
     for setup in lesson.setups:
         recipe_of(lesson, setup)
 
 
 def scenario_for(lesson: Lesson, setup: str) -> Scenario:
-    """Return the scenario of a setup: by id, in a file next to the lesson, or from its text. It is read
-    once, so all runs share it.
+    """Return a setup's scenario: by id, in a file next to the lesson, or from its text.
+
+    All runs share it.
     """
     known = _KNOWN.setdefault(lesson, {})
     if setup not in known:

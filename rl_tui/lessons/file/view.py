@@ -1,4 +1,4 @@
-"""A learner's progress in a lesson, as sessions keep it and snapshots show it."""
+"""A learner's progress in a lesson, for sessions and snapshots."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ NO_STEP: Final = -1
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """An answer to a prediction or question, locked when given. `answer` is the number, or the index of
-    the choice. `step` and `digest` identify the run at that time (see `run_digest`), NO_STEP and ""
-    without a run.
+    """An answer, locked when given: a number, or the index of a choice.
+
+    `step` and `digest` identify the run (see `run_digest`), NO_STEP and "" without one.
     """
 
     page: str
@@ -32,8 +32,9 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class Passed:
-    """A passed task with its evidence: recipe, changes, and `step` of the run. `claim` means that it was
-    rightly called impossible, and `program` is the code that passed.
+    """A passed task with its evidence: recipe, changes, and `step` of the run.
+
+    `claim` means that it was rightly called impossible, and `program` is the code that passed.
     """
 
     page: str
@@ -46,9 +47,10 @@ class Passed:
 
 @dataclass(frozen=True, slots=True)
 class LessonRecord:
-    """A learner's progress in `lesson`. `page` is the id of the open page. `given` has all answers in
-    order, of which the first on each page counts. `skipped` has pages left undone, and `hints` the number
-    of hints by page.
+    """A learner's progress in a lesson.
+
+    `page` is the open one. `given` has all answers in order, of which the first on each page counts.
+    `skipped` has pages left undone, and `hints` the number of hints by page.
     """
 
     lesson: Lesson
@@ -60,23 +62,23 @@ class LessonRecord:
     finished: bool = False
 
     def given_on(self, page: str) -> Given | None:
-        """Return the first answer on `page`, or None."""
+        """Return the first answer, if any."""
         return next((each for each in self.given if each.page == page), None)
 
     def last_given_on(self, page: str) -> Given | None:
-        """Return the last answer on `page`, or None."""
+        """Return the last answer, if any."""
         return next((each for each in reversed(self.given) if each.page == page), None)
 
     def has_passed(self, page: str) -> bool:
-        """Return True if the task of `page` is passed."""
+        """Return True if the page's task is passed."""
         return any(each.page == page for each in self.passed)
 
     def hints_on(self, page: str) -> int:
-        """Return the number of hints shown on `page`."""
+        """Return the number of hints shown."""
         return dict(self.hints).get(page, 0)
 
     def is_done(self, page_id: str) -> bool:
-        """Return True if the prediction is given, the question right, or the task passed."""
+        """Return True if nothing is left to do on the page."""
         page = self.lesson.page(page_id)
         if page.task is not None:
             return self.has_passed(page_id)
@@ -87,22 +89,20 @@ class LessonRecord:
 
     @property
     def is_begun(self) -> bool:
-        """True if anything was done, or another page than the first is open."""
+        """True once anything was done or opened."""
         is_elsewhere = self.page != self.lesson.pages[0].id
         return is_elsewhere or bool(self.given or self.passed or self.skipped)
 
     @property
     def predictions(self) -> tuple[int, int]:
-        """Number of right predictions, and of all, without guesses."""
+        """Right predictions, and all, without guesses."""
         pages = self.lesson.counted_predictions
         made = [given for page in pages if (given := self.given_on(page.id)) is not None]
         return sum(given.is_right for given in made), len(made)
 
     @property
     def hidden(self) -> frozenset[str]:
-        """Names of what is hidden: by this page and later ones of its setup, until they are done. Skipped
-        pages hide nothing.
-        """
+        """Names hidden by this page, and later ones of its setup."""
         lesson = self.lesson
         here, setup = lesson.number_of(self.page), lesson.setup_of(self.page)
         kept = set[str]()
@@ -122,14 +122,14 @@ class LessonRecord:
         return replace(self, page=page, finished=self.finished or (is_last and self.is_done(page)))
 
     def give(self, given: Given) -> LessonRecord:
-        """Return a copy with another answer; of a prediction only the first is kept."""
+        """Add an answer; for a prediction, only the first."""
         is_prediction = self.lesson.page(given.page).prediction is not None
         if is_prediction and self.given_on(given.page) is not None:
             return self
         return replace(self, given=(*self.given, given))
 
     def passes(self, passed: Passed) -> LessonRecord:
-        """Return a copy with a passed task. The first evidence is kept."""
+        """Add a passed task with its first evidence."""
         return self if self.has_passed(passed.page) else replace(self, passed=(*self.passed, passed))
 
     def skip(self, page: str) -> LessonRecord:
@@ -142,7 +142,7 @@ class LessonRecord:
 
 
 def begun(lesson: Lesson) -> LessonRecord:
-    """Return the record of `lesson` at its first page."""
+    """Return the record of a new lesson."""
     return LessonRecord(lesson, lesson.pages[0].id)
 
 
@@ -159,7 +159,7 @@ class ConditionView(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class TaskView:
-    """State of the open page's task."""
+    """The open page's task."""
 
     conditions: tuple[ConditionView, ...]
     """The conditions in file order."""

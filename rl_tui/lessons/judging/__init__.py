@@ -1,1 +1,1 @@
-"""The judging of tasks, by a replay of the run only."""
+"""The judging of tasks, by replays only."""

@@ -1,4 +1,4 @@
-"""Facts from a journal: how a run was made, read entry by entry."""
+"""Facts from a journal, read entry by entry."""
 
 from __future__ import annotations
 
@@ -13,9 +13,7 @@ from rl_tui.runs.recipe import JournalEntry, Recipe, Setting, SwitchAlgorithm, T
 
 
 class JournalReader:
-    """Reads the changes before a step of a run. Later or pending ones do not count. A growing journal is
-    read incrementally.
-    """
+    """Reads the changes before a step of a run."""
 
     def __init__(self) -> None:
         self._recipe: Recipe | None = None
@@ -37,14 +35,7 @@ class JournalReader:
         """True if another algorithm is set but has taken no step."""
 
     def read(self, recipe: Recipe, journal: Sequence[JournalEntry], step: int, names: Sequence[str]) -> None:
-        """Read the entries of `journal` before `step`.
-
-        Args:
-            recipe: Start of the run.
-            journal: All changes.
-            step: Current step.
-            names: Names of the actions.
-        """
+        """Read a growing journal up to `step`."""
         count = bisect_left(journal, step, key=attrgetter("step"))
         goes_on = recipe is self._recipe and self.count <= count
         if not goes_on or (self.count and journal[self.count - 1] is not self._last):
@@ -61,7 +52,7 @@ class JournalReader:
 
     @property
     def digest(self) -> str:
-        """Digest of the run at this step."""
+        """Digest at this step."""
         return self._digest.at(self.step)
 
     def _begin(self, recipe: Recipe) -> None:
@@ -89,7 +80,7 @@ def entries_before(journal: Sequence[JournalEntry], step: int) -> tuple[JournalE
 
 
 def run_digest(recipe: Recipe, journal: Sequence[JournalEntry], step: int, names: Sequence[str]) -> str:
-    """Return a digest that identifies a run after `step` steps. `names` are those of its actions."""
+    """Return a digest that identifies a run after `step` steps."""
     digest = RunDigest(recipe)
     for entry in entries_before(journal, step):
         digest.add(entry, names)
@@ -109,11 +100,11 @@ class RunDigest:
         self._hash = hashlib.sha256(_line(document))
 
     def add(self, entry: JournalEntry, names: Sequence[str]) -> None:
-        """Add the next change. `names` are those of the actions."""
+        """Add the next change."""
         self._hash.update(_line([entry.step, *name_and_value(entry.change, names)]))
 
     def at(self, step: int) -> str:
-        """Return the digest after `step` steps, once all earlier changes are added."""
+        """Return the digest after `step`, once earlier changes are added."""
         whole = self._hash.copy()
         whole.update(_line(step))
         return whole.hexdigest()

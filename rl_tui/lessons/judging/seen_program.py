@@ -1,4 +1,4 @@
-"""The result of a learner's program, watched to its end."""
+"""A learner's program, watched to its end."""
 
 from __future__ import annotations
 
@@ -34,13 +34,10 @@ class SeenProgram:
     """The result of watching a program.
 
     Attributes:
-        verdict: Result of the diagnosis.
-        steps: Steps taken.
-        episodes: Episodes finished.
         environment: Id of the environment of its table, or "".
-        expected_return: Undiscounted return of its greedy policy, or None if unknown.
+        expected_return: Undiscounted return of its greedy policy.
         error: The error that stopped it in one line, or "".
-        remarks: Sentences for its author, with lines: departures from the rule, findings and corrections.
+        remarks: Sentences for its author, with lines.
     """
 
     verdict: ProgramVerdict = field(default_factory=ProgramVerdict)
@@ -81,7 +78,6 @@ def _of_finding(finding: CodeFinding) -> str:
 
 
 def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
-    """Return a sentence about the first step that the rule does not explain, if any."""
     update = verdict.update
     if update.rule is Rule.UNKNOWN or update.departs_at is None:
         return []
@@ -115,7 +111,7 @@ OnSteps = Callable[[int, int], None]
 
 
 def read_code(path: Path) -> str:
-    """Read the program in a file. Raises UserError, in one line, if there is none."""
+    """Read a program. Raises UserError, in one line."""
     try:
         code = read_text(path, "a Python file")
     except UnreadableError as reason:
@@ -133,14 +129,7 @@ def watched_code(
 ) -> SeenProgram:
     """Run `code` in a temporary folder and watch it.
 
-    Args:
-        code: Source of the program.
-        name: Name of its file.
-        on_steps: Called with (steps, episodes).
-        seconds: Time limit, besides 500,000 steps and 2 GB of memory.
-
-    Returns:
-        The result, with the error that stopped the program, if any.
+    `seconds` is a limit besides 500,000 steps and 2 GB of memory.
     """
     with tempfile.TemporaryDirectory(prefix="rl-tui-") as folder:
         path = Path(folder) / Path(name).name

@@ -1,4 +1,4 @@
-"""Verdicts on conditions: whether each one is met, and its metric in words."""
+"""The verdicts on conditions, and metrics in words."""
 
 from __future__ import annotations
 
@@ -25,9 +25,7 @@ _Of = TypeVar("_Of")
 
 @dataclass(frozen=True, slots=True)
 class PanelRequest:
-    """A request for `conditions` on runs of `recipe`, with seeds from 0. `known` are the results of the
-    first seeds.
-    """
+    """A request for `conditions` on runs of `recipe`. `known` has the first seeds."""
 
     recipe: Recipe
     conditions: tuple[Condition, ...]
@@ -36,7 +34,7 @@ class PanelRequest:
 
 @dataclass(frozen=True, slots=True)
 class PanelProgress:
-    """Results of finished seeds, and finally the `verdicts`."""
+    """Finished seeds, and finally the `verdicts`."""
 
     seeds: tuple[SeedValues, ...]
     wanted: int = 0
@@ -52,17 +50,17 @@ class KnownPanels:
         self._seeds: list[tuple[_Panel, tuple[SeedValues, ...]]] = []
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[ConditionVerdict, ...] | None:
-        """Return the verdicts on `conditions` for runs of `recipe`, or None if unknown."""
+        """Return the verdicts, if known."""
         return _of(self._verdicts, (recipe, conditions))
 
     def keep(
         self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[ConditionVerdict, ...]
     ) -> None:
-        """Store `verdicts`, dropping the oldest if there are too many."""
+        """Store `verdicts`, dropping the oldest of too many."""
         self._verdicts = [*self._verdicts, ((recipe, conditions), verdicts)][-KEPT:]
 
     def seeds_of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[SeedValues, ...]:
-        """Return the results of the seeds that were finished when the work ended."""
+        """Return the results of seeds without a verdict."""
         return _of(self._seeds, (recipe, conditions)) or ()
 
     def keep_seeds(
@@ -78,7 +76,7 @@ def _of(kept: Sequence[tuple[_Panel, _Of]], panel: _Panel) -> _Of | None:
 
 
 def same_panel(one: Recipe, its: tuple[Condition, ...], other: Recipe, others: tuple[Condition, ...]) -> bool:
-    """Return True if both need the same runs and conditions, ignoring the seeds of the recipes."""
+    """Return True for the same runs and conditions, whatever the seed."""
     return (
         one.algorithm == other.algorithm
         and one.hyperparameters == other.hyperparameters
@@ -108,12 +106,12 @@ class Panels(Protocol):
     """Decides conditions over many seeds."""
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
-        """Return the verdict on each of `conditions` for runs of `recipe`, whatever its seed."""
+        """Return verdicts, whatever the seed of `recipe`."""
         ...
 
     @property
     def waits(self) -> str:
-        """The pending computation in words, or ""."""
+        """Pending work in words, or ""."""
         ...
 
 
@@ -138,7 +136,7 @@ def is_met(condition: Condition, value: Value) -> bool:
 
 
 def in_words(value: Value, digits: int = _DIGITS) -> str:
-    """Format a value, with `digits` significant digits unless it is whole."""
+    """Format a value, if not whole with `digits` significant digits."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, str):
@@ -149,7 +147,7 @@ def in_words(value: Value, digits: int = _DIGITS) -> str:
 
 
 def found_in_words(condition: Condition, value: Value) -> str:
-    """Format `value` with enough digits to lead readers to the same verdict."""
+    """Format `value` with enough digits for the same verdict."""
     if isinstance(value, str | bool):
         return in_words(value)
     same = (

@@ -21,8 +21,9 @@ from rl_tui.worlds.world import World
 
 @dataclass(frozen=True, slots=True)
 class EstimatesBefore:
-    """The estimates of `agent` before its `last` step. Only the updated pair is restored; after further
-    updates in the same step, other estimates are current ones. `terms` describes the lookup of the update.
+    """Estimates of `agent` before its `last` step.
+
+    Only the updated pair is restored; after further updates, others are current ones.
     """
 
     world: World
@@ -31,13 +32,13 @@ class EstimatesBefore:
     terms: UpdateTerms
 
     def of(self, pairs: range) -> FloatArray | None:
-        """Return the estimates of the `pairs` of a state, or None if the snapshot lacks them."""
+        """Return the estimates of a state's `pairs`, if copied."""
         if not len(pairs) or not self.agent.holds(pairs.start):
             return None
         return self._put_back(self.agent.q, pairs, moved=not self.last.table)
 
     def looked_up(self, pairs: range) -> tuple[FloatArray, FloatArray] | None:
-        """Return the weight of each pair in the value of its state, and the estimates, or None if unknown."""
+        """Return each pair's weight in the value of its state, and the estimates."""
         if self.terms.lookup is Lookup.OTHER:
             return self._judged(pairs)
         estimates = self.of(pairs)
@@ -50,7 +51,7 @@ class EstimatesBefore:
         return None if policy is None else (policy, estimates)
 
     def value(self, state: int) -> float | None:
-        """Return the value of `state` in the update, or None if unknown."""
+        """Return the value of `state` in the update, if known."""
         if self.last.planned:  # a planner has just changed the value of the state itself
             is_known = state != self.last.state and len(self.agent.values)
             return float(self.agent.values[state]) if is_known else None
@@ -64,7 +65,6 @@ class EstimatesBefore:
         return float(estimates.max() if self.terms.lookup is Lookup.BEST else weights @ estimates)
 
     def _judged(self, pairs: range) -> tuple[FloatArray, FloatArray] | None:
-        """Return the best pairs of the updated table as shares, and the estimates of the other table."""
         if len(self.agent.tables) != 2 or not self.last.table:
             return None
         own = self._put_back(self.agent.tables[self.last.table - 1], pairs, moved=True)
@@ -75,7 +75,6 @@ class EstimatesBefore:
         return equal_shares(best), other
 
     def _put_back(self, table: FloatArray, pairs: range, *, moved: bool) -> FloatArray:
-        """Return the entries of `table` for `pairs`. `moved` is True for the updated table."""
         estimates = table[pairs.start : pairs.stop].copy()
         if moved and self.last.updated_pair in pairs:
             estimates[self.last.updated_pair - pairs.start] = self.last.before
@@ -83,7 +82,7 @@ class EstimatesBefore:
 
 
 def equal_shares(chosen: BoolArray) -> FloatArray:
-    """Return equal shares for the pairs in `chosen`, 0 for others."""
+    """Return equal shares for `chosen` pairs, 0 for others."""
     return np.asarray(chosen / chosen.sum())
 
 
@@ -92,16 +91,12 @@ def equal_shares(chosen: BoolArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """A possible outcome of a pair: one leaf of a backup diagram.
+    """One leaf of a backup diagram.
 
     Attributes:
-        probability: Probability of the outcome, or None if unknown.
         action: Action that happens if the world slips, or −1 if unknown.
-        reward: Mean reward.
-        noise: Standard deviation of the reward.
-        next_state: State after the outcome.
-        terminated: True if the outcome ends the episode.
-        value: Value of the next state for the algorithm: 0 after a terminal outcome, None if unknown.
+        reward: Mean reward, with the standard deviation `noise`.
+        value: Value of the next state: 0 after a terminal outcome, None if unknown.
         happened: True for the outcome that was drawn.
     """
 
@@ -117,18 +112,13 @@ class Leaf:
 
 @dataclass(frozen=True, slots=True)
 class Backup:
-    """The backup of `pair` in `state`, with one leaf for each outcome.
+    """The backup of `pair` in `state`, with a leaf for each outcome.
 
     Attributes:
-        state: State of the pair.
-        pair: Number of the pair.
-        leaves: All outcomes.
-        gamma: Discount at the time of the update.
         sampled: Target of the update, or None if it waits or spans several steps.
-        expected: Σ p (r + γ V(s′)) with the same estimates, or None if unknown.
+        expected: Σ p (r + γ V(s′)) with the same estimates, if known.
         lookup: How the algorithm values the next state.
-        is_current: True if the leaves have the estimates of the update; further updates of the step may
-            have changed them.
+        is_current: True if the leaves have the update's estimates; further updates may have changed them.
     """
 
     state: int
@@ -142,12 +132,12 @@ class Backup:
 
     @property
     def is_certain(self) -> bool:
-        """True if this was the only possible outcome."""
+        """True if no other outcome was possible."""
         return len(self.leaves) == 1 and self.leaves[0].probability is not None and not self.leaves[0].noise
 
 
 def expected_target(leaves: tuple[Leaf, ...], gamma: float) -> float | None:
-    """Return Σ p (r + γ V(s′)) over `leaves`, or None if a number is unknown."""
+    """Return Σ p (r + γ V(s′)), if all numbers are known."""
     terms = []
     for leaf in leaves:
         if leaf.probability is None or leaf.value is None:
@@ -157,11 +147,9 @@ def expected_target(leaves: tuple[Leaf, ...], gamma: float) -> float | None:
 
 
 def backup_of(before: EstimatesBefore, mean: FloatArray | None) -> Backup | None:
-    """Return the backup of the last step, or None if a planner changed no estimate.
+    """Return the backup of the last step, if it changed an estimate.
 
-    Args:
-        before: Estimates before the update.
-        mean: Current mean rewards, `[P]`, if they drift, else None.
+    `mean` has the current mean rewards, `[P]`, if they drift.
     """
     last, terms = before.last, before.terms
     if last.planned and not last.learned:
@@ -214,7 +202,6 @@ def _leaves(before: EstimatesBefore, pair: int) -> tuple[Leaf, ...]:
 
 
 def _value(before: EstimatesBefore, state: int, *, terminated: bool) -> float | None:
-    """Return the value of `state` in the update: 0 if terminal, None if unknown."""
     if terminated:
         return 0.0
     is_bootstrap = state == before.last.bootstrap_state and before.terms.one_step
@@ -235,9 +222,7 @@ def _solved(leaves: tuple[Leaf, ...], bootstrap: float) -> tuple[Leaf, ...]:
 
 
 def sources(before: EstimatesBefore) -> dict[int, float]:
-    """Return the pairs that the bootstrap was read from, with their weights. Equal candidates share the
-    weight. Empty if the update looked up nothing, or if its estimates are unknown.
-    """
+    """Return the pairs that the bootstrap was read from, if known, with weights that equal ones share."""
     last, lookup = before.last, before.terms.lookup
     if last.planned:
         return _planned_sources(before)
@@ -254,7 +239,6 @@ def sources(before: EstimatesBefore) -> dict[int, float]:
 
 
 def _planned_sources(before: EstimatesBefore) -> dict[int, float]:
-    """Return the best pairs of all next states, which value iteration looks up."""
     mdp, last = before.world.mdp, before.last
     found: dict[int, float] = defaultdict(float)
     if mdp is None or not last.learned or before.terms.lookup is not Lookup.BEST:

@@ -18,7 +18,7 @@ class LastGust(NamedTuple):
 
 
 def gust_of(world: World, last: LastStep | None) -> LastGust | None:
-    """Return the gust on the step `last` in `world`, or None."""
+    """Return the gust on the step `last`, if any."""
     grid, mdp = world.drawing, world.mdp
     if last is None or last.planned or mdp is None or last.outcome == UNKNOWN_ACTION:
         return None

@@ -19,14 +19,16 @@ _PLAYERS: Final = set[int]()
 
 
 def switch_often(player: object) -> None:
-    """Let threads switch ten times as often as by default, while a player exists."""
+    """Let threads switch ten times as often for a player."""
     _PLAYERS.add(id(player))
     sys.setswitchinterval(SWITCH_INTERVAL)
 
 
 def leave_out_of_collections() -> None:
-    """Exclude all loaded objects from garbage collection. The libraries are about 200,000 objects;
-    scanning them stops every thread for up to 88 ms, once a second at full speed (measured).
+    """Exclude all loaded objects from garbage collection.
+
+    The libraries are about 200,000 objects; scanning them stops every thread for up to 88 ms, once a second
+    at full speed (measured).
     """
     gc.unfreeze()  # collect what an earlier player left behind
     gc.collect()
@@ -34,7 +36,7 @@ def leave_out_of_collections() -> None:
 
 
 def as_usual(player: object) -> bool:
-    """Remove `player`, and restore both settings if it was the last one and return True in this case."""
+    """Remove `player`. Restore both settings and return True after the last."""
     _PLAYERS.discard(id(player))
     if _PLAYERS:
         return False

@@ -1,4 +1,4 @@
-"""How many steps are due, and the measured speed. Times are in seconds."""
+"""The due steps, and the measured speed. Times are in seconds."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ class Pace:
         self._taken = 0
 
     def start(self, speed: float, now: float, at_once: bool) -> None:
-        """Aim at `speed` steps per second from `now` on; `at_once` makes the first step due immediately."""
+        """Aim at `speed` steps per second from `now` on, the first step `at_once` or not."""
         self._speed = speed
         self._origin = now - 1 / speed if at_once else now
         self._taken = 0
 
     def due(self, now: float) -> int:
-        """Return the number of steps due. A delay of more than a quarter of a second is forgotten."""
+        """Return the number of steps due. Delays above a quarter of a second are forgotten."""
         # a clock read slightly early must not delay a step by a whole wait
         due = int((now - self._origin) * self._speed + 1e-6) - self._taken
         if due > 1 and due / self._speed > MOST_DEBT:
@@ -47,7 +47,7 @@ class Pace:
         self._taken += steps
 
     def wait(self, now: float) -> float:
-        """Return the time until the next step, or until the next sixtieth of a second at high speeds."""
+        """Return the time until the next step, at high speeds until the next sixtieth."""
         ahead = self._origin + (self._taken + 1) / self._speed - now
         if self._speed <= 1 / TICK:
             return max(ahead, 0.0)
@@ -59,28 +59,28 @@ class Pace:
 
 @dataclass(slots=True)
 class ChunkSize:
-    """Number of steps in one chunk, adapted so that commands never wait long."""
+    """The steps in one chunk, so that commands never wait long."""
 
     steps: int = FIRST_CHUNK
 
     def measured(self, steps: int, seconds: float) -> None:
-        """Adapt to a full chunk of `steps` that took `seconds`."""
+        """Adapt to a full chunk of `steps`."""
         fitting = steps * CHUNK / seconds if seconds > 0.0 else float(LARGEST_CHUNK)
         self.steps = int(min(max(fitting, 1.0), 4.0 * self.steps, LARGEST_CHUNK))
 
 
 class SpeedMeter:
-    """Steps per second over about the last second, or the last three steps at low speeds."""
+    """Steps per second over about a second, or three steps."""
 
     def __init__(self) -> None:
         self._readings: deque[tuple[float, int]] = deque()
 
     def clear(self) -> None:
-        """Forget all readings, after a pause or a change."""
+        """Forget all readings."""
         self._readings.clear()
 
     def note(self, now: float, step: int, speed: float | None) -> None:
-        """Record that the run is at `step`. `speed` is the chosen one."""
+        """Record the run's step and its chosen speed."""
         readings = self._readings
         if len(readings) > 1 and now - readings[-2][0] < WINDOW / 20:
             readings.pop()
@@ -91,7 +91,7 @@ class SpeedMeter:
 
     @property
     def steps_per_second(self) -> float | None:
-        """Measured speed, or None until there is enough to measure."""
+        """Measured speed, if known yet."""
         if len(self._readings) < 2:
             return None
         (first, first_step), (last, last_step) = self._readings[0], self._readings[-1]

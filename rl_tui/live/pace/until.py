@@ -26,10 +26,7 @@ class Until:
     """An event with its details.
 
     Attributes:
-        event: Kind of event.
-        number: Step, or episode (from 1). For `EPISODE_END`, the number of further episodes after the
-            current one.
-        pair: Pair for `VALUE`.
+        number: Step, or episode (from 1). For `EPISODE_END`, the number of further episodes after this one.
         threshold: Value of Q that ends `VALUE`, from below or above.
     """
 
@@ -41,19 +38,19 @@ class Until:
 
 @dataclass(frozen=True, slots=True)
 class Breakpoints:
-    """States and pairs after which a run pauses: on arrival in the state, or after taking the pair."""
+    """States and pairs after which a run pauses."""
 
     states: frozenset[int] = frozenset()
     pairs: frozenset[int] = frozenset()
 
     def toggled(self, *, state: int | None = None, pair: int | None = None) -> Breakpoints:
-        """Return them with `state` or `pair` added, or removed if present."""
+        """Add `state` or `pair`, or remove it if present."""
         states = self.states if state is None else self.states ^ {state}
         pairs = self.pairs if pair is None else self.pairs ^ {pair}
         return Breakpoints(states, pairs)
 
     def check(self, space: FiniteSpace) -> None:
-        """Raise UserError if a state or pair does not exist in `space`."""
+        """Raise UserError for what `space` does not have."""
         for marked, count, what in ((self.states, space.states, "state"), (self.pairs, space.pairs, "pair")):
             unknown = next((each for each in sorted(marked) if not 0 <= each < count), None)
             if unknown is not None:

@@ -1,4 +1,4 @@
-"""Automatic saving of a session, so that little is lost however the program ends."""
+"""Automatic saving, so that little is lost however the program ends."""
 
 from __future__ import annotations
 
@@ -41,16 +41,13 @@ class KeptSession(NamedTuple):
 
 
 class Autosave:
-    """Writes the newest record to its own file, at most every 0.3 s. A file is created only after a step,
-    a drawing, progress in a lesson, or a save by name: settings can easily be repeated. The file is locked
-    while in use. Players offer records to `sink`. When another player continues the session, as after a
-    lesson opens another world, call `hand_over`, give the new `sink` to that player, and close the old
-    one. Messages for the user (such as a failed write) go to the listener from any thread.
+    """Writes the newest record to its own file, at most every 0.3 s.
 
-    Args:
-        opened: Record with which the screen starts.
-        folder: Folder of new files.
-        resumed: Session to continue, in its own file if possible.
+    A file is created only after a step, a drawing, progress in a lesson, or a save by name. It is locked
+    while in use. Players offer records to `sink`. Before another player continues the session, call
+    `hand_over`. Messages go to the listener from any thread.
+
+    The screen starts with the record `opened`. A session `resumed` continues, in its own file if possible.
     """
 
     def __init__(self, opened: Record, folder: Path, resumed: StoredSession | None = None) -> None:
@@ -69,17 +66,17 @@ class Autosave:
 
     @property
     def path(self) -> Path | None:
-        """Path of the session's file, or None."""
+        """Path of the file, if any."""
         return self._session.writer.path
 
     @property
     def title(self) -> str:
-        """Name given by the user, or an empty text."""
+        """The user's name, or ""."""
         return self._session.writer.title
 
     @property
     def kept(self) -> KeptSession | None:
-        """The session on disk, or the previous one if nothing was done in this one, or None without any."""
+        """The session on disk, or the previous one if nothing was done in this one."""
         for session in (self._session, self._before):
             path = None if session is None else session.writer.path
             if session is not None and path is not None and not session.is_due and path.exists():
@@ -91,13 +88,11 @@ class Autosave:
 
     @property
     def has_something(self) -> bool:
-        """True if a session is on disk or will be soon."""
+        """True if something is or will be saved."""
         return self.kept is not None or self.has_work
 
     def offer(self, record: Record, table: LearnedTable | None = None) -> None:
-        """Take `record` as the newest, without waiting for the disk. `table` is the estimates of the
-        visible run at its recorded position, if available. It is copied.
-        """
+        """Take `record` as the newest without waiting, and copy `table`, at its position."""
         with self._changed:
             newest = self._session.newest
             is_news = record != newest.record or (table is not None and not newest.has_table)
@@ -106,8 +101,9 @@ class Autosave:
                 self._start_or_wake()
 
     def begin_anew(self, record: Record) -> None:
-        """Begin another session with `record`, without waiting for the disk. A session without content, or
-        with no more than `record`, is reused instead; so is the session of a lesson.
+        """Begin another session without waiting.
+
+        A session of a lesson, or with no more than `record`, is reused instead.
         """
         with self._changed:
             old = self._session
@@ -132,9 +128,10 @@ class Autosave:
         return self._sink
 
     def hand_over(self, record: Record) -> None:
-        """Continue the session with `record`, from which the next player begins, without waiting for the
-        disk. Offers of the old player are ignored from now on, and closing its sink has no effect. Call
-        this before that player is closed, because closing the newest sink ends the session.
+        """Continue the session with the next player from `record`, without waiting.
+
+        The old player's sink has no effect from now on. Call this before that player is closed, because
+        closing the newest sink ends the session.
         """
         with self._changed:
             self._sink.is_newest = False
@@ -142,10 +139,9 @@ class Autosave:
             self.offer(record)
 
     def save_as(self, title: str) -> Path:
-        """Save the session as `title` and continue there and return the path. This waits for the disk.
+        """Save as `title`, waiting for the disk, and continue at the returned path.
 
-        Raises:
-            UserError: Another session has that name, or the file cannot be written.
+        Raises UserError if another session has that name, or the file cannot be written.
         """
         with self._writing:
             session = self._session
@@ -163,7 +159,7 @@ class Autosave:
             self._session.writer.become_copy()
 
     def listen(self, on_notice: OnNotice) -> None:
-        """Call `on_notice` with each message for the user, including earlier ones."""
+        """Call `on_notice` with all messages for the user."""
         with self._changed:
             self._on_notice = on_notice
             waiting, self._notices = self._notices, []
@@ -197,7 +193,7 @@ class Autosave:
 
     @property
     def has_work(self) -> bool:
-        """True if something is not written yet."""
+        """True if something is unwritten."""
         return bool(self._left) or self._session.is_due
 
     def _tell(self, notice: str) -> None:
@@ -225,7 +221,7 @@ class Autosave:
                 self._changed.wait_for(lambda: self._closing, pause)
 
     def write_due(self) -> None:
-        """Write what is due. This waits for the disk."""
+        """Write what is due, waiting for the disk."""
         with self._writing:
             with self._changed:
                 left, self._left = self._left, []
@@ -245,7 +241,6 @@ class Autosave:
         self._in_trouble = bool(faults)
 
     def _fault_of(self, session: _Session) -> Exception | None:
-        """Write `session` if due and return the error, or None."""
         if not session.is_due:
             return None
         newest = session.newest
@@ -258,8 +253,6 @@ class Autosave:
 
 
 class _PlayerSink:
-    """The sink of one player, which passes records to `autosave` while it is the newest."""
-
     def __init__(self, autosave: Autosave, changed: threading.Condition) -> None:
         self.is_newest = True
         self._autosave = autosave
@@ -283,9 +276,7 @@ class _PlayerSink:
 
 
 class _Session:
-    """A session with its writer. It is `begun` once a record differs from `opened`. Without content it is
-    written only if it already has a file.
-    """
+    """A session with its writer, `begun` once a record differs from `opened`."""
 
     def __init__(self, opened: Record, writer: SessionWriter) -> None:
         self.writer = writer
@@ -307,8 +298,6 @@ class _Session:
 
 
 class _Offer:
-    """A record with a copy of the estimates, unless they are large."""
-
     def __init__(self, record: Record, table: LearnedTable | None) -> None:
         self.has_table = table is not None
         self._copy = None if table is None or len(table.q) > MOST_PAIRS_DIGESTED else _copied(table)

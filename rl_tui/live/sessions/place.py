@@ -13,7 +13,7 @@ VARIABLE: Final = "RL_TUI_SESSIONS_DIR"
 
 
 def session_folder() -> Path:
-    """Return the folder of sessions. It may not exist, and creating it may be impossible."""
+    """Return the folder of sessions, which may not exist."""
     chosen = os.environ.get(VARIABLE)
     if chosen:
         return Path(chosen)
@@ -24,12 +24,12 @@ def session_folder() -> Path:
 
 
 def settled(folder: Path) -> Path:
-    """Return `folder` as an absolute path, which does not depend on the current folder."""
+    """Return an absolute path, independent of the current folder."""
     with suppress(OSError):  # the current folder may have been deleted
         return folder if is_homeless(folder) else folder.resolve()
     return folder
 
 
 def is_homeless(folder: Path) -> bool:
-    """Return True if `folder` needs a home folder that does not exist."""
+    """Return True if `folder` needs a missing home folder."""
     return folder.parts[:1] == ("~",)

@@ -1,4 +1,4 @@
-"""A learner's progress in each lesson, read from the saved sessions."""
+"""A learner's progress in each lesson, from the saved sessions."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LessonProgress:
-    """Progress in a lesson in the `session` saved last. `page` is the id of the open page. `finished` is
-    True if any session reached the end with every task passed.
+    """Progress in the `session` saved last.
+
+    `finished` is True if any session reached the end with every task passed.
     """
 
     session: StoredSession
@@ -36,7 +37,7 @@ class LessonProgress:
 
 
 class StoredProgress:
-    """Progress in the sessions of `folder`, read once, or None if sessions are not saved."""
+    """Progress in the sessions of `folder`, read once."""
 
     def __init__(self, folder: Path | None) -> None:
         self._sessions = dict[tuple[str, str], list[StoredSession]]()
@@ -46,7 +47,7 @@ class StoredProgress:
                 self._sessions.setdefault((stored.id, stored.source), []).append(session)
 
     def of(self, lesson: Lesson, variant: str = "") -> LessonProgress | None:
-        """Return the progress in `lesson`, in one `variant` or any, or None if not begun."""
+        """Return the progress, if begun, in one `variant` or any."""
         sessions = [
             session
             for session in self._sessions.get((lesson.id, stored_source(lesson)), [])
@@ -83,42 +84,40 @@ def _passed(lesson: Lesson, stored: StoredLesson) -> int:
 
 @dataclass(frozen=True, slots=True)
 class LessonEntry:
-    """A shipped lesson with its progress, or None if not begun."""
+    """A shipped lesson with its progress, if begun."""
 
     lesson: Lesson
     progress: LessonProgress | None = None
 
     @property
     def is_finished(self) -> bool:
-        """True if the lesson was once finished with every task passed."""
+        """True if finished, with every task passed."""
         return self.progress is not None and self.progress.finished
 
     @property
     def is_at_end(self) -> bool:
-        """True if the newest session has reached the end, so that the lesson is a reference."""
+        """True if its newest session is at the end."""
         stored = None if self.progress is None else self.progress.session.document.lesson
         return stored is not None and stored.finished
 
 
 @dataclass(frozen=True, slots=True)
 class LessonStart:
-    """A lesson whose open page begins its run. `session` is None for a new session."""
+    """A lesson whose open page begins its run, in a new session if `session` is None."""
 
     record: LessonRecord
     session: StoredSession | None = None
 
 
 class LessonEntries(NamedTuple):
-    """The lessons in order, and the errors of other files."""
+    """The lessons, and the errors of other files."""
 
     entries: list[LessonEntry]
     broken: list[ScenarioError]
 
     @property
     def goes_on_at(self) -> str:
-        """Id of the lesson in progress that was saved last, else of the first unfinished one, or "" if all
-        are finished.
-        """
+        """Id of the unfinished lesson saved last, else of the first, or ""."""
         under_way = [(each.progress.session, each) for each in self.entries if each.progress]
         begun = [(session.saved, session.written, each) for session, each in under_way if not each.is_at_end]
         if begun:
@@ -132,18 +131,16 @@ class LessonEntries(NamedTuple):
 
 
 def lesson_entries(sessions: Path | None) -> LessonEntries:
-    """Return all shipped lessons. `sessions` is the folder of sessions, or None."""
+    """Return all shipped lessons, with progress in `sessions`."""
     found, progress = read_lessons(), StoredProgress(sessions)
     entries = [LessonEntry(lesson, progress.of(lesson)) for lesson in found.lessons]
     return LessonEntries(entries, found.broken)
 
 
 def start_of(lesson: Lesson, progress: LessonProgress | None) -> LessonStart | StoredSession:
-    """Return the session with which a lesson continues, or its first page as a reference after the end.
-    This may import Gymnasium.
+    """Return the session with which a lesson continues, or its first page after the end.
 
-    Raises:
-        UserError: The session cannot be used here.
+    This may import Gymnasium. Raises UserError for an unusable session.
     """
     if progress is None:
         return LessonStart(begun(lesson))

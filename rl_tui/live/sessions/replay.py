@@ -1,4 +1,4 @@
-"""Replay of a session without a screen, from step 0 to its position."""
+"""Replay of a session from step 0 to its position."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rl_tui.runs.training.seeded_runs import Goal, OnProgress, no_progress, trai
 
 @dataclass(frozen=True, slots=True)
 class ReplayTarget:
-    """A branch of a run (number from 0). `left` is True if the session was left there."""
+    """A branch of a run (from 0), perhaps where the session was left."""
 
     lane: RunRecord
     number: int
@@ -29,16 +29,7 @@ class ReplayTarget:
 
 
 def replay_target(record: Record, lane: int | None = None, branch: str | None = None) -> ReplayTarget:
-    """Choose the run and branch to replay.
-
-    Args:
-        record: Record of the session.
-        lane: Number of the run, from 1, or None for the visible one.
-        branch: Name of the branch, or None for the current one.
-
-    Raises:
-        UserError: There is no such run or branch. The message lists them.
-    """
+    """Choose run (from 1) and branch, by default the visible ones. Raises UserError with a list."""
     number = record.shown if lane is None else lane - 1
     if not 0 <= number < len(record.lanes):
         lanes = counted(len(record.lanes), "run")
@@ -57,11 +48,7 @@ def replay_target(record: Record, lane: int | None = None, branch: str | None = 
 def replayed(
     target: ReplayTarget, on_progress: OnProgress = no_progress, on_episodes: OnEpisodes | None = None
 ) -> tuple[Run, float]:
-    """Replay `target` and return the run and its duration in seconds, without compilation.
-
-    Raises:
-        UserError: The run ends earlier.
-    """
+    """Return the replayed run, and its seconds without compilation. Raises UserError if it ends earlier."""
     recipe, branch = target.lane.recipe, target.branch
     beginning = begin(recipe)
     budget = beginning.world.budget
@@ -73,15 +60,13 @@ def replayed(
 
 
 def comes_out_otherwise(session: StoredSession, target: ReplayTarget, run: Run) -> bool:
-    """Return True if Q differs from the saved digest, or False if that is unknown."""
+    """Return True if Q differs from a saved digest."""
     digest = session.document.digest
     return target.left and digest != "" and digest_of(run.learner.q) != digest
 
 
 def replay_figures(session: StoredSession, target: ReplayTarget, run: Run, seconds: float) -> dict[str, Any]:
-    """Return the results as JSON data: those of training, with the place in the session. Runs count from
-    1.
-    """
+    """Return the results of training as JSON data, with the place in the session."""
     return {
         "session": str(session.path),
         "lane": target.number + 1,

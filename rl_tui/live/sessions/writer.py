@@ -22,11 +22,11 @@ PRIVATE: Final = 0o700
 
 
 class ChangedElsewhereError(Exception):
-    """Another program has written the file since it was last read or written here."""
+    """Another program has written the file meanwhile."""
 
 
 class HeldFile:
-    """A locked file, made by `hold` or `hold_new`; `release` unlocks it."""
+    """A file locked by `hold` or `hold_new` until `release`."""
 
     def __init__(self, path: Path, lock: FileLock, written: tuple[int, ...]) -> None:
         self.path = path
@@ -34,12 +34,10 @@ class HeldFile:
         self._written = written
 
     def write(self, content: bytes) -> None:
-        """Replace the content atomically. A deleted file is created again.
+        """Replace the content atomically, also of a deleted file.
 
-        Raises:
-            OSError: The file cannot be written.
-            ChangedElsewhereError: A program that ignores the lock has written it, or the folder was
-                deleted and another program has it since.
+        Raises OSError, or ChangedElsewhereError if a program that ignores the lock has written it, or another
+        has it since the folder was deleted.
         """
         _make_folder(self.path.parent)
         if not self._lock.keep():
@@ -50,7 +48,7 @@ class HeldFile:
         self._written = signature(self.path.stat())
 
     def remove(self) -> None:
-        """Remove the file and release it. Raises OSError."""
+        """Remove and release the file. Raises OSError."""
         remove_with_draft(self.path)
         self.release()
 
@@ -60,9 +58,7 @@ class HeldFile:
 
 
 def hold(session: StoredSession) -> HeldFile | None:
-    """Lock the file of `session` to continue it. None if it is open elsewhere, was changed since it was
-    read, or is read-only.
-    """
+    """Lock the file of `session`, unless it is open elsewhere, changed or read-only."""
     path = session.path.resolve()
     lock = FileLock(path)
     try:
@@ -77,11 +73,9 @@ def hold(session: StoredSession) -> HeldFile | None:
 
 
 def hold_new(path: Path) -> HeldFile:
-    """Lock a new file, creating its folder if needed.
+    """Lock a new file, creating its folder.
 
-    Raises:
-        FileExistsError: The file exists, or another program is about to create it.
-        OSError: The folder or the lock cannot be created.
+    Raises FileExistsError if it exists, or another program is about to create it, else OSError.
     """
     _make_folder(path.parent)
     lock = FileLock(path)
@@ -92,7 +86,7 @@ def hold_new(path: Path) -> HeldFile:
 
 
 def _make_folder(folder: Path) -> None:
-    """Create `folder` if needed. Raises OSError, but never FileExistsError, which refers to a file."""
+    """Create `folder`. Raises OSError, but never FileExistsError, which refers to a file."""
     if is_homeless(folder):
         raise OSError(errno.ENOENT, f"there is no home folder; set HOME or {VARIABLE}")
     try:
@@ -111,13 +105,10 @@ LESSON: Final = "lesson"
 
 
 class SessionWriter:
-    """Writes one session. Its file is created with the first record. Files stay locked until `release`.
-    Use it from one thread at a time.
+    """Writes one session. Its file is created with the first record, and locked until `release`.
 
-    Args:
-        folder: Folder of new files.
-        resumed: Session to continue in its file, in a copy if that is open elsewhere or read-only.
-        tell: Receives messages for the user.
+    Use it from one thread at a time. A session `resumed` is continued in its file, in a copy if that is open
+    elsewhere or read-only.
     """
 
     def __init__(self, folder: Path, resumed: StoredSession | None, tell: Callable[[str], None]) -> None:
@@ -133,11 +124,11 @@ class SessionWriter:
 
     @property
     def path(self) -> Path | None:
-        """Path of the file, or None."""
+        """Path of the file, if any."""
         return self._file.path if self._file else None
 
     def write(self, record: Record, digest: str) -> None:
-        """Write `record`. `digest` is that of its Q, or "". Raises OSError, UserError."""
+        """Write `record`. Raises OSError, UserError."""
         if self._file is not None:
             try:
                 self._file.write(self._encoded(record, digest))
@@ -153,10 +144,9 @@ class SessionWriter:
         prune(self._folder)
 
     def save_as(self, title: str, record: Record, digest: str) -> Path:
-        """Write `record` as `title` and continue there and return the path.
+        """Write `record` as `title`, and continue at the returned path.
 
-        Raises:
-            UserError: Another session has that name, or the file cannot be written.
+        Raises UserError if another session has that name, or the file cannot be written.
         """
         path, old = named_path(self._folder, title), self._file
         content = encoded(record, title=title, kept=True, digest=digest)
@@ -211,7 +201,6 @@ class SessionWriter:
         raise UserError("found no free file name")
 
     def _let_go(self, old: HeldFile) -> None:
-        """Release the previous file, and remove it if the user did not save it."""
         if self.kept or old.path.parent != self._folder:
             old.release()
         else:
@@ -219,7 +208,7 @@ class SessionWriter:
 
 
 def reason(error: Exception) -> str:
-    """Return the reason for a failed write in a few words."""
+    """Return why a write failed, in a few words."""
     if isinstance(error, OSError):
         place = f"{error.filename}: " if error.filename else ""
         return f"{place}{error.strerror or error}"

@@ -1,1 +1,1 @@
-"""The diagnosis of a program from its steps: its update rule, and its bugs."""
+"""The update rule and the bugs of a program, from its steps."""

@@ -1,6 +1,4 @@
-"""Updates that read one estimate of the next state, of an action that only they know: the best of the
-allowed actions, or an action drawn a second time.
-"""
+"""Updates that read one estimate of the next state, of an allowed or a second drawn action."""
 
 from __future__ import annotations
 
@@ -20,10 +18,10 @@ _CLEARLY: Final = 3
 
 
 def one_entry_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the trial in which every inner step reads one estimate of the next state, or None.
+    """Return the trial in which every inner step reads one estimate of the next state.
 
-    The actions are allowed ones if no state contradicts that. An action with a higher estimate is then
-    forbidden there, and its estimate is never read. Several contradictions show that the action was drawn.
+    The actions are allowed ones if no state contradicts that: an action with a higher estimate is then
+    forbidden there, and never read. Several contradictions show that the action was drawn.
     """
     if sample.evidence.precision > EXACT:
         return None  # close estimates would look equal
@@ -43,7 +41,6 @@ def _inner(trial: Trial) -> BoolArray:
 
 
 def _nearest(trial: Trial) -> FloatArray:
-    """Return the estimate of the next state that explains each step best, `[n]`, 0 at an end."""
     sample = trial.sample
     wanted = (sample.change / trial.alpha - sample.reward + sample.old) / trial.gamma
     place = np.abs(sample.rows - wanted[:, None]).argmin(1)
@@ -51,7 +48,6 @@ def _nearest(trial: Trial) -> FloatArray:
 
 
 def _named(trial: Trial) -> Trial | None:
-    """Return `trial` with the source of the estimates, or None if the steps do not determine it."""
     sample = trial.sample
     near = (_CLEARLY * sample.slack / np.abs(np.multiply(trial.alpha, trial.gamma)))[:, None]
     off = sample.rows - trial.value[:, None]

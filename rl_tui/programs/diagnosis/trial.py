@@ -1,5 +1,6 @@
-"""Trials: hypotheses about an update, each with the steps it explains. The numbers of an update are solved
-from a few steps at a time. The true ones occur most often.
+"""Hypotheses about an update, each with the steps it explains.
+
+The numbers of an update are solved from a few steps at a time. The true ones occur most often.
 """
 
 from __future__ import annotations
@@ -29,20 +30,16 @@ _PRIMES: Final = (2, 3, 5)
 
 
 def rounded(numbers: FloatArray, digits: int) -> FloatArray:
-    """Round `numbers` to `digits` significant digits."""
+    """Round to `digits` significant digits."""
     scale = 10.0 ** (digits - 1 - np.floor(np.log10(np.abs(numbers))))
     result: FloatArray = np.where(numbers == 0.0, 0.0, np.rint(numbers * scale) / scale)
     return result
 
 
 def most_frequent(rows: FloatArray, digits: int, most: int) -> list[tuple[float, ...]]:
-    """Return the most frequent rows, the first first. Rows are equal if their rounded numbers are, and the
-    result is their median. Very long input is thinned evenly.
+    """Return the most frequent of `rows`, `[n, k]` with k ≤ 3, as medians of rows with equal `digits`.
 
-    Args:
-        rows: Rows, `[n, k]` with k ≤ 3.
-        digits: Significant digits for comparison.
-        most: Largest number of results.
+    Very long input is thinned evenly.
     """
     rows = rows[np.isfinite(rows).all(1)]
     if not len(rows):
@@ -58,15 +55,9 @@ def most_frequent(rows: FloatArray, digits: int, most: int) -> list[tuple[float,
 def solved_pairs(
     unit: FloatArray, value: FloatArray, change: FloatArray, digits: int, most: int = 4
 ) -> list[tuple[float, float]]:
-    """Return likely (a, b) with a · unit + b · value = change, the most likely first. Without any value, b
-    is NaN, and a is solved from single steps.
+    """Return likely (a, b) with a · unit + b · value = change, all `[n]`, the most likely first.
 
-    Args:
-        unit: Factors of a, `[n]`.
-        value: Factors of b, `[n]`.
-        change: Sums, `[n]`.
-        digits: Significant digits for comparison.
-        most: Largest number of results.
+    Without any value, b is NaN.
     """
     moved = np.flatnonzero(change != 0.0)
     if not len(moved):
@@ -88,20 +79,16 @@ def solved_pairs(
 
 
 def drawn(places: IntArray, stream: int, count: int = _PAIRS) -> IntArray:
-    """Draw `count` of `places` with replacement, reproducibly for each `stream`."""
+    """Draw `count` of `places` with replacement, the same for each `stream`."""
     return places[np.random.default_rng((_SEED, stream)).integers(0, len(places), count)]
 
 
 def refined(
     columns: Iterable[FloatArray], change: FloatArray, slack: FloatArray, within: BoolArray
 ) -> list[float] | None:
-    """Return the factors of `columns` whose sum is closest to `change`, or None if undetermined.
+    """Return the factors of `columns`, `[n]` each, that come closest to `change`, or None.
 
-    Args:
-        columns: Columns of the sum, `[n]` each.
-        change: Wanted sum, `[n]`.
-        slack: Tolerance, `[n]`.
-        within: Steps to use, `[n]`.
+    `slack`, `[n]`, is the tolerance, and `within`, `[n]`, selects steps.
     """
     weight = 1.0 / slack[within]
     matrix = np.column_stack([column[within] * weight for column in columns])
@@ -116,9 +103,7 @@ def refined(
 
 
 def plainest(number: float, numbers: Mapping[str, float], precision: float) -> float:
-    """Return the simplest number equal to `number` within `precision`: one of few digits, or one in the
-    code.
-    """
+    """Return the simplest number within `precision`, perhaps one in the code."""
     near = 1e-8 if precision < 1e-8 else 20 * precision
     near *= max(abs(number), 1e-300)
     for digits in (1, 2, 3, 4, 5, 6):
@@ -152,9 +137,10 @@ _WEIGHTY: Final = 100.0
 
 @dataclass(frozen=True)
 class Trial:
-    """A hypothesis: change = α · (reward − old + γ · value) on the n steps of `sample`. `alpha` is one
-    number or one for each step, NaN if undetermined. `value` is 0 at an end. `epsilon` belongs to Expected
-    SARSA, if constant.
+    """The hypothesis change = α · (reward − old + γ · value) on the n steps of `sample`.
+
+    `alpha` is one number or one for each step, NaN if undetermined. `value` is 0 at an end. `epsilon` belongs
+    to Expected SARSA.
     """
 
     sample: Sample
@@ -170,12 +156,12 @@ class Trial:
 
     @cached_property
     def predicted(self) -> FloatArray:
-        """Predicted change of the cell, `[n]`, NaN if undetermined."""
+        """Predicted change, `[n]`, NaN if undetermined."""
         return self.alpha * (self.reward - self.sample.old + self.gamma * self.value)
 
     @cached_property
     def explained(self) -> BoolArray:
-        """True for explained steps, `[n]`. At an end, the value of the next state is optional."""
+        """Explained steps, `[n]`. At an end, the next value is optional."""
         sample = self.sample
         off = np.abs(sample.change - self.predicted)
         after_end = self.predicted + self.alpha * self.gamma * sample.best
@@ -185,30 +171,30 @@ class Trial:
 
     @cached_property
     def counted(self) -> BoolArray:
-        """True for steps with an actual or predicted change, `[n]`. Others are no evidence."""
+        """Steps with an actual or predicted change, `[n]`."""
         result: BoolArray = (self.sample.change != 0.0) | (np.abs(self.predicted) > self.sample.slack)
         return result & ~np.isnan(self.predicted)
 
     @cached_property
     def informative(self) -> BoolArray:
-        """True for steps on which the next value matters, `[n]`."""
+        """Steps with a relevant next value, `[n]`."""
         size = np.abs(self.alpha * self.value)
         result: BoolArray = (size > _WEIGHTY * self.sample.slack) & ~self.sample.ended & self.counted
         return result
 
     @property
     def unexplained(self) -> int:
-        """Number of counted steps that it does not explain."""
+        """Number of counted steps without explanation."""
         return int(np.sum(self.counted & ~self.explained))
 
     @property
     def share(self) -> float:
-        """Share of counted steps that it explains."""
+        """Share of explained counted steps."""
         return 1.0 - self.unexplained / max(1, int(np.sum(self.counted)))
 
     @cached_property
     def holds(self) -> bool:
-        """True if it explains enough inner steps, or all steps if there are few inner ones."""
+        """True if it explains enough inner steps, or all of a few."""
         if self.gamma < 0.0 or self._equations(self.counted & self.explained) < FEWEST_EQUATIONS:
             return False
         inner = self.counted & ~self.sample.ended
@@ -222,13 +208,11 @@ class Trial:
 
     @property
     def tells_gamma(self) -> bool:
-        """True if enough distinct steps determine γ."""
+        """True if distinct steps determine γ."""
         return self._equations(self.informative & self.explained) >= FEWEST_EQUATIONS
 
     def _equations(self, which: BoolArray) -> int:
-        """Return the number of distinct equations in the steps `which`, up to the required number. First
-        visits often repeat one.
-        """
+        """Count distinct equations up to the required number. First visits often repeat one."""
         places = np.flatnonzero(which)
         unit = self.reward - self.sample.old
         rows: set[tuple[float, ...]] = set()
@@ -241,7 +225,7 @@ class Trial:
         return len(rows)
 
     def differs_from(self, value: FloatArray) -> BoolArray:
-        """Return True for inner steps on which `value` would predict other numbers."""
+        """Return the inner steps on which `value` predicts other numbers."""
         size = np.abs(self.alpha * self.gamma * (self.value - value))
         result: BoolArray = (size > 3 * self.sample.slack) & ~self.sample.ended & self.counted
         return result
@@ -254,15 +238,7 @@ def constant_trial(
     numbers: Mapping[str, float],
     uses_reward_before: bool = False,
 ) -> Trial | None:
-    """Return the best trial with a constant step size, or None.
-
-    Args:
-        sample: Steps of the test.
-        target: Source of the next value.
-        reward: Reward of each step, `[n]`.
-        numbers: Numbers in the code by name.
-        uses_reward_before: True if `reward` is that of the previous step.
-    """
+    """Return the best trial with a constant step size for `reward`, `[n]`, if any."""
     value = np.where(sample.ended, 0.0, sample.value(target))
     known = ~np.isnan(value) & (np.abs(sample.change) > 30 * sample.slack)
     if not known.any():
@@ -313,8 +289,9 @@ _FEWEST_PAIRS: Final = 20
 
 
 def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the trial with a step size that is constant within each episode, or None. γ is solved from
-    neighbours in an episode, which share their step size.
+    """Return the trial with a constant step size in each episode, if any.
+
+    γ is solved from neighbours, which share their step size.
     """
     value = np.where(sample.ended, 0.0, sample.value(target))
     unit = sample.reward - sample.old
@@ -345,8 +322,9 @@ def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float
 
 
 def by_visits(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the trial with step size 1/N of the visits to a cell, or None. 1/α grows by 1 between visits,
-    so earlier visits do not matter. Episodes without changes may or may not count as visits.
+    """Return the trial with step size 1/N of the visits to a cell, if any.
+
+    1/α grows by 1 between visits, so earlier visits do not matter. Episodes without changes may not count.
     """
     value = np.where(sample.ended, 0.0, sample.value(target))
     unit = sample.reward - sample.old
@@ -375,7 +353,6 @@ def by_visits(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]
 
 
 def _discounts(gamma: FloatArray, sample: Sample, numbers: Mapping[str, float]) -> Iterable[float]:
-    """Yield likely discount factors: those that pairs of steps share, then those in the code, 1 and 0."""
     digits = 6 if sample.evidence.precision < EXACT else 3
     gamma = np.where(np.abs(gamma) < 1e-9, 0.0, gamma)
     precision = max(sample.evidence.precision, 1e-8)
@@ -387,7 +364,6 @@ def _discounts(gamma: FloatArray, sample: Sample, numbers: Mapping[str, float]) 
 def _step_sizes(
     sample: Sample, unit: FloatArray, value: FloatArray, gamma: float
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the step size of each step, `[n]`, and True where it is accurate enough."""
     error = unit + gamma * value
     alpha = sample.change / error
     reliable = (np.abs(sample.change) > 100 * sample.slack) & np.isfinite(alpha)
@@ -401,9 +377,6 @@ def _near(sample: Sample) -> float:
 
 
 def _clearest_of_each(group: IntArray, numbers: FloatArray, weight: FloatArray) -> FloatArray:
-    """Return for each step the number with the largest `weight` in its group, `[n]`, NaN if all weights
-    are 0.
-    """
     order = np.lexsort((-weight, group))
     begins = np.flatnonzero(np.diff(group[order], prepend=-1))
     clearest = np.where(weight > 0.0, numbers, np.nan)[order[begins]]

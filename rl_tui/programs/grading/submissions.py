@@ -1,4 +1,4 @@
-"""The files to grade: each has an agent, or a script with its own loop."""
+"""The files to grade, agents or scripts."""
 
 from __future__ import annotations
 
@@ -40,11 +40,10 @@ class FoundSubmissions(NamedTuple):
 
 
 def submissions_in(target: str) -> FoundSubmissions:
-    """Return the submissions in `target`, `FILE.py[:NAME]` or a folder. In a folder these are all Python
-    files, except names that start with `_`, `.`, `test_` or `conftest`, and modules that others import.
+    """Return the submissions in `target`, `FILE.py[:NAME]` or a folder. Raises UserError if there are none.
 
-    Raises:
-        UserError: There is nothing to grade.
+    Files of a folder that others import, or whose names start with `_`, `.`, `test_` or `conftest`, are
+    skipped.
     """
     folder = Path(target)
     if not folder.is_dir():
@@ -69,7 +68,6 @@ def submissions_in(target: str) -> FoundSubmissions:
 
 
 def _parts_of_others(files: Sequence[Path]) -> list[Path]:
-    """Return the files that others import, and that have neither an agent nor an environment."""
     trees = {each: parsed_file(str(each)) for each in files}
     imported = {
         name.partition(".")[0]
@@ -88,11 +86,7 @@ def _parts_of_others(files: Sequence[Path]) -> list[Path]:
 
 
 def agent_of(submission: Submission) -> AgentPlace | None:
-    """Return the agent of `submission`, or None for a script (no agent, or it learns when imported).
-
-    Raises:
-        UserError: The file is not Python, the named agent does not exist, or there are several.
-    """
+    """Return the agent of `submission`, or None for a script. Raises UserError if there is no such agent."""
     path, name = submission.agent
     tree = read_script(path).tree
     if name:

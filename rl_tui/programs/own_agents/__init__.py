@@ -1,1 +1,1 @@
-"""Users' agents without a loop: their common shapes, and the loop around them."""
+"""Users' agents without a loop: their shapes, and the loop around them."""

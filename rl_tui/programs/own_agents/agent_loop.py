@@ -17,7 +17,7 @@ from rl_tui.programs.own_agents.players import GivenSettings, Happened, ready_ag
 
 
 def make_scenario(scenario: str, seed: int) -> Any:
-    """Return the environment of `scenario`, an id or a path, through the current `gymnasium.make`."""
+    """Return the environment of an id or a path."""
     from rl_tui.worlds.environments.registration import spec_of
 
     return gymnasium.make(spec_of(scenario), scenario_seed=seed, disable_env_checker=True)
@@ -26,17 +26,10 @@ def make_scenario(scenario: str, seed: int) -> Any:
 def learn(
     built: Any, place: AgentPlace, env: Any, settings: GivenSettings, note: Callable[[str], None]
 ) -> None:
-    """Train an agent in our loop.
-
-    Args:
-        built: Class or function of the agent.
-        place: Its name and shape.
-        env: Environment.
-        settings: Seed, episodes and hyper-parameters.
-        note: Called with messages about settings without effect.
+    """Train an agent in our loop, and `note` settings without effect.
 
     Raises:
-        UserError: A parameter cannot be bound, or the agent returned something else than an action.
+        UserError: A parameter cannot be bound, or the agent returned no action.
         Exception: Any exception of the agent.
     """
     random.seed(settings.seed)
@@ -64,7 +57,6 @@ def learn(
 
 
 def _as_action(found: Any, actions: int, method: str) -> int:
-    """Return `found` as an integer. Raises UserError if it is not an action."""
     try:
         action = int(found)
         if action == found and 0 <= action < actions:

@@ -1,1 +1,1 @@
-"""Exact answers to questions about a run: policies, flip points, waits."""
+"""Exact answers about a run: policies, flip points, waits."""

@@ -1,4 +1,4 @@
-"""The flip points of one world: each γ at which the optimal actions change, and Q* in between."""
+"""The γ at which the optimal actions change, and Q* in between."""
 
 from __future__ import annotations
 
@@ -51,20 +51,18 @@ class OptimalValueCurves:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlipAnswer:
-    """The flip points of one world, in rising γ, as far as they are known."""
+    """The known flip points of one world, in rising γ."""
 
     state: FlipState = FlipState.NOT_ASKED
-    """Progress of the computation."""
     reason: str = ""
     """Why the flip points are unknown or delayed, usually empty."""
     flips: tuple[Flip, ...] = ()
-    """All flip points."""
     curves: OptimalValueCurves | None = None
     """Q*(γ), or None if unknown, or if every step ends its episode."""
 
     @property
     def is_idle(self) -> bool:
-        """True if γ changes nothing, because every step ends its episode."""
+        """True if γ changes nothing because every step ends its episode."""
         return self.state is FlipState.KNOWN and self.curves is None
 
 
@@ -74,18 +72,12 @@ HELD_UP: Final = FlipAnswer(FlipState.PENDING, MACHINE_IS_BUSY)
 
 
 def refused(reason: str) -> FlipAnswer:
-    """Return an answer without flip points, with the `reason`."""
+    """Return an answer without flip points."""
     return FlipAnswer(FlipState.REFUSED, reason)
 
 
 def beyond(answer: FlipAnswer, flip: Flip, *, is_above: bool) -> float:
-    """Return the γ with the fewest decimals (at least two) between `flip` and its neighbour.
-
-    Args:
-        answer: All flip points of the world.
-        flip: One of them.
-        is_above: Choose a γ above the flip point, else below it.
-    """
+    """Return the γ with the fewest decimals (at least two) between `flip` and the next above or below."""
     gammas = [each.gamma for each in answer.flips]
     place = gammas.index(flip.gamma)
     if is_above:
@@ -102,15 +94,13 @@ def beyond(answer: FlipAnswer, flip: Flip, *, is_above: bool) -> float:
 
 
 def work(mdp: TabularMDP, tell: Callable[[FlipAnswer, float], None]) -> None:
-    """Compute the flip points of `mdp` and send them with `tell`. This is the work of a background
-    process.
-    """
+    """Send the flip points of `mdp` from a background process."""
     bound_processor_time(MOST_SECONDS)
     tell(worked_out(mdp), 1.0)
 
 
 def worked_out(mdp: TabularMDP) -> FlipAnswer:
-    """Compute all flip points of `mdp` and Q*(γ), or return the reason why there are none."""
+    """Compute all flip points and Q*(γ), or why there are none."""
     from rl_tui.agents.exact.flips import flips
     from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
 
@@ -122,7 +112,7 @@ def worked_out(mdp: TabularMDP) -> FlipAnswer:
 
 
 def optimal_value_curves(mdp: TabularMDP) -> OptimalValueCurves:
-    """Compute Q* at equally spaced γ from 0 to 1, or to the last γ at which Q* exists."""
+    """Compute Q* at equally spaced γ, as far as it exists."""
     from rl_tui.agents.exact.exact_model import exact_model
     from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
     from rl_tui.agents.exact.policy_iteration import policy_iteration

@@ -1,4 +1,4 @@
-"""States whose optimal actions were changed by an edit of the world."""
+"""States whose optimal actions were changed by an edit."""
 
 from __future__ import annotations
 
@@ -18,17 +18,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Before:
-    """The last known solution of an earlier world, and how its states map to the current one."""
-
     solution: Solution
     space: FiniteSpace
     carried: Carried
 
 
 class TurnedStates:
-    """Compares the optimal actions before and after the last edit. Edits that follow before a solution has
-    arrived count as one.
-    """
+    """Compares the optimal actions before and after the last edits."""
 
     def __init__(self) -> None:
         self._world: EditedWorld | None = None
@@ -37,15 +33,7 @@ class TurnedStates:
         self._turned: tuple[Solution, frozenset[int]] | None = None
 
     def of(self, run: Run, answer: Solution | None) -> frozenset[int]:
-        """Return the states of `run` whose optimal actions changed with the last edit.
-
-        Args:
-            run: Run in the edited world.
-            answer: Solution of the current world for the current γ, or None while unknown.
-
-        Returns:
-            State numbers without new states. Empty until both solutions are known for the same γ.
-        """
+        """Return the old states whose optimal actions changed, once both solutions are known for one γ."""
         if run.edited is not self._world:
             self._before = self._remembered(run)
             self._world, self._answer, self._turned = run.edited, None, None
@@ -57,7 +45,6 @@ class TurnedStates:
         return self._turned[1]
 
     def _remembered(self, run: Run) -> _Before | None:
-        """Return the earlier world if one edit leads from it to the world of `run`, else None."""
         before, between = self._world, self._before
         if before is None or not _follows(run.edited, before):
             return None
@@ -72,14 +59,12 @@ class TurnedStates:
 
 
 def _follows(now: EditedWorld, before: EditedWorld) -> bool:
-    """Return True if one edit, undo or redo turns `before` into `now`."""
     if before.draft is None:
         return now.done is not None and now.done.further is None
     return any(way is not None and way.draft is before.draft for way in (now.done, now.undone))
 
 
 def _through(now: IntArray, was: IntArray) -> IntArray:
-    """Compose two maps of numbers: `now` into a world in between, `was` from there to the first one."""
     return np.where(now == NEW, NEW, was[now])
 
 

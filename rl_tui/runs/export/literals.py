@@ -28,7 +28,7 @@ def literal(value: object) -> str:
 
 
 def listed(items: Iterable[str], opening: str = "[", closing: str = "]", before: str = "") -> str:
-    """Format `before` and a list of `items` on one line if it fits, else one item per line."""
+    """Format `before` and a list, on one line or one item per line."""
     items = list(items)
     line = f"{before}{opening}{', '.join(items)}{closing}"
     if len(line) <= WIDEST:
@@ -37,7 +37,7 @@ def listed(items: Iterable[str], opening: str = "[", closing: str = "]", before:
 
 
 def packed(items: Iterable[str], before: str) -> str:
-    """Format `before` and a list of `items`, with as many items per line as fit."""
+    """Format `before` and a list with many items per line."""
     items = list(items)
     line = f"{before}[{', '.join(items)}]"
     if len(line) <= WIDEST:

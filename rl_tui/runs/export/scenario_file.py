@@ -30,15 +30,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ScenarioFile:
-    """The file of an edited world, as last read or written. `path` is None if there is no file to
-    overwrite: none exists, or it is a shipped one.
-    """
+    """The file of an edited world. `path` is None if there is none to overwrite."""
 
     text: str
     path: Path | None = None
 
     def text_with(self, draft: Draft) -> str:
-        """Return the text of the file with the world of `draft`. See `saved_text`."""
+        """Return its text with the world of `draft`."""
         return saved_text(self.text, draft)
 
     @property
@@ -52,11 +50,9 @@ class ScenarioFile:
             return True
 
     def written(self, path: Path, text: str) -> ScenarioFile:
-        """Write `text` to `path`, overwriting only this file itself. If this file had no path, the new
-        name also becomes the title, so that titles stay distinct. The caller checks `has_changed` first.
+        """Write `text` to `path`, overwriting only this file itself.
 
-        Raises:
-            UserError: The file cannot be written.
+        A first name also becomes the title. Check `has_changed` before. Raises UserError.
         """
         if self.path is None:
             text = named(text, path.stem)
@@ -79,7 +75,7 @@ def new_world(kind: str) -> Scenario:
 
 
 def file_of(scenario: Scenario) -> ScenarioFile:
-    """Return the file of `scenario`, or the first lines of one if it has none."""
+    """Return the file of `scenario`, perhaps only its first lines."""
     text = scenario.text or f"title = {value_text(scenario.title)}\n"
     path = scenario.source.absolute()
     is_its_own = (
@@ -89,9 +85,7 @@ def file_of(scenario: Scenario) -> ScenarioFile:
 
 
 def is_on_screen(scenario: Scenario, recipe: Recipe, mdp: TabularMDP | None) -> bool:
-    """Return True if `scenario` equals the scenario of `recipe` in the world of `mdp`, as it does once an
-    edited world is saved. Large worlds return False without a comparison.
-    """
+    """Return True if `scenario` equals that of `recipe` in `mdp`. Large worlds are not compared."""
     if mdp is None or mdp.states > LIVE_STATES or _head(scenario) != _head(recipe.scenario):
         return False
     try:
@@ -116,12 +110,7 @@ def offered_name(scenario: Scenario) -> str:
 
 
 def path_named(text: str, file: ScenarioFile) -> Path:
-    """Return the path for a scenario of this name or path. A name belongs to the user's folder. It may be
-    the path of `file`.
-
-    Raises:
-        UserError: Nothing can be written there.
-    """
+    """Return the path for a name (in the user's folder) or path. Raises UserError if unusable."""
     name = text.strip()
     is_path = "/" in name or "\\" in name
     stem = name.removesuffix(SUFFIX)
@@ -144,7 +133,7 @@ def _own_path(stem: str) -> Path:
 
 
 def _write_over(path: Path, text: str) -> None:
-    """Replace the content of `path`, preserving its permissions, its BOM and a symbolic link."""
+    """Replace the content of `path`, but not its permissions, BOM or symbolic link."""
     path = path.resolve()
     if not path.is_file() or path.parent == shipped_folder().resolve():
         raise UserError(f"{path}: not one of your own files; save it under another name")

@@ -1,6 +1,7 @@
-"""Templates of exported scripts and of their worlds. `# [tables]` begins a section. A line ending in `#:
-ties first, not time limit` is used only if the first flag is set and the second is not. `$name` is
-replaced by a piece of text, and a line `# $name` by several lines.
+"""Templates of exported scripts and of their worlds.
+
+`# [tables]` begins a section. A line ending in `#: ties first, not time limit` needs the first flag, but not
+the second. `$name` is replaced by a piece, and a line `# $name` by several lines.
 """
 
 from __future__ import annotations
@@ -21,12 +22,9 @@ _LINE_OF_PLACE: Final = re.compile(r"( *)(?:# )?\$(\w+)")
 
 
 def sections(module: str, flags: Collection[str] = ()) -> dict[str, str]:
-    """Return the sections of the template next to `module`, by name, with the lines selected by `flags`.
+    """Return the sections of the template next to `module`, with the lines selected by `flags`.
 
-    Raises:
-        FileNotFoundError: The template does not exist.
-        ModuleNotFoundError: The package does not exist.
-        ValueError: The module is not in a package.
+    Raises FileNotFoundError, ModuleNotFoundError, or ValueError.
     """
     package, _, name = module.rpartition(".")
     text = (files(package) / f"{name}{ENDING}").read_text(encoding="utf-8")
@@ -46,11 +44,9 @@ def _holds(flag: str, flags: Collection[str]) -> bool:
 
 
 def fill(text: str, pieces: Mapping[str, str]) -> str:
-    """Replace each `$name` in `text` by its piece. A line with only a place takes a piece of several
-    lines, with its own indentation, and disappears if the piece is empty.
+    """Replace each `$name` in `text`. Raises KeyError for a missing piece.
 
-    Raises:
-        KeyError: A piece is missing.
+    A line with only a place takes several lines with its indentation, or disappears.
     """
     lines: list[str] = []
     for line in text.split("\n"):
@@ -75,17 +71,8 @@ NOISY_FIELDS: Final = f"{FIELDS}, noise"
 class WorldText:
     """A world as text for a script.
 
-    Attributes:
-        setup: Lines that make `env`.
-        new_table: Lines that make a table of estimates.
-        report: Lines that print the policy, with places for `report_pieces` and `$equals`.
-        model: Lines that define `outcomes(state, action)`, if `setup` does not.
-        starts: Expression for the start states, empty without a model.
-        fields: Fields of an outcome.
-        report_pieces: Pieces for `report`.
-        truncates: True if episodes have a time limit.
-        imports: Import lines.
-        remarks: Sentences for the head of the script.
+    `setup` makes `env`, and `report` prints the policy, with places for `report_pieces` and `$equals`.
+    `model` defines `outcomes(state, action)` if `setup` does not. `starts` is empty without a model.
     """
 
     setup: str
@@ -101,15 +88,7 @@ class WorldText:
 
 
 def environment(states: str, actions: str, start: str, *, fields: str = FIELDS, time_limit: int = 0) -> str:
-    """Return the class that steps through `outcomes`, and the line that makes `env`.
-
-    Args:
-        states: Expression for the number of states.
-        actions: Expression for the number of actions.
-        start: Expression for a start state.
-        fields: Fields of an outcome.
-        time_limit: Longest episode in steps, or 0 for none.
-    """
+    """Return the class that steps through `outcomes` and makes `env`. `time_limit` 0 means none."""
     flags = {"noise"} if fields == NOISY_FIELDS else set()
     pieces = {"states": states, "actions": actions, "start": start, "fields": fields}
     text = sections(f"{__package__}.world", {*flags, "time limit"} if time_limit else flags)["environment"]
@@ -117,12 +96,12 @@ def environment(states: str, actions: str, start: str, *, fields: str = FIELDS, 
 
 
 def between(arrows: Iterable[str]) -> str:
-    """Return the literal that separates equally good moves. It is not empty if some have two characters."""
+    """Return the literal that separates equally good moves, empty if all have one character."""
     return '""' if all(len(each) == 1 for each in arrows) else '"/"'
 
 
 def arrow(step: tuple[int, int] | None, name: str) -> str:
-    """Return a move in ASCII characters. Another action by its first letter."""
+    """Return a move in ASCII, another action by its first letter."""
     if step is None:
         return name[:1]
     down, right = step

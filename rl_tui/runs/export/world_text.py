@@ -1,4 +1,4 @@
-"""The world of a script: a map, a Gymnasium environment, a bandit, or a table of outcomes."""
+"""The world of a script."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 def world_text(recipe: Recipe, world: World) -> WorldText:
-    """Return the world of `recipe` as text for a script. Raises UserError if a script cannot describe it."""
+    """Return the world of `recipe` as text. Raises UserError."""
     section = recipe.scenario.section
     if isinstance(section, GymnasiumSection):
         return _gymnasium_text(section, world)
@@ -64,11 +64,6 @@ MOST_COLUMNS: Final = 90
 
 
 def _grid_text(section: GridSection, generator: Generator) -> WorldText:
-    """Return the text for the map of `section`. `generator` is the world's random stream from its start.
-
-    Raises:
-        UserError: The map is too large to read.
-    """
     _check_size(section)
     cells = section.cells(generator)
     rows = ["".join(cells.characters[code] for code in row) for row in cells.codes]
@@ -132,7 +127,6 @@ def _characters(there: Mapping[str, LegendEntry], quality: Callable[[LegendEntry
 
 
 def _rules(section: GridSection, there: Mapping[str, LegendEntry]) -> dict[str, Any]:
-    """Return the rules of the grid as constants of the script; unused ones are empty or 0."""
     turns = [(slip.turn, slip.probability) for slip in section.slips]
     paying = {each: entry for each, entry in there.items() if not entry.is_wall and entry.pays}
     return {
@@ -161,7 +155,6 @@ def _reward(section: GridSection, flags: set[str]) -> str:
 
 
 def _landing(flags: set[str]) -> str:
-    """Return the expression for the result of a move, including a bump if that has a reward."""
     name = "NAMES[(action + turn) % len(NAMES)]" if "turns" in flags else "NAMES[action]"
     gusts = ", gust, side_gust" if "gusts" in flags else ""
     return f"{'*' if 'bump_reward' in flags else ''}land(state, {name}{gusts})"
@@ -184,11 +177,6 @@ _LOOKUP_IMPORT: Final = "from collections import defaultdict"
 
 
 def _gymnasium_text(section: GymnasiumSection, world: World) -> WorldText:
-    """Return the text for the Gymnasium environment of `section`, from which `world` was made.
-
-    Raises:
-        UserError: A short script cannot number its observations or actions.
-    """
     with closing(made(section.id, section.kwargs)) as environment:
         has_table = world.mdp is not None and hasattr(environment.unwrapped, "P")
         if int(environment.action_space.start) != 0:
@@ -255,7 +243,6 @@ def _map(grid: Grid, action_names: Sequence[str], arrows: Sequence[str]) -> list
 def _observed(
     section: GymnasiumSection, environment: Env[Any, Any], make: str
 ) -> tuple[str, tuple[str, ...]]:
-    """Return the lines that make an environment whose observations are states, and their imports."""
     from gymnasium import spaces
 
     space = environment.observation_space
@@ -287,7 +274,6 @@ def _edges(bins: BinsSection, space: Any) -> list[str]:
 
 
 def _bandit_text(section: BanditSection, mdp: TabularMDP) -> WorldText:
-    """Return the text for the bandit of `section` with the arms of `mdp`."""
     flags = {"bernoulli": section.rewards == BERNOULLI, "drift": bool(section.drift)}
     texts = sections(f"{__package__}.bandit", {name for name, is_set in flags.items() if is_set})
     means = [
@@ -316,7 +302,6 @@ MOST_OUTCOMES: Final = 2_000
 
 
 def _table_text(mdp: TabularMDP) -> WorldText:
-    """Return the text for the table of `mdp`. Raises UserError if it is too long to read."""
     if len(mdp.next_state) > MOST_OUTCOMES:
         raise UserError(
             f"this world has {len(mdp.next_state):,} outcomes, too many for a readable script: at "
@@ -346,7 +331,7 @@ def _table_text(mdp: TabularMDP) -> WorldText:
 
 
 def _ends_nowhere(mdp: TabularMDP) -> bool:
-    """Return True if an episode may end in a nonterminal state."""
+    """Return True if episodes may end in nonterminal states."""
     owned = mdp.first_pair[1:] > mdp.first_pair[:-1]
     return bool((mdp.terminated & owned[mdp.next_state]).any())
 

@@ -36,10 +36,9 @@ FIRST: Final = Branch("branch 1")
 
 @dataclass(frozen=True, slots=True)
 class RunRecord:
-    """Everything needed to restore the position of a run: small and free of arrays."""
+    """Everything needed to restore the position of a run."""
 
     recipe: Recipe
-    """Start of the run."""
     branches: tuple[Branch, ...] = (FIRST,)
     """All branches, at least one."""
     branch: int = 0
@@ -52,7 +51,7 @@ class RunRecord:
 
     @property
     def world_changes(self) -> list[WorldChange]:
-        """Edits of the world up to the current step."""
+        """Edits of the world so far."""
         changes = (entry.change for entry in self.branches[self.branch].journal if entry.step <= self.step)
         return [change for change in changes if isinstance(change, WorldChange)]
 
@@ -63,7 +62,6 @@ class Furthest(NamedTuple):
     counters: Counters
     """Steps and episodes there."""
     results: RunResults
-    """Results there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,5 +82,5 @@ class Timeline:
 
     @property
     def in_past(self) -> bool:
-        """True if the run has been further. A change here begins a new branch."""
+        """True if the run has been further. A change then begins a branch."""
         return self.current.here < self.current.end

@@ -19,18 +19,10 @@ if TYPE_CHECKING:
 
 
 class Target:
-    """A position on a branch: after `step` steps, or at the beginning of `episode`.
-
-    Args:
-        branch: Number of the branch.
-        end: Furthest step of the branch. The target is not beyond it.
-        step: Step to seek, if not an episode.
-        episode: Episode to seek, from 1.
-    """
+    """A position on a branch, at most `end`: after `step` steps, or at the beginning of `episode`."""
 
     def __init__(self, branch: int, end: int, *, step: int | None = None, episode: int | None = None) -> None:
         self.branch = branch
-        """Number of the branch."""
         self.step = None if step is None else max(0, min(step, end))
         """Steps taken at the target, or None if it is the beginning of an episode."""
         self.last_step = end if self.step is None else self.step
@@ -39,7 +31,7 @@ class Target:
         """Episodes finished at the target."""
 
     def is_ahead_of(self, step: int, episodes: int, begins_episode: bool) -> bool:
-        """Return True if a run at this position is at the target, or reaches it by advancing."""
+        """Return True if a run from this position can reach the target."""
         if self.step is not None:
             return step <= self.step
         return episodes < self.last_episode or (episodes == self.last_episode and begins_episode)
@@ -52,7 +44,6 @@ class Seek:
     run: Run
     """The run that is moved."""
     target: Target
-    """Its target."""
     origin: int
     """Step at which it started."""
 
@@ -75,13 +66,8 @@ class Seek:
 class Limits:
     """Memory limits of one run, of which there are at most four.
 
-    Attributes:
-        checkpoints: Bytes for the current branch.
-        checkpoints_left: Bytes for all other branches together.
-        samples: Bytes for the current branch.
-        samples_left: Bytes for all other branches together.
-        branches: Largest number of branches, or None if only the session file limits them.
-        changes: Largest number of changes in all branches, or None if only the session file limits them.
+    `checkpoints` and `samples` are bytes for the current branch, `…_left` for all others together. None for
+    `branches` or `changes` leaves only the limits of a session file.
     """
 
     checkpoints: int
@@ -114,11 +100,10 @@ _LARGE: Final = 16 * 2**20  # only one state of this size is stored as near
 
 
 class Checkpoints:
-    """States along a branch, at about equal intervals of computing time. If there are too many, or they
-    are too large, the `spacing` (seconds of computing) doubles and every other state is dropped, one for
-    each new state. The number thus stays about constant, and a new state reuses the memory of the dropped
-    one. Dropping half of them at once would fragment the heap. The states of the last few seeks are stored
-    too, which makes the next seek short.
+    """States at about equal intervals of computing time, and those of the last seeks.
+
+    If they are too many or too large, the `spacing` (seconds of computing) doubles. Every other state is then
+    dropped, one for each new state, which reuses its memory.
     """
 
     def __init__(self) -> None:
@@ -138,7 +123,7 @@ class Checkpoints:
 
     @property
     def _nbytes_of_worlds(self) -> int:
-        """Memory of the worlds in bytes, without the last one, which is in use anyway."""
+        """Memory of the worlds, without the last one, which is in use anyway."""
         worlds = {id(state.edited.world): state.edited.world for state in self._states[:-1]}
         if self._states:
             worlds.pop(id(self._states[-1].edited.world), None)
@@ -151,12 +136,10 @@ class Checkpoints:
             self._drop_next()
 
     def _room(self, nbytes: int) -> int:
-        """Return the largest number of states of this size, after subtracting the shared worlds."""
         left = limits().checkpoints - self._nbytes_of_worlds
         return max(_LEAST, min(MOST, left // max(1, nbytes)))
 
     def _drop_next(self) -> None:
-        """Drop the next of every other state. At the end, begin again at the first."""
         if self._thinned == 0 or 2 * (self._thinned + 1) >= len(self._states):
             self._thinned = 0
             self.spacing *= 2
@@ -169,7 +152,7 @@ class Checkpoints:
         return place > 0 and self._states[place - 1].step > after
 
     def add_near(self, state: RunState) -> None:
-        """Store `state` for a while, because the run has just been near it."""
+        """Store `state` for a while, for short seeks."""
         if state.nbytes > _LARGE:
             self._near.clear()
         self._near.append(state)
@@ -188,9 +171,7 @@ class Checkpoints:
         return shared
 
     def thin_out(self, branches: int) -> None:
-        """Keep few states, or none if they are very large: the branch is one of `branches` that are not
-        current.
-        """
+        """Keep few states of one of `branches` that are not current."""
         self._near.clear()
         while len(self._states) > MOST_LEFT or self.nbytes > limits().checkpoints_left // branches:
             self._states = self._states[::2] if len(self._states) > 1 else []

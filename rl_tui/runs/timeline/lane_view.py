@@ -12,14 +12,13 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaneView:
-    """One of several runs, as far as it is shown next to the others."""
+    """One of several runs, as the others show it."""
 
     name: str
     """How this run differs, in a few words."""
     algorithm: str
     """Id of the current algorithm."""
     hyperparameters: Hyperparameters
-    """Current hyper-parameters."""
     step: int
     """Steps taken."""
     episodes: int
@@ -27,7 +26,6 @@ class LaneView:
     q: FloatArray
     """A copy of the estimates, `[P]`, empty for a large world."""
     results: RunResults
-    """Results so far."""
     past: LanePast | None = None
     """Recipe and changes of the run, or None if unknown."""
 

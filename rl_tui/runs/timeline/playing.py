@@ -22,7 +22,7 @@ class Playing(Protocol):
 
     @property
     def recipe(self) -> Recipe:
-        """Start of the run, from which another run can begin."""
+        """Start of the run."""
 
     @property
     def run(self) -> PlayedRun:
@@ -42,11 +42,11 @@ class Playing(Protocol):
 
     @property
     def trail(self) -> Trail:
-        """Known steps of the current episode up to the last one."""
+        """Known steps of the current episode."""
 
     @property
     def trail_to_find(self) -> int:
-        """Length of the trail after `find_trail`, or 0 if it would find nothing more."""
+        """Length of the trail after `find_trail`, or 0."""
 
     def find_trail(self, seconds: float) -> None:
         """Search for missing steps of the trail for about `seconds`."""
@@ -66,7 +66,7 @@ class Playing(Protocol):
         """Start to seek a step or the beginning of an episode."""
 
     def continue_seek(self, steps: int) -> int:
-        """Continue to seek by at most `steps` and return the number of steps taken."""
+        """Seek by at most `steps` and return the steps taken."""
 
     def stop_seek(self) -> None:
-        """Stop seeking. The run keeps its position."""
+        """Stop seeking, at the current position."""

@@ -29,8 +29,9 @@ Features = Mapping[str, float | str]
 
 
 def run_names(recipes: Sequence[Recipe]) -> list[str]:
-    """Return distinct names for `recipes`, made of their differences from the first. The first is named by
-    everything that differs in another. Pass current settings.
+    """Return distinct names for `recipes`: their differences from the first.
+
+    The first is named by everything that differs in another.
     """
     if not recipes:
         return []
@@ -44,16 +45,14 @@ def run_names(recipes: Sequence[Recipe]) -> list[str]:
 
 
 def difference(base: Recipe, other: Recipe) -> str:
-    """Describe how `other` differs from `base`, such as `SARSA, α 0.5`, or "" if it does not. Only
-    settings with an effect in `other` are named.
-    """
+    """Describe how `other` differs from `base`, such as `SARSA, α 0.5`."""
     features = _features(other)
     names = _different(_features(base), features, base)
     return ", ".join(feature_text(name, features[name]) for name in names)
 
 
 def _different(base: Features, other: Features, known: Recipe) -> Iterator[str]:
-    """Yield the names of different settings. Values without effect in `base` are looked up in `known`."""
+    """Yield the names of different settings, with values without effect from `known`."""
     for name, value in other.items():
         before = base[name] if name in base else known.hyperparameters.value(name)
         if value != before:
@@ -61,7 +60,7 @@ def _different(base: Features, other: Features, known: Recipe) -> Iterator[str]:
 
 
 def features_of(algorithm: str, values: Hyperparameters, seed: int) -> Features:
-    """Return all settings with an effect, by name. Equivalent settings give equal results."""
+    """Return all settings with an effect. Equivalent ones give equal results."""
     features: dict[str, float | str] = {ALGORITHM: algorithm}
     for name in parameters_of(algorithm, values.policy):
         features[name] = values.value(name)
@@ -80,7 +79,6 @@ def _features(recipe: Recipe) -> Features:
 
 
 def _without_idle_schedule(features: dict[str, float | str], schedule: str, scheduled: str) -> None:
-    """Reduce a schedule without effect to a decay of 0."""
     decay = f"{scheduled}_decay"
     if decay in features and (features[schedule] == "constant" or features[decay] == 0.0):
         features[decay] = 0.0
@@ -128,15 +126,12 @@ class LanePast(NamedTuple):
     now: Recipe
     """The recipe with current settings."""
     branch: str
-    """Name of the current branch."""
     journal: Journal
     """All changes on the branch."""
 
 
 def lane_names(lanes: Sequence[LanePast], unit: str) -> list[str]:
-    """Return distinct names for runs. Branches of one run are named by branch and changes: `branch 2: ε
-    0.3 from step 400`. Others are named by `run_names`. `unit` is the word for a step.
-    """
+    """Return distinct names for runs, branches like `branch 2: ε 0.3 from step 400`."""
     families = [_family(lane, lanes) for lane in lanes]
     heads = sorted({family[0] for family in families})
     begun = [lanes[head].begun if len(families[head]) > 1 else lanes[head].now for head in heads]
@@ -153,14 +148,7 @@ def lane_names(lanes: Sequence[LanePast], unit: str) -> list[str]:
 
 
 def branch_in_words(name: str, journal: Journal, beside: Iterable[Journal], unit: str) -> str:
-    """Name a branch by the changes that it does not share with all others.
-
-    Args:
-        name: Name of the branch.
-        journal: Its changes.
-        beside: Changes of the other branches.
-        unit: Word for a step.
-    """
+    """Name a branch by the changes not shared with all branches `beside` it."""
     alike = zip(journal, *beside, strict=False)
     shared = sum(1 for _ in takewhile(lambda entries: all(each == entries[0] for each in entries), alike))
     deeds = list(dict(_deed(entry, unit) for entry in journal[shared:]).values())
@@ -170,7 +158,7 @@ def branch_in_words(name: str, journal: Journal, beside: Iterable[Journal], unit
 
 
 def _deed(entry: JournalEntry, unit: str) -> tuple[tuple[str, int], str]:
-    """Return a key that groups related changes, such as those of a dragged slider, and a description."""
+    """Return a description and a key that groups related changes, such as those of a slider."""
     change, step = entry.change, entry.step
     match change:
         case SetParameter(name, value):
@@ -186,9 +174,6 @@ def _deed(entry: JournalEntry, unit: str) -> tuple[tuple[str, int], str]:
 
 
 def _family(lane: LanePast, lanes: Sequence[LanePast]) -> list[int]:
-    """Return the indexes of all branches of the same run as `lane`. Runs with the same start and equal
-    branch names are separate runs.
-    """
     family = [place for place, each in enumerate(lanes) if each.begun == lane.begun]
     names = {lanes[place].branch for place in family}
     return family if len(names) == len(family) else [lanes.index(lane)]

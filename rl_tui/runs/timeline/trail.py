@@ -1,4 +1,4 @@
-"""The path of the agent in its current episode, recorded or replayed."""
+"""The path of the agent in its current episode."""
 
 from __future__ import annotations
 
@@ -33,7 +33,6 @@ class TrailStep(NamedTuple):
     state: int
     """State before the step."""
     action: int
-    """Chosen action."""
     happened: int
     """Action that happened, or −1 if unknown."""
     next_state: int
@@ -50,14 +49,14 @@ Trail = tuple[TrailStep, ...]
 
 
 class TrailRecorder:
-    """Records the last steps of the current episode. `given_up` is the step for which a replay failed."""
+    """Records the last steps of the current episode. A replay failed for step `given_up`."""
 
     def __init__(self) -> None:
         self.given_up = -1
         self._steps: deque[TrailStep] = deque(maxlen=MOST_STEPS)
 
     def note(self, last: LastStep | None, world: World) -> None:
-        """Record the last step in `world`, dropping steps that do not lead to it."""
+        """Record the last step, without steps that do not lead to it."""
         newest = self._steps[-1] if self._steps else None
         if last is None or last.planned:
             self._steps.clear()
@@ -88,7 +87,7 @@ class TrailRecorder:
 
 
 class TrailReplay:
-    """A replay by a spare run of the steps after `first` up to `last`, into `recorder`."""
+    """A replay of the steps from `first` to `last` by a spare run, into `recorder`."""
 
     def __init__(
         self, run: Run, journal: Sequence[JournalEntry], first: int, last: int, recorder: TrailRecorder
@@ -106,9 +105,7 @@ class TrailReplay:
         recorder.forget()
 
     def go_on(self, seconds: float, clock: Callable[[], float]) -> bool:
-        """Replay for about `seconds` (may be infinite) and return True at the end. A replay that takes too
-        long in all is abandoned.
-        """
+        """Replay for about `seconds`, and return True when done or too slow."""
         start, run = clock(), self.run
         until, now = start + seconds, start
         while run.step < self.last and now < until:

@@ -48,9 +48,7 @@ STATES_AT_ONCE: Final = 10_000
 
 
 def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
-    """Return the largest batch for `seeded`, or 0 without compiled code. Estimates are stored at `marks`
-    episodes.
-    """
+    """Return the largest batch with `marks` stored estimates, or 0 without compiled code."""
     learner = seeded.first.learner
     if seeded.batched_loop not in COMPILED_LOOPS:
         return 0
@@ -58,7 +56,7 @@ def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
 
 
 def steps_of_next_call(steps: int, seconds: float) -> int:
-    """Choose the steps of the next call from the duration of the last; algorithms differ a thousandfold."""
+    """Choose the steps of the next call by time; algorithms differ a thousandfold."""
     if seconds < SHORT_CALL:
         return min(2 * steps, MOST_STEPS_AT_ONCE)
     return max(1, steps // 2) if seconds > LONG_CALL else steps
@@ -67,16 +65,8 @@ def steps_of_next_call(steps: int, seconds: float) -> int:
 class BatchedRuns:
     """The runs of `seeded` with `seeds`, trained together.
 
-    Args:
-        seeded: Recipe of the runs.
-        seeds: Seed of each run.
-        goal: End of the training.
-        curve_episodes: Length of the learning curves in episodes, or 0 for none.
-        most_bins: Most bins of a curve.
-        mark_episodes: Ascending episodes after which estimates are stored.
-
-    Raises:
-        UserError: A world cannot be built.
+    Learning curves have `curve_episodes`, and estimates are stored after `mark_episodes` (ascending). Raises
+    UserError.
     """
 
     def __init__(
@@ -112,13 +102,9 @@ class BatchedRuns:
         )
 
     def train(self, on_progress: Callable[[int, int], None] = no_progress) -> None:
-        """Train all runs to the goal.
+        """Train all runs to the goal. `on_progress` (done, wanted) may raise to stop.
 
-        Args:
-            on_progress: Called with (done, wanted). It may raise to stop.
-
-        Raises:
-            UserError: A run broke down. The message is that of the first one.
+        Raises UserError for the first run that broke down.
         """
         wanted = (self._goal.steps or self._goal.episodes or 0) * len(self._seeds)
         self.advance(lambda: on_progress(self._done, wanted))
@@ -132,7 +118,7 @@ class BatchedRuns:
         return self._seeded.recipe.hyperparameters
 
     def advance(self, check: Callable[[], None]) -> None:
-        """Train all runs except those that break down. `check` may raise to stop."""
+        """Train all runs except broken ones. `check` may raise to stop."""
         steps, start = FIRST_STEPS, time.perf_counter()
         while self.batch.advance(steps):
             steps = steps_of_next_call(steps, time.perf_counter() - start)
@@ -151,18 +137,16 @@ class BatchedRuns:
 
     @property
     def broken(self) -> list[int]:
-        """Indexes of runs that broke down. A single run can find the reason."""
+        """Indexes of runs that broke down."""
         return np.flatnonzero(~np.isin(self.batch.stop, (DONE, EPISODES_FULL))).tolist()
 
     def rows(self, check: Callable[[], None] = no_compiling) -> list[dict[str, Any]]:
-        """Return the rows that `SeededRuns.row` returns for single runs, with the same bits. `check` is
-        called between slow parts and may raise to stop.
-        """
+        """Return the rows of `SeededRuns.row`, with the same bits. `check` may raise to stop."""
         rows = zip(self._seeds, self.measured(check), self._digests(), strict=True)
         return [row_of(*each) for each in rows]
 
     def measured(self, check: Callable[[], None]) -> list[MeasuredRun]:
-        """Return the input of metrics for each run; `check` as for `rows`."""
+        """Return the input of metrics for each run. `check` may raise to stop."""
         batch, exact = self.batch, self._exact(check)
         with np.errstate(invalid="ignore"):  # runs without an episode
             means = batch.digest.total_return[:, 0] / batch.episodes
@@ -222,7 +206,6 @@ class BatchedRuns:
         return bool(self.batch.drift.offset.shape[1])
 
     def _table_now(self, index: int) -> TabularMDP | None:
-        """Return the table of a run's world with its current mean rewards."""
         shared = self._seeded.shared
         mdp = _table(self._beginnings[index]) if shared is None else shared.world.mdp
         if mdp is None or not self._drifts:
@@ -242,7 +225,6 @@ def _table(beginning: Beginning) -> TabularMDP:
 
 
 def _if_there(column: FloatArray) -> list[float | None]:
-    """Convert `column` to a list, with None for numbers that are not finite."""
     numbers: list[float | None] = column.tolist()
     for place in np.flatnonzero(~np.isfinite(column)).tolist():
         numbers[place] = None

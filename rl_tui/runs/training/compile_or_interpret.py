@@ -1,4 +1,4 @@
-"""Decides whether training waits for machine code, continues interpreted, or needs no machine code."""
+"""Decides whether training waits for machine code, continues interpreted, or needs none."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.agents.learner import Learner
 
 # Seconds of interpreted training. Importing numba and reading cached machine code takes half a second;
-# compiling
-# takes about eight, and is lost if the worker ends before.
+# compiling takes about eight, and is lost if the worker ends before.
 FIRST_LOOK: Final = 0.1
 WORTH_READING: Final = 0.5
 WORTH_COMPILING: Final = 5.0
@@ -33,7 +32,7 @@ def cores() -> int:
 
 
 class Patience:
-    """Estimates the remaining time during training, and requests machine code if that pays."""
+    """Requests machine code during training if that pays."""
 
     def __init__(self) -> None:
         self._loop: Loop | None = None
@@ -47,16 +46,7 @@ class Patience:
         return _COMPILED_CHUNK if learner.is_compiled else self._chunk
 
     def look(self, learner: Learner, done: int, wanted: int) -> float:
-        """Update the estimate. The first call only records the start.
-
-        Args:
-            learner: The learner in training.
-            done: Steps or episodes done.
-            wanted: Steps or episodes in all.
-
-        Returns:
-            Seconds that training waited here.
-        """
+        """Update the estimate and return the seconds spent waiting; `done` and `wanted` in one unit."""
         now = time.perf_counter()
         if learner.is_compiled:
             return 0.0
@@ -77,7 +67,6 @@ class Patience:
         return self._last - now
 
     def _get_what_pays(self, loop: Loop, seconds: float) -> None:
-        """Request machine code if the interpreted rest takes `seconds`."""
         if not self._is_read and seconds > WORTH_READING and was_compiled(loop):
             self._is_read = True
             if BACKGROUND.read(loop):
@@ -93,24 +82,17 @@ class Patience:
 
 
 def pays(loop: Loop, seconds: float) -> bool:
-    """Return True if machine code pays for work that takes `seconds` interpreted."""
+    """Return True if machine code pays for `seconds` of interpreted work."""
     return seconds > WORTH_COMPILING or (seconds > WORTH_READING and was_compiled(loop))
 
 
 def batching_pays(batched: Loop, seconds: float) -> bool:
-    """Return True if machine code for batches pays for work that takes `seconds` interpreted."""
+    """Return True if machine code for batches pays for `seconds` of work."""
     return seconds > WORTH_BATCHING or (seconds > WORTH_READING and was_compiled(batched))
 
 
 def seconds_interpreted(learner: Learner, wanted: int, *, episodes: bool) -> float:
-    """Estimate the duration of interpreted training by taking some steps. This takes about `FIRST_LOOK`
-    seconds, or up to `WORTH_READING` if no episode ends.
-
-    Args:
-        learner: A fresh learner.
-        wanted: Steps or episodes in all.
-        episodes: True if `wanted` counts episodes.
-    """
+    """Estimate the duration of interpreted training by some steps, for `FIRST_LOOK` seconds or more."""
     start = time.perf_counter()
     chunk, done = _SMALLEST_CHUNK, 0
     while (spent := time.perf_counter() - start) < (FIRST_LOOK if done else WORTH_READING):

@@ -16,9 +16,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 def write_curve(stream: TextIO, curve: Mapping[str, list[Any]]) -> None:
-    """Write `curve`, as in `train --runs --json`, with the names of its lists as header. Numbers keep all
-    digits, or None is an empty field.
-    """
+    """Write `curve` with a header and all digits. None is empty."""
     stream.write(f"{','.join(curve)}\n")
     for row in zip(*curve.values(), strict=True):
         stream.write(f"{','.join('' if value is None else repr(value) for value in row)}\n")
@@ -28,7 +26,7 @@ HEADER: Final = "run,episode,return,length\n"
 
 
 class EpisodeRows:
-    """Writes the finished episodes of one run to `stream`. Returns keep all digits."""
+    """Writes the finished episodes of one run, with all digits."""
 
     def __init__(self, stream: TextIO, run: int) -> None:
         self._stream = stream
@@ -46,9 +44,7 @@ class EpisodeRows:
 
 @contextmanager
 def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
-    """Yield `target` with the header written, opened if it is a path. `file_or_stream` decides whether a
-    file is kept. A stream stays open, and its errors are passed on.
-    """
+    """Yield `target` with the header written. A stream stays open."""
     with file_or_stream(target) as stream:
         stream.write(HEADER)
         yield stream
@@ -62,14 +58,9 @@ Listening = Callable[[int], AbstractContextManager[EpisodeRows | None]]
 def episodes_in_order(
     csv: Path | TextIO | None, first_seed: int
 ) -> Iterator[tuple[Listening, Callable[[int], None]]]:
-    """Collect the episodes of parallel runs, and write them in the order of seeds.
+    """Collect the episodes of parallel runs, and write them to `csv` in the order of seeds.
 
-    Args:
-        csv: Path or stream, handled as in `csv_file`, or None writes nothing.
-        first_seed: Seed of run 1.
-
-    Yields:
-        A function that opens a writer for a seed, and a function that copies the finished seed to `csv`.
+    Yields a function that opens a writer for a seed, and one that copies a finished seed.
     """
     if csv is None:
         yield lambda _: nullcontext(), lambda _: None

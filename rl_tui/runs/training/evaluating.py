@@ -1,4 +1,4 @@
-"""Exact evaluation of a policy in the world of a recipe: the document of `evaluate --json`."""
+"""Exact evaluation of a policy: the document of `evaluate --json`."""
 
 from __future__ import annotations
 
@@ -30,10 +30,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 class FollowedPolicy(NamedTuple):
     """A policy and its world.
 
-    Attributes:
-        mdp: World, with current mean rewards if they drift.
-        chances: π(a|s), `[P]`.
-        not_given: Number of states without a given action, or None if all states have one.
+    `chances` are π(a|s), `[P]`. `not_given` counts states without a given action.
     """
 
     mdp: TabularMDP
@@ -42,7 +39,7 @@ class FollowedPolicy(NamedTuple):
 
 
 def table_of(recipe: Recipe, beginning: Beginning) -> TabularMDP:
-    """Return the table of the world. Raises UserError if it has none, and so no exact answer."""
+    """Return the table of the world. Raises UserError."""
     mdp = beginning.world.mdp
     if mdp is None:
         raise UserError(f"{recipe.scenario.id} has no exact values: {NO_TABLE}")
@@ -52,20 +49,9 @@ def table_of(recipe: Recipe, beginning: Beginning) -> TabularMDP:
 def policy_named(
     name: str, recipe: Recipe, beginning: Beginning, goal: Goal, on_progress: OnProgress = no_progress
 ) -> FollowedPolicy:
-    """Return the policy called `name`, or the policy in that JSON file.
+    """Return the policy of the kind `name`, or in that file. Raises UserError.
 
-    Args:
-        name: Kind of policy, or a path.
-        recipe: World and settings.
-        beginning: Result of `begin(recipe)`.
-        goal: End of the training for the greedy policy.
-        on_progress: Called during training.
-
-    Returns:
-        The policy. The optimal one chooses uniformly among optimal actions, as `rl-tui solve` prints them.
-
-    Raises:
-        UserError: There is no such policy, or the world has no table.
+    The greedy one is trained to `goal`. The optimal one is uniform over optimal actions.
     """
     mdp = table_of(recipe, beginning)
     if name == PolicyKind.UNIFORM:
@@ -86,16 +72,9 @@ def policy_of(mdp: TabularMDP, choices: Mapping[int, Choice]) -> FollowedPolicy:
 def evaluation_of(
     recipe: Recipe, name: str, followed: FollowedPolicy, epsilon: float
 ) -> tuple[FloatArray, dict[str, Any]]:
-    """Evaluate a policy exactly.
+    """Evaluate a policy exactly, with a share `epsilon` of random actions.
 
-    Args:
-        recipe: World and γ.
-        name: Name of the policy in the document.
-        followed: Policy to evaluate.
-        epsilon: Share of uniformly random actions, 0 to 1.
-
-    Returns:
-        π(a|s) with random actions, `[P]`, and the document.
+    Returns π(a|s), `[P]`, and the document.
     """
     mdp, gamma = followed.mdp, recipe.hyperparameters.gamma
     policy = softened(mdp, followed.chances, epsilon)
@@ -116,7 +95,6 @@ def evaluation_of(
 
 
 def _learned(recipe: Recipe, beginning: Beginning, goal: Goal, on_progress: OnProgress) -> FollowedPolicy:
-    """Train as `rl-tui train` does, and return the greedy policy with the world at the end."""
     run = Run(recipe, beginning, evaluate=False)
     train(run, goal, on_progress)
     mdp = run.learner.mdp

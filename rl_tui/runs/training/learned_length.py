@@ -19,19 +19,10 @@ _SURE: Final = 1.0 - 1e-9
 
 
 def learned_length(mdp: TabularMDP, gamma: float, planned: float, epsilon: float) -> float:
-    """Compute the mean length of an episode after learning, without time limit. Values are those of the
-    best policy with a random action in a share `planned` of the steps: 0 for Q-learning, `epsilon` for
-    SARSA. The agent then acts greedily on them, with random actions in a share `epsilon`.
+    """Compute the mean length of an episode after learning, without time limit.
 
-    Args:
-        mdp: World.
-        gamma: Discount in [0, 1].
-        planned: Exploration in the values, 0 to 1.
-        epsilon: Exploration of the agent, 0 to 1.
-
-    Returns:
-        Steps; infinite if an episode may never end or rounding spoils the result, 0 if the values do not
-        exist.
+    `planned` is the exploration in the values (0 for Q-learning, `epsilon` for SARSA), `epsilon` that of the
+    agent. The length is infinite if an episode may never end or rounding spoils the result, 0 without values.
     """
     model = exact_model(mdp)
     try:
@@ -52,19 +43,9 @@ def learned_length(mdp: TabularMDP, gamma: float, planned: float, epsilon: float
 
 
 def best_actions(model: ExactModel, gamma: float, epsilon: float) -> BoolArray:
-    """Find the best actions under exploration, by policy iteration among ε-soft policies (Sutton & Barto,
-    2nd ed., section 5.4).
+    """Find the best actions, `[P]`, by policy iteration among ε-soft policies (section 5.4).
 
-    Args:
-        model: Exact model of the world.
-        gamma: Discount in [0, 1].
-        epsilon: Share of uniformly random actions, 0 to 1.
-
-    Returns:
-        `[P]`, True for pairs as good as the best.
-
-    Raises:
-        NoExactAnswer: A policy on the way has no value.
+    Raises NoExactAnswer.
     """
     best = np.ones(model.mdp.pairs, dtype=np.bool_)
     v: ExtendedArray = np.zeros(model.end + 1, dtype=np.longdouble)
@@ -79,5 +60,4 @@ def best_actions(model: ExactModel, gamma: float, epsilon: float) -> BoolArray:
 
 
 def _exploring(model: ExactModel, best: BoolArray, epsilon: float) -> FloatArray:
-    """Return the policy, `[P]`, uniform over `best`, with random actions in a share `epsilon`."""
     return softened(model.mdp, uniform_over(model.mdp, best), epsilon)

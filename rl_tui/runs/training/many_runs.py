@@ -1,4 +1,4 @@
-"""Training under many seeds, in parallel on all cores, and in batches if possible."""
+"""Training under many seeds, in parallel and in batches."""
 
 from __future__ import annotations
 
@@ -43,7 +43,6 @@ class RunsBySeed(Protocol[RunT]):
     """Runs that differ in their seed, such as `SeededRuns`."""
 
     first_seed: int
-    """First seed."""
     figures: tuple[str, ...]
     """Names of the numbers in a row."""
     is_bandit: bool
@@ -52,7 +51,7 @@ class RunsBySeed(Protocol[RunT]):
     """True if there are sweeps instead of episodes."""
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> RunT:
-        """Return a fresh run of `seed`; `on_episodes` receive its episodes."""
+        """Return a fresh run of `seed`."""
         ...
 
     def train(self, run: RunT, goal: Goal, on_progress: OnProgress) -> None:
@@ -69,9 +68,7 @@ class RunsBySeed(Protocol[RunT]):
 
 @dataclass
 class Curves:
-    """Learning curves over the first `episodes` episodes (0 for none), in at most `most_bins` bins.
-    `points` has the order of the seeds.
-    """
+    """Learning curves over the first `episodes` episodes (0: none), in the order of seeds."""
 
     episodes: int
     most_bins: int = MOST_BINS
@@ -94,25 +91,19 @@ def rows(
     listening: Listening = lambda _: nullcontext(),
     workers: int = 0,
 ) -> Generator[Result, None, None]:
-    """Train under each seed and yield the results in order.
+    """Train under each seed and yield the results in order. Raises UserError for the first broken run.
 
     Args:
         seeded: Runs to train.
         seeds: Seeds in ascending order.
         goal: End of the training.
-        measure: Returns the result of a run; called in the training thread.
+        measure: Returns the result of a run, in the training thread.
         measure_batch: Returns the results of a batch with the same bits, and calls its second argument
             between slow parts. None prevents batches.
         curves: Receives the curve of each run.
-        watch: Returns the listener for the progress of a run or batch, which may raise to stop everything.
+        watch: Returns the listener for progress, which may raise to stop everything.
         listening: Opens the listener for the episodes of a single run.
         workers: Number of threads; 0 trains each run on request.
-
-    Yields:
-        Result of each seed.
-
-    Raises:
-        UserError: A run broke down. The message is that of the first such seed.
     """
     is_ended = threading.Event()
     batched = seeded if measure_batch is not None and isinstance(seeded, SeededRuns) else None
@@ -157,9 +148,7 @@ def train_curves(
     watch: Callable[[RunT | BatchedRuns], OnProgress] = lambda _: no_progress,
     workers: int = 0,
 ) -> None:
-    """Train again for curves, after runs that ended with a number of steps. The width of the bins is known
-    only when all are done. The same recipes give the same episodes, so none have to be stored.
-    """
+    """Train again for curves, whose bins are known only when all runs are done."""
     goal = Goal(episodes=curves.episodes)
     measures = _measure_nothing, _measure_no_batch
     for _ in rows(seeded, seeds, goal, *measures, curves=curves, watch=watch, workers=workers):
@@ -174,7 +163,6 @@ def _measure_no_batch(batch: BatchedRuns, check: Callable[[], None]) -> Iterable
 
 
 def _parts(seeds: range, workers: int, at_once: int) -> list[range]:
-    """Divide `seeds` into single seeds, or into about equal parts of at most `at_once`."""
     runs = len(seeds)
     each = math.ceil(runs / (workers * math.ceil(runs / (workers * at_once)))) if at_once > 1 else 1
     return [seeds[first : first + each] for first in range(0, runs, each)]
@@ -183,7 +171,6 @@ def _parts(seeds: range, workers: int, at_once: int) -> list[range]:
 def _in_parallel(
     work: Callable[[Part], Result], parts: Sequence[Part], workers: int, is_ended: threading.Event
 ) -> Iterator[Result]:
-    """Yield the results in order. `is_ended` is set if one fails or the caller stops."""
     pool = ThreadPoolExecutor(workers, thread_name_prefix="run")
     futures = [pool.submit(work, part) for part in parts]
     try:
@@ -213,24 +200,10 @@ def many_runs(
     journal: Sequence[JournalEntry] = (),
     most_bins: int = MOST_BINS,
 ) -> dict[str, Any]:
-    """Train with consecutive seeds, beginning with that of `recipe`.
+    """Train with consecutive seeds and return the document of `train --runs --json`.
 
-    Args:
-        recipe: Start of the first run.
-        runs: Number of runs.
-        goal: End of the training.
-        csv: Path or stream for one row per episode, in the order of runs.
-        on_progress: Called from several threads, one at a time.
-        workers: Number of threads, or None for all cores.
-        on_compiling: Called before a wait for machine code.
-        journal: Changes made in each run; edits apply to the world of its own seed.
-        most_bins: Most bins of the mean curve.
-
-    Returns:
-        The document of `train --runs --json`.
-
-    Raises:
-        UserError: A run broke down, or a change does not fit.
+    `csv` receives one row per episode, in the order of runs. `on_progress` is called from several threads,
+    one at a time. Edits of `journal` apply to the world of each seed. Raises UserError.
     """
     seeded = SeededRuns(recipe, journal)
     seeded.get_machine_code(runs, goal, on_compiling)
@@ -246,9 +219,7 @@ def figures_of_runs(
     workers: int | None = None,
     most_bins: int = MOST_BINS,
 ) -> dict[str, Any]:
-    """Train `runs` of `seeded` and return the document without its head. Other arguments as for
-    `many_runs`.
-    """
+    """Train `runs` of `seeded` and return the document without its head."""
     seeds, crew = range(seeded.first_seed, seeded.first_seed + runs), workers or cores()
     curves = Curves(0 if seeded.plans else goal.episodes or 0, most_bins)
     wanted = runs * (goal.steps or goal.episodes or 0)

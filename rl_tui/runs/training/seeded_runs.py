@@ -47,13 +47,13 @@ def no_progress(done: int, wanted: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """The end of training: a number of steps or of episodes in all."""
+    """The end of training: steps or episodes in all."""
 
     steps: int | None = None
     episodes: int | None = None
 
     def reached_by(self, run: Run) -> tuple[int, int]:
-        """Return how much of the goal `run` has reached, and the whole."""
+        """Return how much of the goal is reached, and the whole."""
         if self.steps is not None:
             return run.step, self.steps
         return run.learner.episodes, self.episodes or 0
@@ -62,19 +62,9 @@ class Goal:
 def train(
     run: Run, goal: Goal, on_progress: OnProgress = no_progress, journal: Sequence[JournalEntry] = ()
 ) -> float:
-    """Train `run` until `goal`, or until it is over.
+    """Train `run` until `goal` and return the seconds without compilation.
 
-    Args:
-        run: Run to advance.
-        goal: End of the training.
-        on_progress: Called with (done, wanted).
-        journal: Changes with ascending steps. Those beyond the goal are ignored.
-
-    Returns:
-        Seconds of training without compilation.
-
-    Raises:
-        UserError: The run broke down, or a change does not fit.
+    Changes in `journal` beyond the goal are ignored. `on_progress` gets (done, wanted). Raises UserError.
     """
     start = time.perf_counter()
     patience = Patience()
@@ -101,7 +91,6 @@ def train(
 
 @contextmanager
 def _naming_the_entry(run: Run, journal: Sequence[JournalEntry]) -> Iterator[None]:
-    """Prefix errors with the step and text of the journal entry."""
     try:
         yield
     except UserError as fault:
@@ -117,13 +106,9 @@ MOST_BINS: Final = 200
 
 
 class CurvePoints(NamedTuple):
-    """The learning curve of a run in B bins.
+    """The learning curve of a run in B bins, `[B]`.
 
-    Attributes:
-        last_episode: Last episode of each bin, `[B]`.
-        returns: Mean undiscounted return, `[B]`.
-        lengths: Mean length in steps, `[B]`.
-        optimal: Share of optimal actions, `[B]`.
+    `returns` (undiscounted) and `lengths` are means, `optimal` is the share of optimal actions.
     """
 
     last_episode: IntArray
@@ -133,14 +118,12 @@ class CurvePoints(NamedTuple):
 
 
 def width_of_bins(episodes: int, most_bins: int = MOST_BINS) -> int:
-    """Return the number of episodes in each of at most `most_bins` bins."""
+    """Return the episodes in each of at most `most_bins` bins."""
     return math.ceil(episodes / most_bins)
 
 
 class RunCurve:
-    """Collects the learning curve over the first `episodes` episodes (at least one). Call it with finished
-    episodes.
-    """
+    """Collects the learning curve over the first `episodes` episodes."""
 
     def __init__(self, episodes: int, most_bins: int = MOST_BINS) -> None:
         self.episodes = episodes
@@ -151,7 +134,7 @@ class RunCurve:
         self._done = 0
 
     def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
-        """Add the next episodes, `[n]` each. Those beyond the end are ignored."""
+        """Add the next episodes, `[n]` each, up to the end."""
         part = slice(0, self.episodes - self._done)
         fastest(collect)(self.sums, self.width, self._done, returns[part], lengths[part], optimal[part])
         self._done = min(self.episodes, self._done + len(returns))
@@ -166,11 +149,9 @@ class RunCurve:
 def curve_of_run(
     run: Run, curve: RunCurve | None, on_progress: OnProgress = no_progress
 ) -> dict[str, list[Any]]:
-    """Return the learning curve of a finished `run`. Without a `curve` that listened, the width of its
-    bins was unknown before, so the same episodes are trained again. Planners have no curve.
+    """Return the learning curve of a finished `run`, empty for a planner.
 
-    Raises:
-        UserError: The run broke down.
+    Without a `curve` that listened, the same episodes are trained again. Raises UserError.
     """
     bandit, episodes = isinstance(run.world.drawing, Arms), run.learner.episodes
     if run.learner.plans or episodes == 0:
@@ -183,9 +164,7 @@ def curve_of_run(
 
 
 def mean_curve(curves: Sequence[CurvePoints], bandit: bool) -> dict[str, list[Any]]:
-    """Average `curves` with equal bins, as `train --runs --json` prints it. Standard errors are over runs,
-    or None for a single run.
-    """
+    """Average `curves` with equal bins, with standard errors over several runs."""
     last_episodes, *parts = zip(*curves, strict=True)
     returns, lengths, optimal = map(np.array, parts)
     curve: dict[str, list[Any]] = {
@@ -202,7 +181,6 @@ def mean_curve(curves: Sequence[CurvePoints], bandit: bool) -> dict[str, list[An
 
 
 def _standard_errors(values: FloatArray) -> list[float] | list[None]:
-    """Return the standard error over runs in each bin of `values`, `[runs, bins]`."""
     runs, bins = values.shape
     if runs == 1:
         return [None] * bins
@@ -223,17 +201,9 @@ def no_compiling() -> None:
 
 
 class SeededRuns:
-    """Trains `recipe` under different seeds, also from several threads. Runs share the world (unless it
-    depends on the seed) and its solution.
+    """Trains `recipe` under different seeds, also from several threads.
 
-    Args:
-        recipe: Start of the first run.
-        journal: Changes made in each run.
-        known: World of the recipe, if already built.
-        solve: Solves a world for a γ.
-
-    Raises:
-        UserError: The world cannot be built.
+    Runs share the world (unless it depends on the seed) and its solution. Raises UserError.
     """
 
     def __init__(
@@ -245,11 +215,9 @@ class SeededRuns:
     ) -> None:
         self._solve = solve
         self.recipe = recipe
-        """Recipe of the first run."""
         self.first = Run(recipe, begin(recipe, known), evaluate=False)
         """The first run, untrained."""
         self.first_seed = recipe.seed
-        """Seed of the first run."""
         self.is_bandit = isinstance(self.first.world.drawing, Arms)
         """True if the world is a bandit."""
         self.plans = self.first.learner.plans
@@ -257,7 +225,6 @@ class SeededRuns:
         self.figures: tuple[str, ...] = (*FIGURES, *BANDIT_FIGURES) if self.is_bandit else FIGURES
         """Names of the numbers in a row."""
         self.journal = journal
-        """Changes made in each run."""
         self.shared = None if recipe.scenario.section.drawn_from_seed else self.first.edited
         """The shared world, or None if each run has its own."""
         self._edited = [] if self.shared is None else self._worlds_after(self.shared)
@@ -267,7 +234,6 @@ class SeededRuns:
         self._solving = threading.Lock()
 
     def _worlds_after(self, first: EditedWorld) -> list[EditedWorld]:
-        """Build the edited worlds once for all runs."""
         worlds = [first]
         with suppress(UserError):  # the run that reaches an impossible change reports it
             for entry in self.journal:
@@ -277,9 +243,7 @@ class SeededRuns:
 
     @property
     def batched_loop(self) -> Loop | None:
-        """The loop for batches. None for planners, with a journal, and for maps drawn from the seed,
-        because a batch needs worlds of one shape.
-        """
+        """The loop for batches, or None for planners, with a journal, and for maps drawn from the seed."""
         learner, mdp = self.first.learner, self.first.world.mdp
         have_one_shape = self.shared is not None or self.is_bandit
         if mdp is None or learner.plans or self.journal or not have_one_shape:
@@ -287,16 +251,9 @@ class SeededRuns:
         return learner.loop._replace(batching=batching_of(mdp, is_shared=self.shared is not None))
 
     def get_machine_code(self, runs: int, goal: Goal, on_compiling: Callable[[], None]) -> None:
-        """Compile the loops if that pays.
-
-        Args:
-            runs: Number of runs.
-            goal: End of the training.
-            on_compiling: Called before the wait.
-        """
-        # Interpreted runs share one core. A simulated environment is not timed: a step may have side
-        # effects, and most
-        # of the time is its own
+        """Compile the loops if that pays, after `on_compiling`."""
+        # Interpreted runs share one core. A simulated environment is not timed: a step may have
+        # side effects, and most of the time is its own
         learner = self.first.learner
         if learner.rewindable:
             wanted, by_episodes = goal.steps or goal.episodes or 0, goal.steps is None
@@ -308,23 +265,21 @@ class SeededRuns:
                 BACKGROUND.get(self.batched_loop)
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> Run:
-        """Return a fresh run of `seed`; `on_episodes` receive its episodes."""
+        """Return a fresh run of `seed`."""
         recipe = replace(self.recipe, seed=seed)
         beginning = begin(recipe, None if self.shared is None else self.shared.world)
         on_each = each_of(*on_episodes)
         return Run(recipe, beginning, edited=self.shared, evaluate=False, on_episodes=on_each)
 
     def train(self, run: Run, goal: Goal, on_progress: OnProgress) -> None:
-        """Advance `run` to `goal`. Raises UserError, naming the seed, if it breaks down."""
+        """Advance `run` to `goal`. Raises UserError, naming the seed."""
         try:
             train(run, goal, on_progress, self.journal)
         except UserError as error:
             raise UserError(f"seed {run.recipe.seed}: {error}") from error
 
     def row(self, run: Run, check: Callable[[], None] = no_compiling) -> dict[str, Any]:
-        """Return seed and numbers of `run`, as in `train --runs --json`. `check` is called between slow
-        parts and may raise to stop.
-        """
+        """Return the row of `run` in `train --runs --json`. `check` may raise to stop."""
         check()
         changes = len(run.world_changes)
         optimum = self.optimum(exact_world(run), run.learner.hyperparameters.gamma, changes)
@@ -333,9 +288,7 @@ class SeededRuns:
         return row_of(run.recipe.seed, measured, self.digest(run.world, changes))
 
     def optimum(self, mdp: TabularMDP | None, gamma: float, changes: int = 0) -> Solution | None:
-        """Solve `mdp`, the world after this number of `changes`, or None if impossible. Shared worlds are
-        solved once.
-        """
+        """Solve `mdp` after `changes` edits, or None. A shared world is solved once."""
         # in a drifting world each run has other means, and so another solution
         if self.shared is None or (mdp is not None and mdp.drift_std > 0.0):
             return optimum_of(mdp, gamma)
@@ -346,7 +299,7 @@ class SeededRuns:
             return self._optima[key]
 
     def digest(self, world: World, changes: int = 0) -> str | None:
-        """Return the digest of `world` after this number of `changes`, or None without a table."""
+        """Return the digest of `world` after `changes` edits, or None."""
         if self.shared is None:
             return world_digest(world)
         with self._solving:

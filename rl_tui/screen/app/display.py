@@ -1,4 +1,4 @@
-"""Options of the display that a user can choose at the start."""
+"""Options of the display at the start."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ Colours = Literal["auto", "none", "16", "256", "truecolor"]
 class Display:
     """Options of the display.
 
-    ``panels`` are the ids of the first panels of a playground. With "few" others follow one by one. None
-    leaves it to the scenario.
+    ``panels``: ids of the first panels. With "few" others follow one by one, None leaves it to the scenario.
     """
 
     theme: str = "dark"
@@ -29,5 +28,5 @@ class Display:
 
     @property
     def ticks(self) -> float:
-        """Frames per second of a moving picture, 0 for none."""
+        """Frames per second, 0 for none."""
         return 0.0 if self.reduced_motion or self.fps < _LEAST_FPS else min(self.fps, _TICKS)

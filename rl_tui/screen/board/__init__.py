@@ -1,1 +1,1 @@
-"""The board of the playground and its link to the player."""
+"""The board and its link to the player."""

@@ -1,4 +1,4 @@
-"""The panels of two runs side by side."""
+"""Two runs side by side."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rl_tui.screen.theme.look import Look
 
 
 class LanePair:
-    """The widgets of twofold rows: ``panels`` of the board at the left, ``twins`` at the right.
+    """The widgets of twofold rows: ``panels`` at the left, ``twins`` at the right.
 
     The left run has the lower number, but the right one may be controlled (``leads_right``).
     """
@@ -47,20 +47,20 @@ class LanePair:
                 self.twins[row.id] = twin
 
     def led(self, panel: str) -> str:
-        """Return the id of the widget of the row ``panel`` with the controlled run."""
+        """Return the row's widget with the controlled run."""
         return beside(panel) if self.leads_right and panel in self.twins else panel
 
     def row_of(self, panel: str) -> str | None:
-        """Return the id of the twofold row of the widget ``panel``, or None."""
+        """Return the widget's twofold row."""
         return next((row for row in self.twins if panel in (row, beside(row))), None)
 
     @property
     def panels(self) -> list[BoardPanel]:
-        """The panels that show one of the two runs."""
+        """The panels of one of the two runs."""
         return [each for row, twin in self.twins.items() for each in (self._panels[row], twin)]
 
     def take_lead(self, snapshot: Snapshot, *, is_shown: bool) -> bool:
-        """Update the controlled run. Return True if anything has changed."""
+        """Update the controlled run, and return whether anything changed."""
         group, before = snapshot.run_group, (self.is_shown, self.leads_right)
         self.is_shown = is_shown
         self.leads_right = is_shown and group.beside is not None and group.beside < group.shown
@@ -70,7 +70,7 @@ class LanePair:
         return before != (self.is_shown, self.leads_right)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw both runs. The controlled one decides which part is in view."""
+        """Draw both. The controlled one decides which part is in view."""
         left, right = sides(snapshot)
         differences = greedy_differences(left, right)
         at_left = [self._panels[row] for row in self.twins]
@@ -88,7 +88,7 @@ class LanePair:
             _align(first, second)
 
     def follow_focus(self) -> None:
-        """Leave the border of the focused world to its keys."""
+        """Leave the focused world's border to its keys."""
         self._place_note()
         for panel in (self._panels[WORLD], *self.twins.values()):
             if self.is_shown and isinstance(panel, WorldView):
@@ -102,7 +102,7 @@ class LanePair:
                 view.note = self._note if view.has_note else ()
 
     def align(self, panel: object) -> None:
-        """Align the other run's panel with ``panel`` if both are in view."""
+        """Align the other run's panel if both are in view."""
         for row, twin in self.twins.items():
             left = self._panels[row]
             if self.is_shown and panel in (left, twin):

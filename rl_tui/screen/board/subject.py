@@ -1,4 +1,4 @@
-"""Common base of the objects behind the keys: screen, panels and player."""
+"""The base of what keys do."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Answer = TypeVar("Answer")
 
 @dataclass(eq=False)
 class Subject:
-    """One subject of actions, named by a row of the registry."""
+    """A subject of actions, named by the registry."""
 
     screen: ActionScreen
     board: Board
@@ -40,11 +40,11 @@ class Subject:
         return ""
 
     def value(self, deed: str) -> str:
-        """Return the current value that ``deed`` changes, for a menu."""
+        """Return the value that ``deed`` changes."""
         return ""
 
     def ask(self, dialog: Dialog[Answer], answered: Callable[[Answer], None]) -> None:
-        """Open ``dialog``, beside a lesson's page; ``answered`` gets the answer unless it is cancelled."""
+        """Open ``dialog``, beside a lesson's page; ``answered`` gets an answer."""
 
         def close(answer: Answer | None) -> None:
             if answer is not None:

@@ -1,1 +1,1 @@
-"""The start screen with scenarios and saved sessions, and the list of lessons."""
+"""The start screen and the lesson list."""

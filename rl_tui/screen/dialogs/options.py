@@ -1,4 +1,4 @@
-"""The list of all settings of the agent, with their values and meanings."""
+"""All settings of the agent."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _MEANINGS: Final[Mapping[str, str]] = {
 
 
 class SettingChoice(Form):
-    """The settings ``names``, sliders first, schedules folded. The answer is the chosen name."""
+    """The settings ``names``, schedules folded. The answer is a name."""
 
     def __init__(
         self,
@@ -86,7 +86,7 @@ class SettingChoice(Form):
 
 
 class Options(SettingChoice):
-    """All settings that count for the current algorithm and policy."""
+    """The settings that count for algorithm and policy."""
 
     def __init__(self, look: Look, recipe: Callable[[], Recipe], change: Callable[[str], None]) -> None:
         def names() -> Sequence[str]:
@@ -97,11 +97,11 @@ class Options(SettingChoice):
         super().__init__("All settings", names, recipe, look.glyphs)
 
     def on_screen_resume(self) -> None:
-        """Show the current values, which may have changed."""
+        """Show values, which may have changed."""
         self.set_rows(self._rows())
 
     def chosen(self, name: str) -> None:
-        """Ask for another value, and leave the list open."""
+        """Ask for another value, without closing."""
         self._change(name)
 
 
@@ -122,7 +122,7 @@ def _row(name: str, recipe: Recipe, *, another_run: bool) -> Candidate:
 
 
 def in_force(name: str, values: Hyperparameters) -> tuple[str, str]:
-    """Return the current value of the parameter ``name``, and its meaning."""
+    """Return a parameter's value and its meaning."""
     for names, moves in ((_STEP_SIZE, alpha_moves(values)), (_EXPLORATION, epsilon_moves(values))):
         if name in names:
             return _scheduled(name, names, values, moves)

@@ -1,1 +1,1 @@
-"""Drawing tools for all panels: cells, numbers, axes, dots."""
+"""Drawing tools for all panels."""

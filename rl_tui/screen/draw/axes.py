@@ -1,4 +1,4 @@
-"""The axes of a chart, and rows for the labels beside its lines."""
+"""The axes of a chart."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ _GAP: Final = 2  # columns between two labels below
 
 
 def value_axis_columns(scale: Scale, look: Look) -> int:
-    """Return the columns of the vertical axis with its labels."""
+    """Return the columns of the vertical axis."""
     return 1 + max(_LEAST_LABEL, *(len(tick_label(each, scale.step, look.glyphs)) for each in scale.ticks))
 
 
 def draw_value_axis(canvas: Canvas, plot: Plot, look: Look) -> None:
-    """Draw the vertical axis, with inner labels only if all are evenly spaced."""
+    """Draw the vertical axis, with inner labels if evenly spaced."""
     glyphs, style = look.glyphs, look.palette.dim
     axis = plot.left - 1
     for row in range(plot.rows):
@@ -47,7 +47,7 @@ def _labelled(plot: Plot) -> list[float]:
 def draw_count_axis(
     canvas: Canvas, plot: Plot, last: float, most: int, unit: str, look: Look, step: float | None = None
 ) -> None:
-    """Draw the horizontal axis with ``unit`` and up to ``most`` labels, or one per ``step``."""
+    """Draw the horizontal axis with up to ``most`` labels, or one per ``step``."""
     glyphs, style = look.glyphs, look.palette.dim
     canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
     place = min(plot.left + plot.columns, canvas.width - len(unit))

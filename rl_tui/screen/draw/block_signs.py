@@ -40,7 +40,7 @@ _SHAFT: Final = 0.32
 
 @lru_cache(1_024)
 def block_sign(name: SignName, columns: int, rows: int, direction: Direction = (0, 0)) -> tuple[str, ...]:
-    """Return the ``rows`` of a sign. An arrow has a ``direction``."""
+    """Return a sign's rows. Arrows have a ``direction``."""
     inside = _shape(name, direction, rows)
     unit = min(columns / 2, rows)
     points = [(point + 0.5) / (2 * _POINTS) for point in range(2 * _POINTS)]
@@ -62,7 +62,7 @@ def block_sign(name: SignName, columns: int, rows: int, direction: Direction = (
 
 @lru_cache(1_024)
 def block_number(text: str) -> tuple[str, ...]:
-    """Return a number in three rows of half blocks, or none if impossible."""
+    """Write a number in three rows, if possible."""
     head, point, tail = text.partition(".")
     if point and head.lstrip("−") == "0":
         text = f"{head[:-1]}.{tail}"
@@ -80,13 +80,13 @@ def block_number(text: str) -> tuple[str, ...]:
 
 
 def block_numbers(texts: Iterable[str], width: int) -> dict[str, tuple[str, ...]]:
-    """Return the rows of each number in blocks, or none if one does not fit."""
+    """Write all numbers in blocks, or none."""
     found = {text: block_number(text) for text in texts}
     return found if all(0 < len("".join(rows[:1])) <= width for rows in found.values()) else {}
 
 
 def sign_size(width: int, height: int) -> tuple[int, int]:
-    """Return columns and rows of an arrow in a cell at least 3 rows high."""
+    """Return an arrow's columns and rows."""
     rows = 2 if height == 3 else 3 if height <= 6 else round(0.6 * height)
     rows = min(rows, (width - 3) // 2)
     return 2 * rows, rows

@@ -19,7 +19,7 @@ _BITS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]]
 
 
 class Steps(NamedTuple):
-    """A function between ``low`` and ``high`` on each of N intervals, [N] each. NaN is a gap."""
+    """A function between ``low`` and ``high`` on N intervals, [N] each. NaN is a gap."""
 
     start: FloatArray
     end: FloatArray
@@ -38,7 +38,7 @@ class Span(NamedTuple):
 
 
 def decimated(steps: Steps, right: float, columns: int) -> tuple[FloatArray, FloatArray]:
-    """Return the least and the largest value in each of ``columns`` parts of 0 .. ``right``.
+    """Return the least and largest value in each of ``columns`` parts of 0 .. ``right``.
 
     Returns:
         Two arrays [columns], with +∞ and −∞ in a part without values.
@@ -63,7 +63,7 @@ def _padded(values: FloatArray, filling: float) -> FloatArray:
 
 
 def span(low: FloatArray, high: FloatArray, bottom: float, top: float, dots: int) -> Span:
-    """Return the dot rows of ``low`` to ``high``, [C] each, in ``dots`` rows from ``top`` down."""
+    """Return the dot rows of ``low`` to ``high``, [C] each, from ``top`` down."""
     scale = (dots - 1) / (top - bottom)
     empty = low > high
     with np.errstate(invalid="ignore"):
@@ -75,7 +75,7 @@ def span(low: FloatArray, high: FloatArray, bottom: float, top: float, dots: int
 
 
 def joined(line: Span) -> Span:
-    """Return ``line`` with each column extended to meet the one before it."""
+    """Extend each column to the one before it."""
     top, bottom = line.top.copy(), line.bottom.copy()
     both = (line.top[1:] <= line.bottom[1:]) & (line.top[:-1] <= line.bottom[:-1])
     falls = both & (line.top[1:] > line.bottom[:-1] + 1)
@@ -92,7 +92,7 @@ def dots_of(line: Span, dots: int) -> BoolArray:
 
 
 def braille_codes(dots: BoolArray) -> IntArray:
-    """Return the code points of the characters for ``dots``, [rows / 4, columns / 2]."""
+    """Return the code points, [rows / 4, columns / 2]."""
     codes = np.zeros((dots.shape[0] // DOTS_DOWN, dots.shape[1] // DOTS_ACROSS), dtype=np.uint8)
     for row in range(DOTS_DOWN):
         for column in range(DOTS_ACROSS):
@@ -101,9 +101,9 @@ def braille_codes(dots: BoolArray) -> IntArray:
 
 
 def in_turns(there: BoolArray) -> IntArray:
-    """Return which line each cell shows, −1 for none; lines that share cells take turns.
+    """Return which line each cell shows, −1 for none. ``there`` is [lines, rows, columns].
 
-    ``there`` is [lines, rows, columns].
+    Lines that share cells take turns.
     """
     among = np.cumsum(there, axis=0)
     count = among[-1]

@@ -1,4 +1,4 @@
-"""Drawing in character cells: a canvas, and styled lines fitted to a width."""
+"""A canvas of character cells, and styled lines."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rl_tui.screen.theme.look import Look
 
 
 class Canvas:
-    """Width × height cells, blank at first. Everything outside is clipped."""
+    """Width × height cells. Everything outside is clipped."""
 
     def __init__(self, width: int, height: int, style: Style) -> None:
         self.width = width
@@ -28,7 +28,7 @@ class Canvas:
         self._styles = [[style] * width for _ in range(height)]
 
     def put(self, x: int, y: int, text: str, style: Style) -> None:
-        """Write ``text`` with its first cell at column ``x`` of row ``y``."""
+        """Write ``text`` from column ``x`` on."""
         if not 0 <= y < self.height:
             return
         cells = list(text) if cell_len(text) == len(text) else _cells(text)
@@ -43,35 +43,35 @@ class Canvas:
         self._styles[y][x : x + len(cells)] = [style] * len(cells)
 
     def put_cells(self, x: int, y: int, characters: str, styles: Sequence[Style]) -> None:
-        """Write ``characters`` of one cell each, each in its own style."""
+        """Write one-cell ``characters``, each in its own style."""
         if inside := self._inside(x, y, len(characters)):
             there, part = slice(inside.start, inside.stop), slice(inside.start - x, inside.stop - x)
             self._characters[y][there], self._styles[y][there] = characters[part], styles[part]
 
     def is_blank(self, x: int, y: int, length: int) -> bool:
-        """Return True if these cells of row ``y`` are inside and blank."""
+        """Return whether cells are inside and blank."""
         return (
             len(self._inside(x, y, length)) == length
             and self._characters[y][x : x + length] == [" "] * length
         )
 
     def at(self, x: int, y: int) -> str:
-        """Return the character at column ``x`` of row ``y``, both inside."""
+        """Return the character here, which must be inside."""
         return self._characters[y][x]
 
     def put_over(self, x: int, y: int, text: str, style: Style) -> None:
-        """Write ``text``, one cell per character, and add ``style`` to the cells' styles."""
+        """Write one-cell characters, and add ``style`` to the cells' styles."""
         for place in self._inside(x, y, len(text)):
             self.put(place, y, text[place - x], self._styles[y][place] + style)
 
     def put_where_blank(self, x: int, y: int, text: str, style: Style) -> None:
-        """Write the characters of ``text``, one cell each, but only over blanks."""
+        """Write one-cell characters, but only over blanks."""
         for place in self._inside(x, y, len(text)):
             if self._characters[y][place] == " ":
                 self._characters[y][place], self._styles[y][place] = text[place - x], style
 
     def restyle(self, x: int, y: int, length: int, style: Style) -> None:
-        """Add ``style`` to ``length`` cells of row ``y`` from column ``x`` on."""
+        """Add ``style`` to ``length`` cells."""
         for place in self._inside(x, y, length):
             self._styles[y][place] += style
 
@@ -79,7 +79,7 @@ class Canvas:
         return range(max(0, x), min(x + length, self.width) if 0 <= y < self.height else max(0, x))
 
     def strips(self) -> list[Strip]:
-        """Return the rows as strips, with a segment per style."""
+        """Return the rows, a segment per style."""
         strips = []
         for characters, styles in zip(self._characters, self._styles, strict=True):
             segments, x = [], 0
@@ -106,7 +106,7 @@ Drawn = list[list[Segment]]  # rows of a piece of a picture
 
 
 def strips_of_row(cells: Sequence[Drawn], width: int, style: Style) -> tuple[Strip, ...]:
-    """Return the strips of ``width`` characters for a row of ``cells``."""
+    """Join the strips of a row."""
     strips = []
     for lines in zip(*cells, strict=True):
         inside = list(chain.from_iterable(lines))
@@ -124,7 +124,7 @@ def _joined(segments: Iterable[Segment]) -> Iterator[Segment]:
 
 
 def shortened(text: str, width: int, ellipsis: str) -> str:
-    """Return ``text``, shortened by ``ellipsis`` to ``width`` cells."""
+    """Cut ``text`` with an ``ellipsis``."""
     if cell_len(text) <= width:
         return text
     room = width - cell_len(ellipsis)
@@ -134,7 +134,7 @@ def shortened(text: str, width: int, ellipsis: str) -> str:
 
 
 def centred(text: str, width: int) -> str:
-    """Return ``text`` centred in ``width`` cells, rather left than right."""
+    """Centre ``text``, rather left than right."""
     before = max(0, width - len(text)) // 2
     return (" " * before + text).ljust(width)
 
@@ -146,13 +146,13 @@ KEPT_BLANK: Final = "\x1f"  # a blank in texts to be wrapped at which no line en
 
 
 def kept(text: str) -> str:
-    """Return ``text`` so that :func:`wrapped` keeps it on one line."""
+    """Keep ``text`` on one line in :func:`wrapped`."""
     return text.replace(" ", KEPT_BLANK)
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A text that is shown whole or not at all."""
+    """A text that is shown whole or not."""
 
     text: str
     style: Style
@@ -162,19 +162,19 @@ Line = Sequence[Piece]
 
 
 def spelled(line: Line, look: Look) -> list[Piece]:
-    """Return ``line`` in the characters that the terminal has."""
+    """Write ``line`` in the terminal's characters."""
     if look.glyphs.name != "ascii":
         return list(line)
     return [Piece(to_ascii(piece.text, look.glyphs), piece.style) for piece in line]
 
 
 def length(line: Line) -> int:
-    """Return the number of cells of ``line``."""
+    """Measure ``line`` in cells."""
     return sum(cell_len(piece.text) for piece in line)
 
 
 def fitted(line: Line, width: int, look: Look) -> list[Piece]:
-    """Return the leading pieces of ``line`` that fit into ``width`` cells."""
+    """Return the leading pieces that fit."""
     kept: list[Piece] = []
     room = width
     for piece in spelled(line, look):
@@ -188,7 +188,7 @@ def fitted(line: Line, width: int, look: Look) -> list[Piece]:
 
 
 def first_that_fits(forms: Iterable[Line], width: int, look: Look) -> Line:
-    """Return the first of ``forms`` (longest first) that fits, else the last."""
+    """Return the first fitting form, else the last."""
     form: Line = ()
     for form in forms:
         if length(spelled(form, look)) <= width:
@@ -197,7 +197,7 @@ def first_that_fits(forms: Iterable[Line], width: int, look: Look) -> Line:
 
 
 def strips_of(lines: Sequence[Line], width: int, height: int, look: Look) -> list[Strip]:
-    """Return the first ``height`` of ``lines`` as strips, padded with blank ones."""
+    """Return ``height`` lines, padded with blank ones."""
     canvas = Canvas(width, height, look.palette.text)
     for y, line in enumerate(lines[:height]):
         x = 0
@@ -210,7 +210,7 @@ def strips_of(lines: Sequence[Line], width: int, height: int, look: Look) -> lis
 def wrapped(
     text: str, width: int, style: Style, look: Look, first: str = "", rest: str = ""
 ) -> list[list[Piece]]:
-    """Return ``text`` as lines of at most ``width`` cells, after ``first`` or ``rest``."""
+    """Wrap ``text`` after ``first`` or ``rest``."""
     lines: list[str] = []
     current = first
     is_begun = False

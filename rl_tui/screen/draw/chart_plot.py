@@ -1,4 +1,4 @@
-"""Conversion of values and episodes to the cells and dots of a chart."""
+"""Values and episodes as cells and dots."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class Plot(NamedTuple):
-    """The area of the curves: first column, size in cells, and episodes 0 .. ``right``."""
+    """The area of the curves: first column, cells, and episodes 0 .. ``right``."""
 
     left: int
     columns: int
@@ -24,27 +24,27 @@ class Plot(NamedTuple):
 
     @property
     def top(self) -> float:
-        """The value of the uppermost dot."""
+        """The uppermost dot's value."""
         above = braille.DOTS_DOWN - 1 if self.rows > 1 else 0
         per_dot = (self.scale.high - self.scale.low) / (self.rows * braille.DOTS_DOWN - 1 - above)
         return self.scale.high + above * per_dot
 
     def column(self, episode: float) -> int:
-        """Return the column of an episode, from 0."""
+        """Return an episode's column, from 0."""
         return int(episode / self.right * self.columns)
 
     def ends_of_columns(self, finished: float) -> FloatArray:
-        """Return the last episode of each column, [columns], NaN after ``finished``."""
+        """Return each column's last episode, [columns], NaN after ``finished``."""
         edges = np.arange(self.columns + 1) * (self.right / self.columns)
         ends = np.clip(np.ceil(edges[1:] - 1e-9), 1.0, max(1.0, finished))
         return np.where(edges[:-1] < finished, ends, np.nan)
 
     def row(self, value: float) -> int:
-        """Return the row of ``value``, within the chart."""
+        """Return the row, within the chart."""
         return self._dot(value) // braille.DOTS_DOWN
 
     def level_code(self, value: float) -> int:
-        """Return the code point of a level line through the cells of ``value``."""
+        """Return a level line's code point."""
         return braille.LEVELS[self._dot(value) % braille.DOTS_DOWN]
 
     def _dot(self, value: float) -> int:
@@ -53,24 +53,24 @@ class Plot(NamedTuple):
         return min(max(dot, 0), last)
 
     def braille_line(self, line: Steps) -> IntArray:
-        """Return the code points of ``line``, [rows, columns]."""
+        """Return the code points, [rows, columns]."""
         columns, rows = self.columns * braille.DOTS_ACROSS, self.rows * braille.DOTS_DOWN
         return braille.braille_codes(self.line_dots(line, columns, rows))
 
     def halves(self, line: Steps) -> IntArray:
-        """Return the halves of cells that ``line`` takes, [rows, columns]: 1 upper, 2 lower, 3 both."""
+        """Return the halves of cells in ``line``, [rows, columns]: 1 upper, 2 lower, 3 both."""
         halves = self.line_dots(line, self.columns, 2 * self.rows).astype(np.int64)
         return halves[::2] + 2 * halves[1::2]
 
     def below(self, line: Steps) -> BoolArray:
-        """Return True for each column, [columns], in which ``line`` goes below the axis."""
+        """Return which columns, [columns], go below the axis."""
         if not (line.low < self.scale.low).any():
             return np.zeros(self.columns, dtype=np.bool_)
         rows = self.rows * braille.DOTS_DOWN
         return np.asarray(self._span(line, self.columns, rows).bottom >= rows)
 
     def has_gap(self, line: Steps) -> bool:
-        """Return True if ``line`` has a gap between its start and its end."""
+        """Return whether ``line`` has an inner gap."""
         if not len(line.end):
             return False
         low, high = braille.decimated(line, self.right, self.columns)
@@ -78,11 +78,11 @@ class Plot(NamedTuple):
         return bool((low > high)[self.column(float(line.start[0])) : behind].any())
 
     def line_dots(self, line: Steps, columns: int, rows: int) -> BoolArray:
-        """Return the dots of ``line`` on columns × rows dots, as [rows, columns]."""
+        """Return the dots of ``line``, [rows, columns] of dots."""
         return braille.dots_of(braille.joined(self._span(line, columns, rows)), rows)
 
     def filled_dots(self, band: Steps, columns: int, rows: int) -> BoolArray:
-        """Return the dots between the bounds of ``band``, as [rows, columns]."""
+        """Return the dots inside ``band``, [rows, columns] of dots."""
         return braille.dots_of(self._span(band, columns, rows), rows)
 
     def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:

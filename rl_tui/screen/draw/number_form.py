@@ -1,6 +1,6 @@
 """One form for all numbers of a panel, with as many decimals as fit most of them.
 
-Larger numbers get fewer decimals. A small one that would round to zero is ``<.01`` or ``0⁺``.
+Larger numbers get fewer decimals. Small ones become ``<.01`` or ``0⁺`` instead of zero.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Values = Sequence[float] | FloatArray
 
 
 class NumberForm(NamedTuple):
-    """How a panel writes its numbers, in at most ``width`` cells each."""
+    """How a panel writes its numbers."""
 
     width: int
     decimals: int
@@ -36,11 +36,11 @@ class NumberForm(NamedTuple):
 
     @property
     def fineness(self) -> tuple[bool, int]:
-        """A key that compares forms: finer forms show smaller numbers."""
+        """A key: finer forms show smaller numbers."""
         return self.has_exponent, self.decimals
 
     def text(self, x: float, glyphs: Glyphs = UNICODE) -> str:
-        """Return ``x`` in this form, or in the longest form that fits."""
+        """Write ``x`` in this form, or the longest that fits."""
         if not math.isfinite(x):
             return numbers.value(x, self.width, glyphs)
         if abs(x) < numbers.NEGLIGIBLE:
@@ -54,7 +54,7 @@ class NumberForm(NamedTuple):
         return text if len(text) <= self.width else numbers.value(x, self.width, glyphs, self.decimals)
 
     def written(self, x: float, glyphs: Glyphs) -> str:
-        """Return a finite ``x`` rounded to these decimals, of any length."""
+        """Round a finite ``x``, of any length."""
         if not self.has_exponent:
             return numbers.fixed(x, self.decimals, glyphs, self.leading_zero)
         if not x:
@@ -73,7 +73,7 @@ class NumberForm(NamedTuple):
 
     @property
     def shown_decimals(self) -> int:
-        """The decimals of fractions: at least one, even among whole numbers."""
+        """The decimals of fractions, at least one."""
         return max(1, self.decimals)
 
     def _tiny(self, x: float, glyphs: Glyphs) -> str:
@@ -84,17 +84,17 @@ class NumberForm(NamedTuple):
 
 
 class SteadyForms:
-    """The forms of a panel, kept steady so that columns do not jump."""
+    """Steady forms, so that columns do not jump."""
 
     def __init__(self) -> None:
         self._forms: dict[Hashable, NumberForm] = {}
 
     def clear(self) -> None:
-        """Forget all forms, because another run begins."""
+        """Forget all forms."""
         self._forms.clear()
 
     def form(self, key: Hashable, values: Values, width: int, most: int = numbers.DECIMALS) -> NumberForm:
-        """Return :func:`number_form`, or the earlier form under ``key`` if it still fits."""
+        """Return the earlier form under ``key`` if it still fits, else a new one."""
         form, before = number_form(values, width, most), self._forms.get(key)
         if before is not None and before.width == width:
             if form.fineness > before.fineness:
@@ -111,7 +111,7 @@ class SteadyForms:
 
 
 def number_form(values: Values, width: int, most: int = numbers.DECIMALS) -> NumberForm:
-    """Return the form for the finite ``values`` in ``width`` cells.
+    """Return the form for the finite ``values``.
 
     It has ``most`` decimals if they fit four of five numbers, more if all are below .01.
     """

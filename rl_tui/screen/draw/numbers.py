@@ -1,4 +1,4 @@
-"""Numbers for people, never wider than their space."""
+"""Numbers for people, never too wide."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SCALES: Final = ((1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"), (1e12, "T"))
 
 
 def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMALS) -> str:
-    """Return ``x`` in at most ``width`` cells, with the most decimals: ``.54``, ``−1.20``, ``1.2e6``."""
+    """Write the most decimals: ``.54``, ``−1.20``, ``1.2e6``."""
     if not math.isfinite(x):
         text = "nan" if math.isnan(x) else "inf" if x > 0 else f"{glyphs.minus}inf"
         return text if len(text) <= width else "#" * width
@@ -42,7 +42,7 @@ def missing(glyphs: Glyphs) -> str:
 
 
 def figure(x: float, width: int, glyphs: Glyphs = UNICODE) -> str:
-    """Return an exact metric in at most ``width`` cells (6 at least): ``.119``, ``13.00``, ``−1.3e5``."""
+    """Write an exact metric (≥ 6 cells): ``.119``, ``13.00``, ``−1.3e5``."""
     size = abs(x)
     decimals = next((each for each, end in _FIGURE_DECIMALS if round(size, each) < end), 0)
     text = fixed(x, decimals, glyphs, leading_zero=False) if decimals else whole(x, glyphs)
@@ -52,13 +52,13 @@ def figure(x: float, width: int, glyphs: Glyphs = UNICODE) -> str:
 
 
 def whole(x: float, glyphs: Glyphs = UNICODE) -> str:
-    """Return ``x`` without decimals, with commas from 10,000 on: ``−6146``, ``−65,375``."""
+    """Write no decimals, but commas from 10,000 on: ``−6146``, ``−65,375``."""
     text = fixed(x, 0, glyphs)
     return f"{x:,.0f}".replace("-", glyphs.minus) if abs(float(f"{x:.0f}")) >= _COMMA_FROM else text
 
 
 def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
-    """Return ``x`` with ``decimals`` decimals, as ``.54`` without ``leading_zero``, but never ``−0``."""
+    """Write ``x`` (``.54`` without ``leading_zero``), but never ``−0``."""
     text = f"{x:.{decimals}f}"
     if text.startswith("-"):
         text = f"{glyphs.minus}{text[1:]}" if has_digits(text) else text[1:]
@@ -66,7 +66,7 @@ def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool 
 
 
 def brief(x: float, glyphs: Glyphs = UNICODE, leading_zero: bool = False, decimals: int = 6) -> str:
-    """Return ``x`` with the fewest decimals, at most ``decimals``: ``−2``, ``.1``, ``.333333``."""
+    """Write the fewest decimals: ``−2``, ``.1``, ``.333333``."""
     if abs(x) >= 1e7 or 0.0 < abs(x) < 10.0**-decimals:
         return scientific(x, 2, glyphs)
     text = fixed(x, decimals, glyphs)
@@ -76,7 +76,7 @@ def brief(x: float, glyphs: Glyphs = UNICODE, leading_zero: bool = False, decima
 
 
 def scientific(x: float, decimals: int, glyphs: Glyphs = UNICODE) -> str:
-    """Return ``x`` with an exponent and at most ``decimals`` decimals: ``2.73e-5``, ``−3e11``."""
+    """Write an exponent: ``2.73e-5``, ``−3e11``."""
     mantissa, exponent = f"{x:.{decimals}e}".split("e")
     if "." in mantissa:
         mantissa = mantissa.rstrip("0").rstrip(".")
@@ -84,7 +84,7 @@ def scientific(x: float, decimals: int, glyphs: Glyphs = UNICODE) -> str:
 
 
 def count(n: int, width: int | None = None) -> str:
-    """Return ``n`` (0 or more) with commas, or short (``12.3k``) within ``width``."""
+    """Write ``n`` ≥ 0 with commas, or short: ``12.3k``."""
     text = f"{n:,}"
     if width is None or len(text) <= width:
         return text
@@ -93,17 +93,17 @@ def count(n: int, width: int | None = None) -> str:
 
 
 def rate(steps_per_second: float) -> str:
-    """Return a short speed: ``38 M/s``, ``950/s``."""
+    """Write a short speed: ``38 M/s``, ``950/s``."""
     return f"{_speed(steps_per_second, short=True)}/s"
 
 
 def long_rate(steps_per_second: float) -> str:
-    """Return a speed in words: ``37.4 M steps/s``, ``950 steps/s``."""
+    """Write ``37.4 M steps/s``, ``950 steps/s``."""
     return f"{_speed(steps_per_second, short=False)} steps/s"
 
 
 def percent(share: float) -> str:
-    """Return a share (0 to 1) in whole per cent, with 0 % and 100 % only if exact."""
+    """Write a share (0 to 1) in per cent, 0 % and 100 % only if exact."""
     whole = round(100.0 * share)
     if whole == 100 and share < 1.0:
         return ">99 %"
@@ -125,7 +125,6 @@ def _scaled(x: float, decimals: int, gap: str) -> str:
 
 
 def _in_short(x: float, glyphs: Glyphs) -> list[str]:
-    """Return forms of a large ``x``, the longest first, without ``−5e4`` beside ``−47k``."""
     exponents = _with_exponent(x, glyphs)
     longer = [form for form in exponents if "." in form or abs(x) >= _THOUSANDS_TO]
     shortest = exponents[-1]
@@ -151,5 +150,5 @@ def _widest_that_fits(forms: Iterable[str], width: int) -> str:
 
 
 def has_digits(text: str) -> bool:
-    """Return True if ``text`` has a digit other than 0."""
+    """Return whether a digit is not 0."""
     return not _DIGITS.isdisjoint(text)

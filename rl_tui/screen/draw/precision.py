@@ -16,7 +16,7 @@ _SLACK: Final = 1e-6  # of a digit: error of binary fractions
 
 
 def figure(x: float, decimals: int, glyphs: Glyphs, nothing: float = numbers.NEGLIGIBLE) -> str:
-    """Return ``x`` rounded to ``decimals`` (−3: to thousands): ``.000130``, ``1.3e-8``, ``−3e11``.
+    """Round ``x`` to ``decimals`` (−3: to thousands): ``.000130``, ``1.3e-8``, ``−3e11``.
 
     Numbers up to ``nothing`` become 0. Tiny ones keep three digits.
     """
@@ -38,7 +38,7 @@ def figure(x: float, decimals: int, glyphs: Glyphs, nothing: float = numbers.NEG
 
 
 def column_figure(x: float, decimals: int, glyphs: Glyphs) -> str:
-    """Return ``x`` with exactly ``decimals`` decimals, for a column: ``.542``, ``0``, ``−1.250``."""
+    """Write exactly ``decimals`` decimals: ``.542``, ``0``, ``−1.250``."""
     if abs(x) < numbers.NEGLIGIBLE:
         return "0"
     if abs(x) >= _LARGEST:
@@ -48,12 +48,12 @@ def column_figure(x: float, decimals: int, glyphs: Glyphs) -> str:
 
 
 def parsed(text: str, glyphs: Glyphs) -> float:
-    """Return the number that a printed ``text`` means."""
+    """Read a printed number."""
     return float(text.replace(glyphs.minus, "-"))
 
 
 def agrees(worked_out: float, shown: str, glyphs: Glyphs, decimals: int, digits: float = 1.0) -> bool:
-    """Return True if ``shown`` is ``worked_out`` up to ``digits`` of its last decimal."""
+    """Return whether both agree within ``digits`` of the last decimal."""
     known = parsed(shown, glyphs)
     unit = float(10.0**-decimals)
     if 0.0 < abs(known) <= 0.5 * unit:
@@ -63,32 +63,32 @@ def agrees(worked_out: float, shown: str, glyphs: Glyphs, decimals: int, digits:
 
 
 def comes_to(worked_out: float, shown: str, glyphs: Glyphs) -> bool:
-    """Return True if ``shown`` is ``worked_out`` up to its last printed digit."""
+    """Return whether both agree within the last printed digit."""
     return abs(worked_out - parsed(shown, glyphs)) <= last_digit(shown)
 
 
 def in_brackets(number: str, glyphs: Glyphs) -> str:
-    """Return ``number``, in brackets if it starts with a minus."""
+    """Put a negative number in brackets."""
     return f"({number})" if number.startswith(glyphs.minus) else number
 
 
 def magnitude(x: float) -> int:
-    """Return the power of ten of the first digit of ``x``: −3 for .0042, 0 for 0."""
+    """Return the first digit's power of ten: −3 for .0042, 0 for 0."""
     return math.floor(math.log10(abs(x))) if x else 0
 
 
 def leading_zeros(*values: float) -> int:
-    """Return the zeros after the point of the largest number, negative for large ones."""
+    """Return the largest number's zeros after the point, negative for large ones."""
     largest = magnitude(max((abs(each) for each in values if math.isfinite(each)), default=0.0))
     return max(0, -1 - largest) if largest < math.log10(_LARGEST) else -largest
 
 
 def last_digit(text: str) -> float:
-    """Return the value of one unit of the last printed digit: .01 for ``.36``."""
+    """Return the last digit's unit: .01 for ``.36``."""
     mantissa, _, exponent = text.partition("e")
     return 10.0 ** (int(exponent or "0") - len(mantissa.partition(".")[2]))
 
 
 def fewest_decimals(fewest: int, most: int, is_enough: Callable[[int], bool]) -> int:
-    """Return the fewest decimals that are enough, or ``most``."""
+    """Return the fewest sufficient decimals, or ``most``."""
     return next(filter(is_enough, range(fewest, most)), most)

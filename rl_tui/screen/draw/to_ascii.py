@@ -1,4 +1,4 @@
-"""Texts in the characters that the terminal has."""
+"""Texts in the terminal's characters."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _FACTOR: Final = re.compile(r"([αγεδθλτπσμΣ])(?=[A-Za-zα-ω])")
 
 
 def to_ascii(text: str, glyphs: Glyphs) -> str:
-    """Return ``text``, in ASCII if ``glyphs`` is the ASCII set. Unknown characters become ``?``."""
+    """Write ASCII if ``glyphs`` is the ASCII set. Unknown characters become ``?``."""
     if glyphs.name != "ascii":
         return text
     apart = _FACTOR.sub(r"\1 ", text.replace(*_ANY_ACTION))
@@ -38,5 +38,5 @@ def to_ascii(text: str, glyphs: Glyphs) -> str:
 
 
 def separated(text: str, glyphs: Glyphs) -> str:
-    """Return :func:`to_ascii` of ``text``, with a dot between blanks as a separator."""
+    """Return :func:`to_ascii`, with dots as separators."""
     return to_ascii(text.replace(" · ", " – "), glyphs) if glyphs.name == "ascii" else text

@@ -1,4 +1,4 @@
-"""The bottom line: keys and what they do, as many as fit."""
+"""As many keys as fit, in the bottom line."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Hints = tuple[tuple[str, str], ...]
 
 
 def fitting(actions: Sequence[Action], width: int, glyphs: Glyphs) -> tuple[tuple[Action, ...], int]:
-    """Return the actions whose hints fit into ``width`` columns, and the gap between the hints.
+    """Return the actions whose hints fit, and the gap between hints.
 
     Hints of the highest rank are dropped first. The lowest one (help) always comes last.
     """
@@ -61,8 +61,8 @@ def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) ->
 class KeyLine(Widget):
     """The key hints of ``actions``, or of a mode in ``hints``. A click runs the action.
 
-    ``first`` are forms of a hint for the focus, the longest first. ``idle`` are ids of actions to leave out.
-    Without ``names_all`` only the actions that a beginner needs are shown.
+    ``first``: forms of a hint for the focus. ``idle``: ids to leave out. Without ``names_all`` only a
+    beginner's actions are shown.
     """
 
     hints: reactive[Hints] = reactive(())
@@ -99,7 +99,6 @@ class KeyLine(Widget):
         return keys, word.ljust(max(len(label), len(action.while_running)))
 
     def _fitting_first(self) -> Hints:
-        """Return the longest form of ``first`` that leaves space for help, else the shortest."""
         last = min((a for a in self._actions if a.rank is not None), key=lambda action: action.rank or 0)
         room = self.size.width - _columns(last, self.look.glyphs) - _GAPS[0]
         fitting = (each for each in self.first if _line_columns(each, _GAPS[0], self.look.glyphs) <= room)
@@ -129,7 +128,6 @@ class KeyLine(Widget):
             column = end + gap
 
     def _fitting_actions(self) -> tuple[tuple[Action, ...], int]:
-        """Return the actions that fit after ``first``, without those whose keys it uses."""
         first = self._fitting_first()
         taken = {keys for keys, _ in first}
         actions = [
@@ -145,7 +143,7 @@ class KeyLine(Widget):
         return fitting(actions, room, self.look.glyphs)
 
     def _press_hint(self, hints: Sequence[tuple[str, str]], gap: int, x: int) -> int:
-        """Press the keys of the hint in column ``x``. Return the end of the hints."""
+        """Press the keys of the hint in column ``x``, and return the end of the hints."""
         column = 1
         for hint in hints:
             end = column + _line_columns([hint], 0, self.look.glyphs) - 1

@@ -1,4 +1,4 @@
-"""Choices that hold for all screens, some of them saved."""
+"""Choices that hold for all screens."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _ALL_PANELS: Final = ".panels-all"
 
 
 class LegendSwitch:
-    """Choices of legends and panels, saved as files in ``folder``."""
+    """Choices saved in ``folder``."""
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
@@ -30,7 +30,7 @@ class LegendSwitch:
         self._remember(_LEGENDS_HIDDEN, is_there=not self.is_on)
 
     def turn_panels(self) -> None:
-        """Switch between all panels and the usual ones."""
+        """Switch between all panels and usual ones."""
         self.shows_all_panels = not self.shows_all_panels
         self._remember(_ALL_PANELS, is_there=self.shows_all_panels)
 

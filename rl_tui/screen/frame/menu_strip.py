@@ -1,4 +1,4 @@
-"""A menu over the last rows of the screen."""
+"""A menu over the last rows."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
 
 
 class MenuRow(NamedTuple):
-    """One entry of a menu: action, letter, label, current value and help sentence."""
+    """One entry of a menu."""
 
     id: str
     letter: str
@@ -39,7 +39,7 @@ class MenuRow(NamedTuple):
 
 
 class MenuRows(Widget):
-    """The title, the entries, and the sentence of the entry with index ``at``."""
+    """Title, entries, and the sentence of entry ``at``."""
 
     at: reactive[int] = reactive(0)
     unknown: reactive[str] = reactive("")
@@ -52,7 +52,7 @@ class MenuRows(Widget):
 
     @property
     def lines(self) -> int:
-        """The number of lines of the entries, which fill column after column."""
+        """The lines of entries, which fill columns."""
         return -(-len(self.rows) // self._columns)
 
     @property
@@ -60,11 +60,11 @@ class MenuRows(Widget):
         return 3 if self.app.size.width >= _WIDE else 2
 
     def on_resize(self) -> None:
-        """Adapt the height to the new width."""
+        """Refit the height."""
         self._fit()
 
     def show(self, rows: Sequence[MenuRow]) -> None:
-        """Draw ``rows`` in place of the old ones."""
+        """Replace the rows."""
         self.rows = rows
         self.at = min(self.at, len(rows) - 1)
         self._fit()
@@ -76,7 +76,7 @@ class MenuRows(Widget):
         self.styles.height = 1 + self.lines + most
 
     def render_line(self, y: int) -> Strip:
-        """Draw the title, a line of entries, or the sentence."""
+        """Draw title, entries, or sentence."""
         width, text = self.size.width, self.look.palette.text
         if y == 0:
             segments = self._title(width)
@@ -118,13 +118,13 @@ class MenuRows(Widget):
         ]
 
     def place_at(self, x: int, y: int) -> int | None:
-        """Return the index of the entry at ``x``, ``y``, or None."""
+        """Return the entry's index here."""
         place = y - 1 + self.lines * (x // (self.size.width // self._columns))
         return place if 1 <= y <= self.lines and place < len(self.rows) else None
 
 
 class MenuStrip(Dialog[str]):
-    """A menu that answers the id of an action, and stays open for unavailable ones."""
+    """A menu that answers an action's id, and stays open for unavailable ones."""
 
     def __init__(self, look: Look, title: str, rows: Callable[[], Sequence[MenuRow]]) -> None:
         super().__init__()
@@ -136,13 +136,13 @@ class MenuStrip(Dialog[str]):
         yield self.menu
 
     def show(self, snapshot: Snapshot) -> None:
-        """Update the current values and the available actions."""
+        """Update values and available actions."""
         rows = self._rows_now()
         if rows != self.menu.rows:
             self.menu.show(rows)
 
     def on_key(self, event: events.Key) -> None:
-        """Choose an entry by its letter, or move the cursor."""
+        """Choose an entry, or move the cursor."""
         menu, key = self.menu, event.key
         event.stop()
         menu.unknown = ""
@@ -167,7 +167,7 @@ class MenuStrip(Dialog[str]):
             menu.unknown = letter if letter.isprintable() else key
 
     def on_click(self, event: events.Click) -> None:
-        """Choose the entry under the mouse, or close the menu."""
+        """Choose an entry, or close the menu."""
         region = self.menu.region
         place = None
         if region.contains(event.screen_x, event.screen_y):

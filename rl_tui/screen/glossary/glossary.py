@@ -1,4 +1,4 @@
-"""The terms of the glossary, and their search."""
+"""The glossary's terms, and their search."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _FILE: Final = Path(__file__).with_name("glossary.toml")
 
 
 class FigureKind(StrEnum):
-    """Origin of a metric on screen."""
+    """A metric's origin."""
 
     EXACT = "exact"
     SAMPLED = "sampled"
@@ -37,18 +37,18 @@ class FigureKind(StrEnum):
 
 
 class FigureLimit(StrEnum):
-    """Scope of a metric."""
+    """A metric's scope."""
 
     EPISODE = "episode"  # an episode, up to the time limit
-    NONE = "none"  # no limit
-    STEP = "step"  # one step
+    NONE = "none"
+    STEP = "step"
     RUN = "run"  # all of the run so far
     MOMENT = "moment"  # the last moments of real time
 
 
 @dataclass(frozen=True, slots=True)
 class FigureFacts:
-    """Facts that matter when metrics are compared, None if they do not apply."""
+    """Facts for comparing metrics, None if inapplicable."""
 
     kind: FigureKind
     discounted: bool | None
@@ -59,7 +59,7 @@ class FigureFacts:
 
 @dataclass(frozen=True, slots=True)
 class GlossaryTerm:
-    """A ``word`` with other forms in ``also``. ``figure`` is set if it names a metric."""
+    """A ``word`` with other forms. ``figure``: set if it names a metric."""
 
     id: str
     word: str
@@ -82,7 +82,7 @@ class GlossaryTerm:
 
 @cache
 def glossary() -> Mapping[str, GlossaryTerm]:
-    """Return all terms by id, each after those it builds on."""
+    """Return all terms, each after those it builds on."""
     rows = tomllib.loads(_FILE.read_text(encoding="utf-8"))["term"]
     terms = (
         GlossaryTerm(
@@ -107,13 +107,13 @@ def _figure(row: Mapping[str, Any]) -> FigureFacts | None:
 
 
 def terms_called(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the ids of the terms with one of ``names``."""
+    """Return the terms with one of ``names``."""
     ids = {name: term.id for term in glossary().values() for name in term.names}
     return tuple(dict.fromkeys(ids[name] for name in names if name in ids))
 
 
 def term_at(text: str, column: int, glyphs: Glyphs, about: Collection[str] | None = None) -> str | None:
-    """Return the id of the longest term at ``column`` of ``text``, or None.
+    """Return the longest term at ``column``.
 
     Panels use symbols differently, so a symbol counts only if its id is in ``about`` (None allows all).
     """
@@ -133,7 +133,7 @@ def term_at(text: str, column: int, glyphs: Glyphs, about: Collection[str] | Non
 
 @cache
 def _written(in_ascii: bool) -> tuple[re.Pattern[str], Mapping[str, str], frozenset[str]]:
-    """Return a pattern for the names of terms, their ids, and the symbols."""
+    """Return a pattern for names, the terms' ids, and the symbols."""
     ids: dict[str, str] = {}
     signs = set[str]()
     for term in glossary().values():
@@ -151,7 +151,7 @@ def _key(name: str) -> str:
 
 
 def _pattern(name: str) -> str:
-    """Return a pattern for ``name``, not within a longer word or a thin line."""
+    """Return a pattern that matches no part of a word or line."""
     before = r"(?<!\w)" if name[0].isalnum() else _NO_LINE_BEFORE
     after = r"(?!\w)" if name[-1].isalnum() else _NO_LINE_AFTER
     if len(name) == 1 and name.isascii() and name.islower():
@@ -160,7 +160,7 @@ def _pattern(name: str) -> str:
 
 
 def search(query: str) -> tuple[str, ...]:
-    """Return the ids of the terms for ``query``, best first."""
+    """Return the matching ids, best first."""
     wanted = query.strip().lstrip("/").casefold()
     ranked = ((rank, term.id) for term in glossary().values() if (rank := _rank(term, wanted)) is not None)
     return tuple(id_ for _, id_ in sorted(ranked, key=lambda each: each[0]))
@@ -195,18 +195,18 @@ _LIMITS: Final = {
 
 
 class FigureSetting(NamedTuple):
-    """Current values of the run that a metric is about."""
+    """A metric's current settings."""
 
     gamma: str  # γ as the screen writes it
     time_limit: int  # steps until an episode is truncated; 0: none
-    steps: int  # steps taken so far
-    episodes: int  # finished episodes
+    steps: int
+    episodes: int
     is_bandit: bool = False  # True if each pull is an episode
     budget: int | None = None  # most pulls of a bandit
 
 
 def figure_text(facts: FigureFacts, now: FigureSetting | None = None) -> str:
-    """Return a line about a metric, with the numbers of ``now`` if known."""
+    """Describe a metric, with numbers if known."""
     kind = _OF_SEEDS if facts.over_seeds else _KINDS[facts.kind]
     parts = [kind, _discounted(facts, now), _limit(facts.limit, now), _mean(facts, now)]
     return " · ".join(filter(None, parts))

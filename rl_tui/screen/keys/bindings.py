@@ -1,4 +1,4 @@
-"""The key bindings of actions, as Textual takes them."""
+"""The key bindings of actions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rl_tui.screen.keys.registry import ACTIONS
 
 
 def bindings_everywhere() -> list[BindingType]:
-    """Return the app's key bindings that precede those of any screen, including dialogs."""
+    """Return the app's bindings, which come first even in dialogs."""
     return bindings_of((action for action in ACTIONS if action.everywhere), priority=True)
 
 
@@ -21,16 +21,10 @@ def stopping_keys() -> frozenset[str]:
 
 
 def bindings_of(actions: Iterable[Action], *, priority: bool = False) -> list[BindingType]:
-    """Return the key bindings of ``actions``, in a menu only of old keys."""
+    """Return the bindings, in a menu only of old keys."""
     return [
         Binding(
-            key,
-            does,
-            action.label,
-            key_display=action.shown,
-            tooltip=action.help,
-            id=id_,
-            priority=priority,
+            key, does, action.label, key_display=action.shown, tooltip=action.help, id=id_, priority=priority
         )
         for action in actions
         for key, does, id_ in (

@@ -1,1 +1,1 @@
-"""Base classes and shared parts of all panels."""
+"""Base classes and shared parts of panels."""

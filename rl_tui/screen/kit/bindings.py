@@ -1,4 +1,4 @@
-"""Key bindings of panels and lists, and how texts name keys."""
+"""Key bindings, and how texts name keys."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ARTICLE: Final = "a"
 
 
 def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: A002
-    """Return a hidden binding named after ``id``, with k and j as up and down."""
+    """Return a hidden binding, with j and k as arrows."""
     for key, letter in (("up", "k"), ("down", "j")):
         keys = ",".join((*keys.split(","), letter)) if key in keys.split(",") else keys
     name = id.partition(".")[2].replace("_", " ").capitalize()
@@ -34,7 +34,7 @@ def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: 
 
 
 class RowList(OptionList):
-    """A list in which j and k also move the cursor."""
+    """A list in which j and k move the cursor."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("j", "cursor_down", "list.down", "Go to the next row."),
@@ -43,7 +43,7 @@ class RowList(OptionList):
 
 
 class ListInput(Input):
-    """A text input that passes movement keys to the list."""
+    """An input that passes movement keys on."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("up", "move('cursor_up')", "typed.up", "Go to the previous row."),
@@ -53,17 +53,17 @@ class ListInput(Input):
     ]
 
     def action_move(self, how: str) -> None:
-        """Move the cursor of the list."""
+        """Move the list's cursor."""
         getattr(self.screen.query(OptionList).first(), f"action_{how}")()
 
 
 def key_of_hint(written: str) -> str | None:
-    """Return the Textual key for a hint such as ``esc``, or None."""
+    """Return a hint's Textual key, such as ``esc``."""
     return _NAMES.get(written, written if len(written) == 1 else None)
 
 
 def keys_of(focused: Widget | None) -> frozenset[str]:
-    """Return the keys that the focused widget handles itself."""
+    """Return the keys that the focus handles."""
     return frozenset() if focused is None else _keys_of_class(type(focused))
 
 
@@ -74,7 +74,7 @@ def _keys_of_class(kind: type[Widget]) -> frozenset[str]:
 
 
 def as_sentence(text: str) -> str:
-    """Return ``text`` as a sentence. Keys and paths stay unchanged."""
+    """Add capital and full stop, but leave keys."""
     first, _, _ = text.partition(" ")
     if (first == _ARTICLE or key_of_hint(first) is None) and not first.startswith(_COMMANDS):
         text = f"{text[:1].upper()}{text[1:]}"

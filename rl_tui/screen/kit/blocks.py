@@ -1,4 +1,4 @@
-"""Blocks of text that fit their content into a given width."""
+"""Blocks that fit into a width."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ class Block(Protocol):
     """A group of lines in a panel."""
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return lines that fit ``width`` cells if possible."""
+        """Return lines that fit if possible."""
 
 
 def lines_of(blocks: Iterable[Block], width: int, look: Look) -> list[Line]:
-    """Return the lines of all ``blocks`` in order."""
+    """Join the lines of all ``blocks``."""
     return [line for block in blocks for line in block.lines(width, look)]
 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A paragraph, or a function of the width that makes one."""
+    """A paragraph, or a function of the width."""
 
     text: str | Callable[[int], str]
     style: Style
@@ -45,20 +45,20 @@ class Text:
     rest: str = " "
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the wrapped text."""
+        """Wrap the text."""
         text = self.text if isinstance(self.text, str) else self.text(width)
         return wrapped(text, width, self.style, look, self.first, self.rest) if text else ()
 
 
 class Row:
-    """One line: the first of ``forms`` that fits, else ``instead``, else the last form."""
+    """The first fitting form, else ``instead``, else the last form."""
 
     def __init__(self, *forms: Line, instead: Sequence[Block] = ()) -> None:
         self._forms = forms
         self._instead = instead
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the line, or the lines of ``instead``."""
+        """Return the line, or those of ``instead``."""
         line = first_that_fits(self._forms, width, look)
         if self._instead and length(spelled(line, look)) > width:
             return lines_of(self._instead, width, look)
@@ -76,7 +76,7 @@ class Flow:
     indent: int = 1
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the lines, without blanks at their start."""
+        """Wrap, without leading blanks."""
         lines: list[list[Piece]] = []
         used = 0
         for group in filter(None, self.groups):
@@ -103,7 +103,7 @@ class Labelled:
     beside_from: int = 0
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the label and the body."""
+        """Return label and body."""
         label = f" {to_ascii(self.label, look.glyphs)}"
         if width < self.beside_from:
             below = self.body.lines(width - 3, look)
@@ -117,7 +117,7 @@ class Labelled:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """Blocks below a heading with one of ``remarks``, padded to ``rows`` lines."""
+    """Blocks below a heading, padded to ``rows``."""
 
     heading: str
     blocks: Sequence[Block] = ()
@@ -125,7 +125,7 @@ class Section:
     remarks: Sequence[str] = ()
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the heading with its rule, then the blocks."""
+        """Return heading, rule and blocks."""
         palette = look.palette
         head = Piece(f" {self.heading} ", palette.strong)
         forms = [[head, Piece(f" {remark} ", palette.text)] for remark in self.remarks if remark]
@@ -136,7 +136,7 @@ class Section:
 
 
 def stacked(sections: Sequence[Section], width: int, height: int, look: Look) -> list[Line]:
-    """Return the lines of ``sections``, spaced if ``height`` allows."""
+    """Stack ``sections``, spaced if ``height`` allows."""
     parts = [section.lines(width, look) for section in sections]
     is_roomy = sum(map(len, parts)) + len(parts) - 1 <= height
     lines: list[Line] = []
@@ -146,7 +146,7 @@ def stacked(sections: Sequence[Section], width: int, height: int, look: Look) ->
 
 
 class Column(NamedTuple):
-    """A table column with one cell per row. A cell None repeats the head.
+    """A table column. A cell None repeats the head.
 
     It has at least ``width`` cells after ``gap`` blanks, and can shrink to ``least``.
     """
@@ -160,12 +160,12 @@ class Column(NamedTuple):
     least: int | None = None
 
     def longest(self, look: Look) -> int:
-        """Return the width of the longest cell."""
+        """Return the longest cell's width."""
         texts = (cell.text if isinstance(cell, Piece) else cell for cell in self.cells if cell is not None)
         return max((cell_len(to_ascii(text, look.glyphs)) for text in texts), default=0)
 
     def pieces(self, look: Look) -> list[Piece]:
-        """Return the head and the cells as displayed."""
+        """Return head and cells as displayed."""
         head = Piece(self.head, look.palette.dim)
         cells = (
             head if c is None else c if isinstance(c, Piece) else Piece(c, self.style) for c in self.cells
@@ -181,8 +181,8 @@ Size = tuple[int, int]
 class Table:
     """A table in the first of ``forms`` that leaves ``margin`` cells free.
 
-    If none fits, an ``is_stacked`` table puts each cell on its own line. Charts narrower than ``least_chart``
-    get their own line.
+    If none fits, an ``is_stacked`` table puts each cell on its own line. So do charts narrower than
+    ``least_chart``.
     """
 
     forms: Iterable[Columns]
@@ -194,11 +194,11 @@ class Table:
     least_chart: int = 16
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the head and the rows."""
+        """Return head and rows."""
         return self.placed(width, look)[0]
 
     def placed(self, width: int, look: Look) -> tuple[list[Line], list[int]]:
-        """Return the lines, and the line of each row."""
+        """Return the lines, and each row's line."""
         columns, widths, fits = self._chosen(width, look)
         pieces = [column.pieces(look) for column in columns]
         aligned = [
@@ -275,7 +275,7 @@ def _stacked(
 
 
 class Laid(NamedTuple):
-    """Lines, the line of each table row, and the number of free lines."""
+    """Lines, each table row's line, and the free lines."""
 
     lines: list[Line]
     places: Sequence[int]
@@ -290,10 +290,7 @@ def laid(
     size: Size,
     look: Look,
 ) -> Laid:
-    """Return ``answer``, the first of ``tables`` that fits, and fitting ``notes``.
-
-    If no table fits, only the rows around ``cursor`` remain.
-    """
+    """Arrange ``answer``, the first fitting table and ``notes``, else the rows around ``cursor``."""
     width, height = size
     said = [note.lines(width, look) for note in notes]
     above = lines_of(answer, width, look)
@@ -326,7 +323,7 @@ _INDENT: Final = "   "
 
 
 class Term(NamedTuple):
-    """A ``number`` after an ``operator``, with a ``word`` above."""
+    """A ``number`` after an ``operator``, below a ``word``."""
 
     operator: str
     word: str = ""
@@ -336,14 +333,14 @@ class Term(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """An equation with words above its numbers, and ``label`` at a brace below."""
+    """Words above numbers, and ``label`` at a brace below."""
 
     left: Term
     terms: Sequence[Term]
     label: Piece
 
     def numbers(self, look: Look) -> list[Line]:
-        """Return the numbers of the right side, each with its operator."""
+        """Return the numbers with their operators."""
         text = look.palette.text
         first, *others = self.terms
         groups: list[list[Piece]] = [[Piece(first.number, first.style or text)]]
@@ -353,7 +350,7 @@ class Equation:
         return [*groups]
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return words, numbers and brace, wrapped without the brace if too wide."""
+        """Return words and numbers, and a brace unless wrapped."""
         terms = [self.left, *self.terms]
         if 1 + sum(_cells(term, look) for term in terms) <= width:
             return [*_pair(terms, " ", look), *self._brace(look)]

@@ -1,4 +1,4 @@
-"""Small charts: a bar from 0, and the spread of seeds around their mean."""
+"""Small charts."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A bar from a marked 0 to ``value`` on an ``axis`` that contains 0."""
+    """A bar from 0 to ``value``."""
 
     value: float
     axis: tuple[float, float]
     style: Style
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the bar across the full width."""
+        """Draw the bar across the full width."""
         glyphs, (low, high) = look.glyphs, self.axis
         per_cell, is_left = (width - 1) / (high - low), self.value < 0.0
         zero = round(-low * per_cell)
@@ -47,7 +47,7 @@ _OUTLIER: Final = 8.0  # times the next smaller value
 
 
 def axis_of(values: Iterable[float]) -> tuple[float, float]:
-    """Return an axis for bars of ``values`` that ignores an extreme outlier."""
+    """Return an axis without extreme outliers."""
     known = [0.0, *values]
     low, high = min(known), max(known)
     sizes = sorted({round(abs(each), 9) for each in known})[-2:]
@@ -62,7 +62,7 @@ _HIGHEST: Final = 4  # seeds in one column that fill the row
 
 @dataclass(frozen=True, slots=True)
 class SeedMarks:
-    """The ``values`` of seeds, with ``own`` marked, above an axis with mean ± ``error``."""
+    """The ``values`` of seeds above an axis with mean ± ``error``."""
 
     values: FloatArray
     own: float | None
@@ -73,7 +73,7 @@ class SeedMarks:
     style: Style
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the seeds, and the axis with its ends."""
+        """Draw seeds and axis."""
         glyphs, palette = look.glyphs, look.palette
         left, right = (f"{self.ends[0]} ", f" {self.ends[1]}")
         columns = width - len(left) - len(right)

@@ -19,7 +19,7 @@ Found = TypeVar("Found")
 
 
 def _kept(find: Callable[[World, World], Found]) -> Callable[[World, World], Found]:
-    """Cache the result of ``find`` while both worlds exist."""
+    """Cache the result while both worlds exist."""
     known = WeakKeyDictionary[World, WeakKeyDictionary[World, Found]]()
 
     @wraps(find)
@@ -33,7 +33,7 @@ def _kept(find: Callable[[World, World], Found]) -> Callable[[World, World], Fou
 
 
 def are_alike(world: World, other: World) -> bool:
-    """Return whether both worlds number states, actions and pairs equally."""
+    """Return whether both number states, actions and pairs equally."""
     return world.space is other.space or _have_same_numbers(world, other)
 
 
@@ -51,7 +51,7 @@ def _have_same_numbers(world: World, other: World) -> bool:
 
 @_kept
 def in_common(world: World, other: World) -> Carried:
-    """Return the matching states [S] and pairs [P] in ``other``, or NEW."""
+    """Return matching states [S] and pairs [P], or NEW."""
     if not are_same_size(world, other):
         space = world.space
         return Carried(np.full(space.states, NEW), np.full(space.pairs, NEW))
@@ -60,7 +60,7 @@ def in_common(world: World, other: World) -> Carried:
 
 
 def are_same_size(world: World, other: World) -> bool:
-    """Return whether both are equally large maps or bandits, or both graphs."""
+    """Return whether both are equally large maps or bandits, or graphs."""
     one, two = world.drawing, other.drawing
     if isinstance(one, Grid) and isinstance(two, Grid):
         return (one.rows, one.columns) == (two.rows, two.columns)
@@ -77,17 +77,17 @@ def _state_keys(world: World) -> IntArray | Sequence[Hashable]:
 
 
 def state_in(state: int, world: World, other: World) -> int | None:
-    """Return the state of ``other`` that matches, or None."""
+    """Return the matching state of ``other``."""
     return state if are_alike(world, other) else _number(in_common(world, other).states[state])
 
 
 def pair_in(pair: int, world: World, other: World) -> int | None:
-    """Return the pair of ``other`` that matches, or None."""
+    """Return the matching pair of ``other``."""
     return pair if are_alike(world, other) else _number(in_common(world, other).pairs[pair])
 
 
 def pairs_in(pairs: range, world: World, other: World) -> range:
-    """Return the matching pairs for one pair, or for all of a state."""
+    """Match one pair, or a state's."""
     if not pairs or are_alike(world, other):
         return pairs
     if len(pairs) == 1 and (pair := pair_in(pairs.start, world, other)) is not None:

@@ -27,7 +27,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 
 class Layer(StrEnum):
-    """The layers of world and table, in the order of their key."""
+    """The layers, in their key's order."""
 
     Q = "Q"
     OPTIMAL = "Q*"
@@ -52,7 +52,7 @@ Exact = tuple[FloatArray, BoolArray]
 
 
 def exact_q(snapshot: Snapshot) -> Exact | None:
-    """Return Q* and its greedy pairs, [P] each, or None if unknown or hidden."""
+    """Return Q* and its greedy pairs, [P] each, unless hidden."""
     if is_secret(snapshot):
         return None
     if isinstance(snapshot.world.drawing, Arms):
@@ -69,7 +69,7 @@ def hides_exact(snapshot: Snapshot) -> bool:
 
 
 def veils_exact(snapshot: Snapshot) -> bool:
-    """Return whether ``···`` stands for Q* that a key can reveal."""
+    """Return whether ``···`` stands for a Q* to reveal."""
     has_key = hides_exact(snapshot) and not keeps_back(snapshot, "answer")
     return has_key and not isinstance(snapshot.world.drawing, Arms)
 
@@ -88,7 +88,7 @@ def shown_exact(snapshot: Snapshot) -> Exact | None:
 
 
 def other_lane(snapshot: Snapshot) -> LaneView | None:
-    """Return the second visible run if its table is comparable."""
+    """Return the second visible run if comparable."""
     group, beside = snapshot.run_group, snapshot.beside
     other = group.lanes[group.beside] if group.lanes and group.beside is not None else None
     if other is None or (beside is not None and not are_alike(snapshot.world, beside.world)):
@@ -100,14 +100,14 @@ def other_lane(snapshot: Snapshot) -> LaneView | None:
 
 
 def world_layer(snapshot: Snapshot, layer: Layer) -> Layer:
-    """Return the layer that a world shows for ``layer``, Q by default."""
+    """Return a world's layer, Q by default."""
     if isinstance(snapshot.world.drawing, Arms) or layer not in WORLD_LAYERS:
         return Layer.Q
     return Layer.Q if layer in EXACT_LAYERS and shown_exact(snapshot) is None else layer
 
 
 def as_layer(snapshot: Snapshot, layer: Layer) -> Snapshot:
-    """Return ``snapshot`` with the numbers of ``layer`` in place of V."""
+    """Put a layer's numbers in place of V."""
     if layer in (Layer.Q, Layer.LANDSCAPE):
         return snapshot
     exact, beside = shown_exact(snapshot), snapshot.beside
@@ -153,7 +153,7 @@ _FEW: Final = 8  # states: V of fewer may be close together, unlike their Q
 
 
 def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
-    """Return the numbers that the scale of ``layer`` covers in both runs: V, of few states also Q."""
+    """Return a scale's numbers: V, of few states also Q."""
     if layer is Layer.ERROR:
         return finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
     seen = as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot

@@ -1,4 +1,4 @@
-"""Numbers of both visible runs, for a common format and colour scale."""
+"""Numbers of both visible runs."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ _EXITS: Final = WeakKeyDictionary[World, BoolArray]()  # computed once per world
 
 
 def lanes_in_view(snapshot: Snapshot) -> tuple[Snapshot, ...]:
-    """Return ``snapshot`` and the second visible run, if any."""
+    """Return ``snapshot`` and the second visible run."""
     return (snapshot,) if snapshot.beside is None else (snapshot, snapshot.beside)
 
 
 def all_q(snapshot: Snapshot) -> FloatArray:
-    """Return the finite Q of all copied pairs."""
+    """Return all finite Q."""
     return finite(np.concatenate([_q(lane) for lane in lanes_in_view(snapshot)]))
 
 
 def all_v(snapshot: Snapshot) -> FloatArray:
-    """Return the finite V of all copied states with actions."""
+    """Return the finite V of states with actions."""
     return finite(np.concatenate([_v(lane)[0] for lane in lanes_in_view(snapshot)]))
 
 
 def known_v(snapshot: Snapshot) -> FloatArray:
     """Return the finite V of learned states, or estimates of pulled arms.
 
-    Exits of a map are left out, because they show their reward.
+    Exits of a map are left out: they show their reward.
     """
     if isinstance(snapshot.world.drawing, Arms):
         return tried_q(snapshot)
@@ -47,18 +47,18 @@ def tried_q(snapshot: Snapshot) -> FloatArray:
 
 
 def best_of_states(space: FiniteSpace, values: FloatArray) -> FloatArray:
-    """Return the maximum of ``values`` [P] per state with actions."""
+    """Return the maximum per state of ``values`` [P]."""
     first = space.first_pair[:-1][np.diff(space.first_pair) > 0]
     return np.asarray(np.maximum.reduceat(values, first)) if len(first) else np.empty(0)
 
 
 def finite(values: FloatArray) -> FloatArray:
-    """Return the finite ``values``."""
+    """Drop NaN and infinite values."""
     return values[np.isfinite(values)]
 
 
 def ends(values: FloatArray) -> tuple[float, float]:
-    """Return minimum and maximum of finite ``values``, or zeros."""
+    """Return finite minimum and maximum, or zeros."""
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 
 
@@ -68,7 +68,7 @@ def _q(lane: Snapshot) -> FloatArray:
 
 
 def held_pairs(space: FiniteSpace, part: CopiedPart | None) -> tuple[IntArray, IntArray | slice, IntArray]:
-    """Return copied states, their pairs, and the first index of each state."""
+    """Return copied states, their pairs, and each state's first index."""
     if part is None:
         states = np.flatnonzero(np.diff(space.first_pair))
         return states, slice(None), space.first_pair[states]
@@ -79,7 +79,7 @@ def held_pairs(space: FiniteSpace, part: CopiedPart | None) -> tuple[IntArray, I
 
 
 def _v(lane: Snapshot) -> tuple[FloatArray, BoolArray]:
-    """Return V of each copied state, and whether anything was learned there."""
+    """Return V of each copied state, and whether it was learned."""
     agent = lane.agent
     states, pairs, first = held_pairs(lane.world.space, agent.part)
     if not len(first):

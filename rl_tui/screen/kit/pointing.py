@@ -1,4 +1,4 @@
-"""Messages about pointer and cursors, and a draggable widget."""
+"""Messages about pointer and cursors."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ NOWHERE: Final = range(0)
 
 
 class Touched(Message):
-    """A person pointed, drew or pressed, for a mode to handle."""
+    """A person pointed, drew or pressed."""
 
 
 @dataclass
 class Pointed(Touched):
-    """The cursor of ``panel`` moved to ``pairs``, empty without a cursor."""
+    """The cursor moved to ``pairs``, empty without a cursor."""
 
     panel: Widget
     pairs: range
@@ -26,14 +26,14 @@ class Pointed(Touched):
 
 @dataclass
 class Moved(Message):
-    """A person changed part or layer in ``panel`` without a cursor."""
+    """A person changed part or layer without a cursor."""
 
     panel: Widget
 
 
 @dataclass
 class PartPointed(Touched):
-    """The cell under the cursor was clicked again, ``step`` from its middle."""
+    """The cursor's cell was clicked again, ``step`` from its middle."""
 
     panel: Widget
     step: tuple[int, int] | None
@@ -41,7 +41,7 @@ class PartPointed(Touched):
 
 @dataclass
 class PointerStroke(Touched):
-    """The pointer was drawn over ``places`` of ``view``."""
+    """The pointer was drawn over ``places``."""
 
     view: Widget
     places: tuple[int, ...]
@@ -49,7 +49,7 @@ class PointerStroke(Touched):
 
 @dataclass
 class Wheeled(Touched):
-    """The wheel turned over ``place`` of ``view`` by ±1, with shift ±0.1."""
+    """The wheel turned by ±1 or, with shift, ±0.1."""
 
     view: Widget
     place: int
@@ -65,17 +65,17 @@ class Draggable(Widget):
     is_held = False
 
     def drag_to(self, column: int) -> None:
-        """Move the handle to ``column``, possibly past an end."""
+        """Move the handle, possibly past an end."""
         raise NotImplementedError
 
     def take_hold(self, column: int) -> None:
-        """Move the handle to ``column``, then follow the pointer."""
+        """Move the handle, then follow the pointer."""
         self.is_held = True
         self.capture_mouse()
         self.drag_to(column)
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Move the held handle with the pointer."""
+        """Move the held handle."""
         if self.is_held:
             self.drag_to(event.get_content_offset_capture(self).x)
 

@@ -1,4 +1,4 @@
-"""The budget of a bandit: pulls, winnings and, unless hidden, regret."""
+"""The budget of a bandit."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ _MANY: Final = 100.0  # sums from here on have no decimals
 
 
 class BudgetPanel(Panel):
-    """Pulls and winnings, and unless hidden, regret and share of the best arm."""
+    """Pulls, winnings, and unless hidden, regret."""
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the numbers of ``snapshot`` as rows."""
+        """Lay out one or two runs."""
         self.heading = self.fitting((*self.captioned("Budget"), "Budget"), width)
         blocks = budget_blocks(snapshot, self.look)
         if snapshot is not None and snapshot.beside is not None and height >= _ROWS_OF_TWO:
@@ -54,7 +54,7 @@ def budget_blocks(snapshot: Snapshot | None, look: Look) -> Iterator[Block]:
 
 
 def pair_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
-    """Yield the numbers of two runs, the controlled one marked."""
+    """Yield two runs, the controlled one marked."""
     palette, glyphs, known = look.palette, look.glyphs, not is_secret(snapshot)
     lanes = [(lane, lane.results.bandit) for lane in sides(snapshot)]
     found = [(lane.run_group, figures) for lane, figures in lanes if figures is not None]
@@ -137,12 +137,12 @@ def _share(figures: BanditFigures) -> str:
 
 
 def sum_decimals(sums: Iterable[float]) -> int:
-    """Return the decimals of sums of rewards: 0 from 100 on."""
+    """Return a sum's decimals: 0 from 100 on."""
     return 0 if max(map(abs, sums)) >= _MANY else 1
 
 
 def sum_text(x: float, decimals: int, look: Look) -> str:
-    """Return a sum of rewards with thousands separators."""
+    """Write a sum with thousands separators."""
     if x == 0.0:
         return "0"
     text = f"{abs(x):,.{decimals}f}" if abs(x) < 1e9 else numbers.value(abs(x), _FIGURE, look.glyphs)

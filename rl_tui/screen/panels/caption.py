@@ -1,4 +1,4 @@
-"""The caption: one sentence on what is learned just now."""
+"""One sentence on what is being learned."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from rl_tui.worlds.drawing import Arms
 
 
 class CaptionLine(StatusLine):
-    """One row on what is learned, or with ``replaces_header`` why the run waits."""
+    """One row on what is learned, or why the run waits."""
 
     replaces_header = is_in_view = False
 
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return a constant while invisible, because captions are expensive."""
+        """Return a constant while invisible: captions are expensive."""
         return None if self.is_in_view else ()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the row, padded with blank rows."""
+        """Return the caption, padded with blank rows."""
         look, line = self.look, None
         if self.replaces_header:
             line = waiting_line(snapshot, look, width, unanswered=self.unanswered, scenario=self.title)
@@ -33,7 +33,7 @@ class CaptionLine(StatusLine):
 
 
 def caption(snapshot: Snapshot) -> str:
-    """Return a sentence on what happens to the estimates."""
+    """Describe how the estimates change."""
     if not snapshot.counters.step:
         return "Nothing is learned yet: no step was taken."
     if not has_estimates(snapshot):

@@ -1,4 +1,4 @@
-"""A chart of Q*(γ) for all actions of one state, with flip points."""
+"""A chart of Q*(γ) for one state's actions."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _NAMES_SHARE: Final = 0.4  # share of the columns, for names if they fit complet
 
 @dataclass(frozen=True, slots=True)
 class ActionLine:
-    """Q*(γ) of one action: ``name``, one-cell ``sign``, and values, [G]."""
+    """Q*(γ) of one action, [G], with a one-cell ``sign``."""
 
     name: str
     sign: str
@@ -48,7 +48,7 @@ class ActionLine:
 
 
 def action_lines(world: World, curves: OptimalValueCurves, state: int, look: Look) -> list[ActionLine]:
-    """Return the lines of the actions of ``state``."""
+    """Return the actions' lines in ``state``."""
     pairs = shown_pairs(world, world.space.pairs_of(state))
     names = [
         to_ascii(action_name(world, int(world.space.pair_action[pair]), look.glyphs), look.glyphs)
@@ -69,9 +69,9 @@ def action_lines(world: World, curves: OptimalValueCurves, state: int, look: Loo
 
 
 def ranked(lines: Sequence[ActionLine]) -> list[ActionLine]:
-    """Return ``lines`` rescaled at each γ: best action 1, worst 0.
+    """Rescale at each γ: best action 1, worst 0, gaps if all are equal.
 
-    This shows crossings of close values. Gaps mean that all are equal.
+    This shows crossings of close values.
     """
     values = np.array([line.values for line in lines])
     low, high = values.min(axis=0), values.max(axis=0)
@@ -90,10 +90,7 @@ def draw_values(
     width: int,
     height: int,
 ) -> list[Strip]:
-    """Return strips with ``lines`` over ``gammas`` [G] and ``flips``.
-
-    Flips in ``state`` are marked on its lines. The current ``gamma`` and the ``chosen`` flip are highlighted.
-    """
+    """Draw ``lines`` over ``gammas`` [G]. Flips in ``state`` are marked on its lines."""
     canvas = Canvas(width, height, look.palette.text)
     if width < LEAST_WIDTH or height < LEAST_HEIGHT or not lines:
         return canvas.strips()
@@ -147,12 +144,12 @@ def _draw_marks(
 
 
 def flip_sign(flip: Flip, look: Look) -> str:
-    """Return the sign of ``flip``, also for the slider."""
+    """Return a flip's sign."""
     return look.glyphs.flip if flip.turns_the_way else look.glyphs.side_flip
 
 
 def flip_style(flip: Flip, look: Look) -> Style:
-    """Return the style of ``flip``, brighter on the optimal path."""
+    """Return a flip's style, brighter on the optimal path."""
     return look.palette.best if flip.turns_the_way else look.palette.dim
 
 

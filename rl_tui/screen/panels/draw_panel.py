@@ -1,4 +1,4 @@
-"""The panel of the world editor: tools with their keys, and sliders."""
+"""The world editor's tools and sliders."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rl_tui.worlds.drawing import CellKind
 
 
 class Sign(NamedTuple):
-    """The look of a brush: the kind of cell it paints, and its character."""
+    """A brush's kind of cell and character."""
 
     kind: CellKind
     character: Callable[[Glyphs], str]
@@ -34,9 +34,8 @@ class Sign(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ToolCell:
-    """One tool: its ``id``, key, a ``word`` for its effect, and the ``sign`` of a brush.
-
-    ``is_on``: current. ``refused``: why it cannot be used now.
+    """One tool, with a ``word`` for its effect and the ``sign`` of a brush. ``refused``: why it is
+    unavailable.
     """
 
     id: str
@@ -49,7 +48,7 @@ class ToolCell:
 
 @dataclass(frozen=True, slots=True)
 class SheetLine:
-    """A line that can be chosen: an outcome of a state."""
+    """An outcome to choose."""
 
     text: str
     number: int
@@ -58,7 +57,7 @@ class SheetLine:
 
 @dataclass(frozen=True, slots=True)
 class WorldNumber:
-    """A number of the world with a slider, in half a row if ``is_short``."""
+    """A number with a slider, in half a row if ``is_short``."""
 
     parameter: Parameter
     value: float
@@ -67,9 +66,8 @@ class WorldNumber:
 
 @dataclass(frozen=True, slots=True)
 class ToolSheet:
-    """The contents of the panel, from top to bottom.
-
-    ``about``: forms of sentences, longest first. ``of_number``: tools that change the first number.
+    """The contents of the panel. ``about``: forms of sentences. ``of_number``: tools that change the first
+    number.
     """
 
     in_hand: ToolCell | None = None
@@ -83,14 +81,14 @@ class ToolSheet:
 
 @dataclass
 class ToolPressed(Touched):
-    """The tool with this id was clicked in the panel."""
+    """The user clicked a tool."""
 
     tool: str
 
 
 @dataclass
 class LinePressed(Touched):
-    """The line with this number was clicked in the panel."""
+    """The user clicked a line."""
 
     line: int
 
@@ -105,7 +103,7 @@ _TWO_SLIDERS: Final = 44  # columns for two sliders in a row
 
 
 class ToolList(Widget):
-    """The rows of a sheet: current tool, sentences, lines, tools in columns."""
+    """Current tool, sentences, lines, and tools in columns."""
 
     def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
@@ -182,7 +180,6 @@ class ToolList(Widget):
             canvas.put(x + 2 + cell_len(key), 0, word, palette.text)
 
     def _put_sign(self, canvas: Canvas, x: int, cell: ToolCell, columns: int) -> int:
-        """Put a sign, and return its width with the blank after it."""
         palette, glyphs = self.look.palette, self.look.glyphs
         if cell.sign is not None:
             block = Style(color=palette.wall.bgcolor) if glyphs.name != "ascii" else Style.null()
@@ -198,7 +195,6 @@ class ToolList(Widget):
         return columns + 1
 
     def _cells_in(self, row: int) -> Sequence[ToolCell]:
-        """Return the tools of a row, ordered by column."""
         columns = len(_columns(self._sheet.cells, self.size.width, self.look.glyphs))
         return self._sheet.cells[row :: -(-len(self._sheet.cells) // columns)]
 
@@ -213,14 +209,13 @@ class ToolList(Widget):
 
 
 def _parts(sheet: ToolSheet, width: int, glyphs: Glyphs) -> list[tuple[str, int]]:
-    """Return the parts that have rows, with their number of rows."""
     cells = -(-len(sheet.cells) // len(_columns(sheet.cells, width, glyphs)))
     parts = (("about", len(sheet.about)), ("line", len(sheet.lines)), ("tools", cells))
     return [(kind, count) for kind, count in parts if count]
 
 
 def rows_of(sheet: ToolSheet, width: int, glyphs: Glyphs, *, is_roomy: bool) -> int:
-    """Return the rows of ``sheet`` without numbers and rest."""
+    """Count the rows without numbers and rest."""
     parts = _parts(sheet, width, glyphs)
     return sum(count for _, count in parts) + (len(parts) if is_roomy else 0)
 
@@ -233,7 +228,7 @@ class _Room(NamedTuple):
 
 
 def fitting(sheet: ToolSheet, width: int, height: int, sliders: int, glyphs: Glyphs) -> _Room:
-    """Return how ``sheet`` fits with ``sliders`` rows of sliders.
+    """Fit ``sheet`` above ``sliders`` rows of sliders.
 
     Dropped in order: blank rows, texts about the cell, sliders but one row, lines, tools of the number.
     """
@@ -252,7 +247,6 @@ def fitting(sheet: ToolSheet, width: int, height: int, sliders: int, glyphs: Gly
 
 
 def _in_view(lines: tuple[SheetLine, ...], most: int, glyphs: Glyphs) -> tuple[SheetLine, ...]:
-    """Return ``lines`` around the current one, and a count of the rest."""
     if len(lines) <= most:
         return lines
     on = next((number for number, each in enumerate(lines) if each.is_on), 0)
@@ -263,7 +257,6 @@ def _in_view(lines: tuple[SheetLine, ...], most: int, glyphs: Glyphs) -> tuple[S
 
 
 def _columns(cells: Sequence[ToolCell], width: int, glyphs: Glyphs) -> list[tuple[int, int]]:
-    """Return start and width of one or two columns."""
     # One blank before sign, key and word, none before a narrow sign
     sign = 0 if not _has_signs(cells) else 1 if _sign_columns(width) == 1 else _SIGN + 1
     half = -(-len(cells) // 2)
@@ -290,7 +283,7 @@ def _text(cell: ToolCell, glyphs: Glyphs) -> str:
 
 
 class ToolRow(Widget):
-    """A few tools in one row, as many as fit."""
+    """Tools in one row."""
 
     def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
@@ -334,7 +327,7 @@ class ToolRow(Widget):
 
 
 class DrawPanel(Container, BoardPanel):
-    """Tools of the world editor, and a slider for each number.
+    """Tools, and a slider for each number.
 
     The active mode sets the contents and receives clicks and changes as messages.
     """
@@ -348,7 +341,7 @@ class DrawPanel(Container, BoardPanel):
         self._rest = ToolRow(look)
 
     def compose(self) -> ComposeResult:
-        """Yield tools, sliders, and the row of other tools."""
+        """Yield tools, sliders, and other tools."""
         yield self._tools
         yield self._of_number
         yield Container(id="world-numbers")
@@ -376,12 +369,11 @@ class DrawPanel(Container, BoardPanel):
         return tuple(self.query(Slider))
 
     def on_resize(self) -> None:
-        """Fit everything to the new size."""
+        """Refit everything."""
         self._lay_out()
         self._write_border()
 
     def _lay_out(self) -> None:
-        """Divide the rows among the parts."""
         width, height = self.size
         if width < 1:
             return

@@ -1,4 +1,4 @@
-"""The figures of a many-seeds study as texts."""
+"""The figures of a many-seeds study."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class StudyFigure:
 
     @property
     def lower_is_better(self) -> bool:
-        """Whether lower is better."""
+        """True if lower is better."""
         return MEASURES[self.id].larger_is_better is False
 
 
@@ -53,7 +53,7 @@ FIGURES: Final = (WINNINGS, REGRET, BEST_ARM, LAST_100, GREEDY, RETURN)
 
 
 def may_count_again(study: SeedStudy | None) -> bool:
-    """Return whether the study is over or belongs to other runs."""
+    """Return whether the study is over or outdated."""
     if study is None:
         return False
     settled = (StudyState.STARTING, StudyState.RUNNING, StudyState.REFUSED)
@@ -61,13 +61,13 @@ def may_count_again(study: SeedStudy | None) -> bool:
 
 
 def last_100_of(study: SeedStudy) -> StudyFigure:
-    """Return the mean of the last 100 episodes, named by their number."""
+    """Return the figure of the last 100 episodes."""
     name = recent_name(RECENT if study.episodes is None else study.episodes)
     return replace(LAST_100, name=name, in_full=name)
 
 
 def until_of(study: SeedStudy, reached: Iterable[int]) -> str:
-    """Return `` to 500``, unless all runs have reached that last episode."""
+    """Return `` to 500`` unless all reached it."""
     is_bounded = study.episodes is not None and any(each != study.episodes for each in reached)
     return f" to {study.episodes:,}" if is_bounded else ""
 
@@ -99,7 +99,7 @@ def _lane_in_percent(lane: LaneStudy) -> LaneStudy:
 
 
 def shown_figures(study: SeedStudy, *, secret: bool) -> list[StudyFigure]:
-    """Return the figures that any run has, except hidden and redundant ones."""
+    """Return the figures, except hidden and redundant ones."""
     has = {name for lane in study.lanes for name in lane.estimates}
     are_all = study.episodes is not None and study.episodes <= RECENT and LAST_100.id in has
     return [
@@ -112,21 +112,18 @@ def shown_figures(study: SeedStudy, *, secret: bool) -> list[StudyFigure]:
 
 
 def estimates_of(figure: StudyFigure, lanes: Iterable[LaneStudy]) -> list[Estimate]:
-    """Return the estimates of ``figure``."""
+    """Return the known estimates."""
     return [lane.estimates[figure.id] for lane in lanes if figure.id in lane.estimates]
 
 
 def figure_decimals(figure: StudyFigure, study: SeedStudy) -> int:
-    """Return the decimals of all texts on ``figure``."""
+    """Return the decimals of a figure's texts."""
     pairs = [lane.differences[figure.id].mean for lane in study.lanes if figure.id in lane.differences]
     return decimals_of([*estimates_of(figure, study.lanes), *pairs])
 
 
 def decimals_of(found: Sequence[Estimate]) -> int:
-    """Return the decimals that the smallest error requires.
-
-    It has one digit, or two if the first is a 1.
-    """
+    """Return the smallest error's decimals: one digit, or two if the first is a 1."""
     errors = [each.stderr for each in found if each.stderr is not None and each.stderr > numbers.NEGLIGIBLE]
     if errors:
         return min(_MOST_DECIMALS, max(0, -math.floor(math.log10(min(errors) / 2.0))))
@@ -134,7 +131,7 @@ def decimals_of(found: Sequence[Estimate]) -> int:
 
 
 def figure_text(x: float | None, decimals: int, glyphs: Glyphs) -> str:
-    """Return ``x`` with ``decimals``: ``−47.1``, ``.82``, or a dash."""
+    """Write ``−47.1``, ``.82``, or a dash."""
     if x is None or not math.isfinite(x):
         return numbers.missing(glyphs)
     if abs(x) >= _LARGEST:
@@ -145,7 +142,7 @@ def figure_text(x: float | None, decimals: int, glyphs: Glyphs) -> str:
 
 
 def estimate_text(estimate: Estimate | None, decimals: int, glyphs: Glyphs) -> str:
-    """Return ``−47.1 ± .5``: mean and standard error."""
+    """Write ``−47.1 ± .5``: mean and standard error."""
     if estimate is None:
         return figure_text(None, decimals, glyphs)
     mean = figure_text(estimate.mean, decimals, glyphs)
@@ -153,7 +150,7 @@ def estimate_text(estimate: Estimate | None, decimals: int, glyphs: Glyphs) -> s
 
 
 def error_text(stderr: float, decimals: int, glyphs: Glyphs) -> str:
-    """Return a standard error, scientific if ``decimals`` are too few."""
+    """Write a standard error, scientific if ``decimals`` are too few."""
     if stderr < numbers.NEGLIGIBLE:
         return "0"
     text = figure_text(stderr, decimals, glyphs)
@@ -161,7 +158,7 @@ def error_text(stderr: float, decimals: int, glyphs: Glyphs) -> str:
 
 
 def deviation(figure: StudyFigure, lane: LaneStudy) -> tuple[float, float] | None:
-    """Return this seed's distance from the mean in standard deviations, and one deviation."""
+    """Return this seed's standard score, and one standard deviation."""
     estimate, own = lane.estimates.get(figure.id), lane.this_seed.get(figure.id)
     if estimate is None or estimate.stderr is None or own is None:
         return None
@@ -189,7 +186,7 @@ class Verdict:
 
 
 def verdict_of(figure: StudyFigure, difference: PairedDifference) -> Verdict | None:
-    """Return the verdict, or None for fewer than two seeds."""
+    """Compare two runs, from two seeds on."""
     mean, stderr, count = difference.mean.mean, difference.mean.stderr, difference.mean.count
     if stderr is None:
         return None

@@ -1,4 +1,4 @@
-"""Two runs side by side: order, titles, and differences."""
+"""Two runs side by side."""
 
 from __future__ import annotations
 
@@ -36,7 +36,6 @@ def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
 
     Raises:
         ValueError: There is no second run.
-
     """
     group, beside = snapshot.run_group, snapshot.beside
     if beside is None or group.beside is None:
@@ -50,7 +49,7 @@ def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
 class GreedyDifferences:
     """States in which two runs have different greedy actions, ties included.
 
-    Only states count that both runs have learned about. Two worlds are compared by matching cells or names.
+    Only states count that both have learned about. Two worlds are compared by matching cells or names.
     """
 
     states: frozenset[int]
@@ -65,7 +64,7 @@ class GreedyDifferences:
     """Whether the worlds could be compared."""
 
     def words(self, lane: Snapshot) -> tuple[str, ...]:
-        """Return forms of the count as a sentence."""
+        """Return the count as a sentence."""
         if not self.is_compared:
             return (
                 "other worlds: greedy actions are not compared",
@@ -86,7 +85,7 @@ class GreedyDifferences:
 
 
 class Differing(NamedTuple):
-    """States with other ``greedy`` actions, and with others ``drawn`` on the map."""
+    """States with other ``greedy`` and other ``drawn`` actions."""
 
     greedy: frozenset[int]
     drawn: frozenset[int]
@@ -95,7 +94,7 @@ class Differing(NamedTuple):
 def differing_states(
     left: Snapshot, right: Snapshot, differences: GreedyDifferences
 ) -> tuple[Differing, Differing]:
-    """Return the differing states for each run."""
+    """Return each run's differing states."""
     drawn = differences
     if studied_kind(left) is not None and studied_kind(right) is not None:
         drawn = greedy_differences(as_studied(left), as_studied(right))
@@ -105,10 +104,7 @@ def differing_states(
 def name_panels(
     panels: Iterable[BoardPanel], lane: Snapshot, differing: Differing, *, is_led: bool, look: Look
 ) -> None:
-    """Set titles and differences of ``lane`` on world and table.
-
-    ``is_led``: keys and sliders control this run.
-    """
+    """Title a run's panels. ``is_led``: keys and sliders control it."""
     number = f"{look.glyphs.cursor if is_led else ''}{lane.run_group.shown + 1}"
     for panel in panels:
         panel.is_led = not is_led
@@ -120,7 +116,7 @@ def name_panels(
 
 
 def stand_alone(panel: BoardPanel) -> None:
-    """Make ``panel`` the panel of a single run."""
+    """Make it the panel of a single run."""
     panel.is_led = False
     if isinstance(panel, WorldView):
         panel.lane, panel.results, panel.note, panel.differing = (), (), (), frozenset()
@@ -129,10 +125,7 @@ def stand_alone(panel: BoardPanel) -> None:
 
 
 def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
-    """Return titles for the world of ``lane``.
-
-    A program's settings are unknown and left out.
-    """
+    """Return titles, without a program's unknown settings."""
     if lane.program is not None:
         known = f" · {lane.agent.row.name}" if lane.agent.row is not OWN_PROGRAM else ""
         return f"{number} {name_of(lane.program)}{known}", f"{number} {name_of(lane.program)}"
@@ -150,7 +143,7 @@ def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
 
 
 def lane_results(lane: Snapshot, look: Look) -> tuple[Line, ...]:
-    """Return lines with greedy return, return and steps."""
+    """Return greedy return, return and steps."""
     results, palette = lane.results, look.palette
     own = palette.lanes[lane.run_group.shown % len(palette.lanes)]
     greedy = None if hides_greedy(lane) else results.greedy_return
@@ -171,7 +164,7 @@ def _brief(value: float, look: Look) -> str:
 
 
 def greedy_differences(left: Snapshot, right: Snapshot) -> GreedyDifferences:
-    """Return where greedy actions differ."""
+    """Find the states with other greedy actions."""
     if not are_alike(left.world, right.world):
         return _differences_of_worlds(left, right)
     space = left.world.space

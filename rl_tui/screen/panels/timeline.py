@@ -1,4 +1,4 @@
-"""The timeline: a row with event marks and a handle."""
+"""A row with event marks and a handle."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _CELLS_APART: Final = 3  # at least, so that they do not look like a comb
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """The ``columns`` from ``start`` on that show ``axis``, until step ``end``."""
+    """The columns that show ``axis``, until step ``end``."""
 
     start: int
     columns: int
@@ -52,26 +52,26 @@ class Track:
 
     @property
     def cells(self) -> int:
-        """The columns that the branch covers."""
+        """The columns of the branch."""
         return min(self.columns, self.column_of(self.axis.episode_of(self.end)) + 1)
 
     def column_of(self, episode: float) -> int:
-        """Return the column of a number of episodes."""
+        """Return the column after so many episodes."""
         return min(self.columns - 1, int(episode / self.axis.right * self.columns))
 
     def cells_of(self, steps: IntArray) -> IntArray:
-        """Return the cell of each of ``steps``. The last is for the end only."""
+        """Return each step's cell, the last for the end."""
         last = self.cells - 1
         places = np.interp(steps, self.axis.step, self.axis.episode) / self.axis.right * self.columns
         before_end = np.minimum(places.astype(np.int64), max(0, last - 1))
         return np.where(steps >= self.end, last, before_end)
 
     def cell_of(self, step: int) -> int:
-        """Return the cell of ``step``."""
+        """Return the step's cell."""
         return int(self.cells_of(np.array([step]))[0])
 
     def step_at(self, cell: int) -> int:
-        """Return the step in the middle of ``cell``, or the end."""
+        """Return the middle of ``cell``, or the end."""
         last = self.cells - 1
         if cell >= last:
             return self.end
@@ -88,25 +88,25 @@ class TimelineState:
 
     @property
     def unit(self) -> str:
-        """The short name of the unit of the axis."""
+        """The axis's unit, shortened."""
         is_bandit = isinstance(self.snapshot.world.drawing, Arms)
         return "sweep" if self.snapshot.agent.row.planner else "pull" if is_bandit else "ep"
 
     @property
     def known(self) -> Furthest:
-        """The furthest known state of the branch."""
+        """The branch's furthest known state."""
         here = Furthest(self.snapshot.counters, self.snapshot.results)
         return (self.snapshot.timeline.in_past and self.snapshot.timeline.furthest) or here
 
 
 def track_of(snapshot: Snapshot, look: Look, width: int) -> Track:
-    """Return the track, with the columns of the curve."""
+    """Return the track, with the curve's columns."""
     columns = plot_columns(snapshot, look, width)
     return Track(columns.left, columns.columns, episode_axis(snapshot), snapshot.timeline.current.end)
 
 
 def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
-    """Return the row."""
+    """Draw the row."""
     palette, timeline = look.palette, state.snapshot.timeline
     canvas = Canvas(width, 1, palette.text)
     if timeline.current.end == 0:
@@ -176,7 +176,7 @@ def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[st
 
 
 def event_notes(snapshot: Snapshot, look: Look, width: int) -> tuple[str, ...]:
-    """Return forms of the meaning of the marks on the row of this ``width``."""
+    """Return the meaning of the marks."""
     if not snapshot.timeline.current.end:
         return ()
     state = TimelineState(snapshot, snapshot.timeline.current.here)
@@ -197,7 +197,7 @@ def _cells(branch: Branch, kind: type | UnionType, track: Track) -> set[int]:
 
 
 def first_reward(curve: Curve) -> float | None:
-    """Return the episodes before the first reward, or None."""
+    """Return the episodes before the first reward."""
     rewarded = np.flatnonzero(curve.return_high > NEGLIGIBLE)
     if not len(rewarded) or curve.return_low.min() < -NEGLIGIBLE:
         return None
@@ -231,7 +231,7 @@ HINTS: Final = (
 
 
 class TimelineBar(Draggable, Panel, can_focus=True):
-    """The current branch, with a handle for other moments."""
+    """The current branch, with a handle."""
 
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -247,7 +247,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     @dataclass
     class Sought(Message):
-        """The user wants to see the moment after ``step`` steps."""
+        """The user wants the moment after ``step``."""
 
         step: int
 
@@ -265,11 +265,11 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     @property
     def at(self) -> int:
-        """The step of the handle."""
+        """The handle's step."""
         return self._at(self._timeline)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the row, padded with blank ones."""
+        """Draw the row, padded with blank ones."""
         rows = [Strip.blank(width, self.look.palette.text)] * height
         if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
             return rows
@@ -279,7 +279,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
     # Keys
 
     def action_move(self, distance: str, direction: int) -> None:
-        """Move the handle by a ``step``, a ``cell`` or a ``tenth``."""
+        """Move by ``step``, ``cell`` or ``tenth``."""
         track, at = self._track, self.at
         if track is None:
             return
@@ -290,7 +290,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
             self._seek(at + direction * (1 if distance == "step" else max(1, round(track.end / 10))))
 
     def action_end(self, last: bool) -> None:
-        """Go to the first or the last step."""
+        """Go to the first or last step."""
         self._seek(self._timeline.current.end if last else 0)
 
     def watch_has_focus(self, has_focus: bool) -> None:
@@ -301,7 +301,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
     # Mouse
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Move the handle to the pointer and hold it."""
+        """Take and hold the handle."""
         offset, track = event.get_content_offset(self), self._track
         if event.button != 1 or offset is None or track is None or offset.x < track.start:
             return

@@ -1,4 +1,4 @@
-"""The choice of the view that draws a world."""
+"""The choice of a world's view."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _VIEWS: Final[dict[type[Drawing], type[WorldView]]] = {Grid: GridView, Graph: Gr
 
 
 def make_world_view(world: World, look: Look, **options: Any) -> WorldView:
-    """Return the view for the drawing of ``world``."""
+    """Return the view for a world's drawing."""
     return _VIEWS[type(world.drawing)](world, look, **options)
 
 
 class WorldPlaceholder(Static, BoardPanel):
-    """Replaces the view until the first snapshot shows its kind."""
+    """Replaces the view until the first snapshot."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(f"preparing {look.glyphs.ellipsis}", id=id, classes=classes)

@@ -24,7 +24,7 @@ _ONCE_LEARNED: Final = frozenset({TABLE, LAST_STEP})
 def panels_in_view(
     lesson: LessonRecord | None, so_far: frozenset[str] | None, *, shows_all: bool
 ) -> frozenset[str] | None:
-    """Return the ids of the panels in view (None for all)."""
+    """Return the panels in view (None: all)."""
     if shows_all:
         return None
     return so_far if lesson is None else lesson.lesson.panels_of(lesson.page)
@@ -32,24 +32,24 @@ def panels_in_view(
 
 @dataclass(eq=False)
 class Disclosure(Subject):
-    """The panels ``so_far`` in view (None: all), and more as they get a meaning."""
+    """The panels ``so_far`` (None: all), and more as they get a meaning."""
 
     so_far: frozenset[str] | None
     is_gradual: bool
 
     @property
     def in_view(self) -> frozenset[str] | None:
-        """The ids of the panels in view, None for all."""
+        """The panels in view, None for all."""
         shows_all = self.board.legends.shows_all_panels
         return panels_in_view(self.link.wanted.lesson, self.so_far, shows_all=shows_all)
 
     @property
     def hides_some(self) -> bool:
-        """True if a panel that usually is in view is not."""
+        """True if a usual panel is hidden."""
         return self.in_view is not None and not self.in_view >= _LATER
 
     def follow(self, snapshot: Snapshot) -> None:
-        """Add the panels that have a meaning in ``snapshot``."""
+        """Add panels that have a meaning in ``snapshot``."""
         if self.is_gradual and self.so_far is not None:
             self.so_far |= self._meaningful(snapshot, self.so_far)
         self.board.reshape(shown=self.in_view)
@@ -74,7 +74,7 @@ class Disclosure(Subject):
             self.board.reshape(shown=self.in_view)
 
     def turn(self) -> None:
-        """Switch between all panels and those with a meaning so far."""
+        """Switch between all panels and meaningful ones."""
         self.board.legends.turn_panels()
         is_all = self.board.legends.shows_all_panels
         self.screen.tell(
@@ -84,7 +84,7 @@ class Disclosure(Subject):
         self.board.post_message(self.board.Toggled())
 
     def why_not(self, deed: str) -> str:
-        """Return why no panel is left out."""
+        """Explain why no panel is left out."""
         is_all = self.in_view is None and not self.board.legends.shows_all_panels
         return "all panels are in view" if is_all else ""
 

@@ -1,1 +1,1 @@
-"""The layer between Textual and the terminal: input, output and their speed."""
+"""The layer between Textual and the terminal."""

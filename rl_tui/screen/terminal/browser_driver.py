@@ -1,4 +1,4 @@
-"""The driver of an app in a browser."""
+"""The driver for a browser."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class BrowserDriver(WebDriver):
         self._write = self._write_whole  # type: ignore[assignment]
 
     def start_application_mode(self) -> None:
-        """Start, and colour the background of the browser's terminal."""
+        """Start, and colour the browser's terminal."""
         super().start_application_mode()
         self._app.theme_changed_signal.subscribe(self._app, self._tint)
         self._tint(self._app.current_theme)
@@ -53,7 +53,7 @@ class BrowserDriver(WebDriver):
         self.write(f"\x1b]11;{background.hex6.lower()}\x07" if background.ansi is None else "\x1b]111\x07")
 
     def run_input_thread(self) -> None:
-        """Read from the browser until the app ends or the pipe closes."""
+        """Read until the app ends or the pipe closes."""
         if not hasattr(self, "_input_reader"):
             return super().run_input_thread()
         parser, stream = InputParser(debug=self._debug), ByteStream()
@@ -81,12 +81,12 @@ class BrowserDriver(WebDriver):
             self.process_message(message)
 
     def process_message(self, message: Message) -> None:
-        """Hand on input of the browser's terminal."""
+        """Hand on the terminal's input."""
         self._wait_for_app()
         super().process_message(message)
 
     def on_meta(self, packet_type: str, payload: dict[str, object]) -> None:
-        """Hand on messages of the server about the browser."""
+        """Hand on the server's messages."""
         self._wait_for_app()
         super().on_meta(packet_type, payload)
 

@@ -1,4 +1,4 @@
-"""The choice of the driver between app and terminal."""
+"""The choice of the driver."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _LONGEST_SHOWN: Final = 60
 
 
 def in_browser() -> bool:
-    """Return True if this process is served to a browser, maybe for others."""
+    """Return whether a browser shows this process, maybe to others."""
     return os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER
 
 
 def driver_class() -> type[Driver] | None:
-    """Return our driver for a Unix terminal or a browser, or None for Textual's choice.
+    """Return our driver for a Unix terminal or browser, or None for Textual's choice.
 
     Raises:
         UserError: ``TEXTUAL_DRIVER`` does not name a driver.

@@ -23,14 +23,14 @@ _COLOURS: Final = 4  # characters around the colours of a pen
 
 
 def move_to(x: int, y: int) -> str:
-    """Return the sequence that moves the cursor to ``x``, ``y`` (from 0)."""
+    """Move the cursor to ``x``, ``y`` (from 0)."""
     if x:
         return f"\x1b[{y + 1};{x + 1}H"
     return f"\x1b[{y + 1}H" if y else "\x1b[H"
 
 
 class _Run(NamedTuple):
-    """Columns of line ``y`` for one pen, or the rest of the line if it ``erases``."""
+    """Columns for one pen, or the rest of the line if it ``erases``."""
 
     y: int
     line: Line
@@ -39,7 +39,7 @@ class _Run(NamedTuple):
 
 
 class Encoder:
-    """An encoder of changed lines for a terminal that does not wrap lines."""
+    """Encodes changed lines for a terminal without wrapping."""
 
     def __init__(self, pens: Pens, cutter: Cutter) -> None:
         self._pens = pens
@@ -97,7 +97,7 @@ class Encoder:
         return "".join(written)
 
     def _way(self, at: int, x: int, line: Line, pen: Pen) -> str:
-        """Return the shortest way to column ``x``, which may write cells again."""
+        """Return the shortest way to column ``x``. It may write cells again."""
         step = f"\x1b[{x - at}C" if x - at > 1 else "\x1b[C"
         if x - at <= len(step):
             between = "".join(line.cells[at:x])
@@ -117,7 +117,7 @@ class Encoder:
 
 
 def _pens_of(line: Line, columns: list[int], pen: Pen) -> list[Pen]:
-    """Return the pen for each of ``columns``. Blanks may take any that looks the same."""
+    """Return each column's pen. Blanks may take any that looks the same."""
     pens = []
     for number, x in enumerate(columns):
         wanted = line.pens[x]
@@ -130,7 +130,7 @@ def _pens_of(line: Line, columns: list[int], pen: Pen) -> list[Pen]:
 
 
 def _pen_ahead(line: Line, columns: list[int], number: int) -> Pen:
-    """Return the pen of the next character if the blank looks the same with it."""
+    """Return the next character's pen if the blank looks the same with it."""
     blank = line.pens[columns[number]].blank
     x = columns[number]
     for other in columns[number:]:

@@ -39,7 +39,7 @@ _UNFINISHED: Final = re.compile(
 
 
 class InputParser:
-    """A parser from text to messages, which cuts pastes after ``most`` characters."""
+    """Parses text, and cuts pastes after ``most`` characters."""
 
     def __init__(
         self, *, debug: bool = False, most: int = MOST_PASTED, clock: Callable[[], float] = monotonic
@@ -53,7 +53,7 @@ class InputParser:
         self._room = 0
 
     def feed(self, text: str) -> list[Message]:
-        """Return the messages of the unfinished text and ``text``."""
+        """Return the messages of unfinished and new text."""
         text, self._rest = self._rest + text, ""
         self._since = self._clock()
         messages: list[Message] = []
@@ -62,7 +62,7 @@ class InputParser:
         return messages
 
     def tick(self) -> list[Message]:
-        """Return the unfinished text as keys if nothing has followed for a while."""
+        """Return unfinished text as keys if nothing has followed."""
         if not self._rest or self._pasted is not None or self._clock() - self._since < ESCAPE_DELAY:
             return []
         rest, self._rest = self._rest, ""
@@ -70,7 +70,6 @@ class InputParser:
         return list(self._keys(rest)) if is_typed else []
 
     def _type(self, text: str, messages: list[Message]) -> str:
-        """Add the keys of ``text`` up to a paste. Return the rest."""
         text, pastes, left = text.partition(_PASTE_BEGINS)
         if pastes:
             self._pasted, self._room = [], self._most
@@ -81,7 +80,6 @@ class InputParser:
         return left
 
     def _paste(self, text: str, messages: list[Message]) -> str:
-        """Collect ``text`` up to the end of the paste. Return the rest."""
         assert self._pasted is not None
         text, ends, left = text.partition(_PASTE_ENDS)
         if not ends:
@@ -126,6 +124,6 @@ class _Sequences(XTermParser):
 
 
 def _beginning_of_end(text: str) -> str:
-    """Return the end of ``text`` that may start the end of a paste, or ""."""
+    """Return the end of ``text`` that may start the end of a paste."""
     at = text.rfind(_ESCAPE, -len(_PASTE_ENDS))
     return text[at:] if at >= 0 and _PASTE_ENDS.startswith(text[at:]) else ""

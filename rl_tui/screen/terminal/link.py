@@ -34,7 +34,7 @@ class _Frame(NamedTuple):
 
 
 class Link:
-    """The state of the link, which decides when the next frame may be sent.
+    """Decides when the next frame may be sent.
 
     A terminal that has never answered gets frames without any wait.
     """
@@ -57,7 +57,7 @@ class Link:
 
     @property
     def wait(self) -> float:
-        """Seconds until a frame may be sent without an answer."""
+        """The seconds to wait without an answer."""
         if self.is_idle:
             return 0.0
         size = sum(frame.size for frame in self._under_way)
@@ -76,22 +76,22 @@ class Link:
 
     @property
     def room(self) -> float:
-        """The most bytes of the next frame, so that keys do not wait long."""
+        """The next frame's most bytes, so that keys do not wait long."""
         if not self._seconds_a_byte:
             return inf
         return max(_LEAST_ROOM, _LONGEST_FRAME / self._seconds_a_byte)
 
     @property
     def is_slow(self) -> bool:
-        """True if a screen full of text takes noticeable time."""
+        """True if a full screen takes noticeable time."""
         return self._seconds_a_byte > 1.0 / _SLOW
 
     def hurry(self) -> None:
-        """Shorten the wait for the next frame, because a key was pressed."""
+        """Shorten the wait after a key press."""
         self._hurries = True
 
     def send(self, size: int, width: int) -> int | None:
-        """Record a frame of ``size`` bytes to a terminal of ``width`` columns.
+        """Record a frame of ``size`` bytes to ``width`` columns.
 
         Returns the column (from 0) in which to ask for the cursor, or None.
         """
@@ -110,7 +110,7 @@ class Link:
         return self._number
 
     def answer(self, column: int, line: int) -> bool:
-        """Take a cursor position (from 0). Return False if it was not asked for."""
+        """Take a cursor position (from 0), returning False if unasked."""
         if line != ANSWER_LINE or column not in [frame.column for frame in self._under_way]:
             return False
         size = 0

@@ -1,4 +1,4 @@
-"""Sends the drawing frame by frame: all changes since the last frame arrived."""
+"""Sends the drawing frame by frame: all changes since the last one arrived."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LONGEST_FAREWELL: Final = 2.0  # seconds to wait for the last answer
 
 
 class Output:
-    """A drawing on a terminal with the colours of ``system``, which needs a running event loop."""
+    """A drawing on a terminal, which needs a running event loop."""
 
     def __init__(
         self,
@@ -54,12 +54,12 @@ class Output:
         return not (self.link.is_slow or self.buffer.is_touched)
 
     def write_beside(self, x: int, y: int, words: str) -> None:
-        """Write ``words`` at ``x``, ``y``, outside the drawing, instead of earlier ones."""
+        """Write outside the drawing, instead of earlier ``words``."""
         self._erases = bool(words or self._beside)
         self._beside = f"{move_to(x, y)}{words}" if words else ""
 
     def resize(self, width: int, height: int) -> None:
-        """Start again on an unknown terminal of ``width`` × ``height``, but wait for :meth:`wake`."""
+        """Start again on an unknown terminal, but wait for :meth:`wake`."""
         self._rests = True
         if (width, height) == (self.buffer.width, self.buffer.height):
             self.buffer.forget()
@@ -72,7 +72,7 @@ class Output:
         self._rests = True
 
     def wake(self) -> None:
-        """Send everything drawn since the resize, and go on sending."""
+        """Send everything since the resize, and go on."""
         self._rests = False
         self.send()
 
@@ -82,7 +82,7 @@ class Output:
         self.send()
 
     def send(self) -> None:
-        """Send the changes, now or when the last frame has arrived."""
+        """Send the changes, now or after the last frame."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -97,14 +97,14 @@ class Output:
                 self._write(self._framed(text + self._beside))
 
     def answer(self, column: int, line: int) -> None:
-        """Take the cursor position (from 0) that the terminal has answered."""
+        """Take the terminal's cursor position (from 0)."""
         if self.link.answer(column, line):
             self.send()
             self._arrived.set()
             self._arrived = asyncio.Event()
 
     async def arrived(self) -> None:
-        """Wait until the terminal shows everything drawn, or has not answered in time."""
+        """Wait until the terminal shows everything, or has not answered in time."""
         self.send()
         while (wait := self._wait) > 0.0:
             await self._answered(wait)
@@ -120,7 +120,7 @@ class Output:
 
     @property
     def _wait(self) -> float:
-        """Seconds until sending or checking again, if no answer comes."""
+        """The seconds until sending or checking again, if no answer comes."""
         wait = self.link.wait
         return wait if wait > 0.0 or not self._waiting() else _LOOK_AGAIN
 

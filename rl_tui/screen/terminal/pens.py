@@ -1,4 +1,4 @@
-"""Pens for the styles of cells, and changes between pens."""
+"""Pens for the styles of cells."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Pen:
 
 
 class Pens:
-    """The pens of a terminal with the colours of ``system``."""
+    """The pens of a terminal."""
 
     def __init__(self, system: ColorSystem) -> None:
         self._system = system
@@ -50,7 +50,7 @@ class Pens:
         self.plain = self._pen(0, "", "")
 
     def of(self, style: Style | None) -> Pen:
-        """Return the pen for ``style``, without its link."""
+        """Return a style's pen, without its link."""
         pen = self._of_style.get(style)
         if pen is None:
             if len(self._of_style) > MOST_KEPT:  # fading colours make ever new styles
@@ -59,7 +59,7 @@ class Pens:
         return pen
 
     def change(self, before: Pen, after: Pen) -> str:
-        """Return the shortest sequence that changes the pen from ``before`` to ``after``."""
+        """Return the shortest change of pens."""
         if before is after:
             return ""
         change = self._changes.get((before, after))

@@ -1,4 +1,4 @@
-"""The wanted contents of the screen, and those last sent to the terminal."""
+"""The screen's contents, wanted and last sent."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ UNKNOWN = "\0"  # contents of a cell that are not known
 
 
 class Cutter:
-    """A cutter of texts into cells: a character with its combining ones, then "" if it is wide."""
+    """Cuts texts into cells: a character with its combining ones, then "" if it is wide."""
 
     def __init__(self) -> None:
         self.narrow = {chr(code) for code in range(0x20, 0x7F)}
         """Characters that are known to fill one cell in every terminal."""
 
     def cells(self, text: str) -> list[str]:
-        """Return the cells of ``text``, without control characters, which would control the terminal."""
+        """Return the cells, without control characters, which would control the terminal."""
         cells: list[str] = []
         text = "".join(character for character in text if category(character) != "Cc")
         for start, end, width in split_graphemes(text)[0]:
@@ -47,7 +47,7 @@ class Line:
         self.pens = [pen] * width
 
     def copy_from(self, other: Line) -> None:
-        """Copy the cells of ``other``."""
+        """Copy another line's cells."""
         self.cells[:] = other.cells
         self.pens[:] = other.pens
 
@@ -67,27 +67,27 @@ class ScreenBuffer:
 
     @property
     def height(self) -> int:
-        """Lines of the screen."""
+        """The number of lines."""
         return len(self._wanted)
 
     @property
     def is_touched(self) -> bool:
-        """True if something was drawn since the last sending, even without a change."""
+        """True if something was drawn since, even without a change."""
         return bool(self._touched)
 
     def resize(self, width: int, height: int) -> None:
-        """Start with an empty screen of ``width`` × ``height`` and unknown contents."""
+        """Start empty, with unknown contents."""
         self.width = width
         self._wanted = [Line(width, self._pens.plain) for _ in range(height)]
         self.forget()
 
     def forget(self) -> None:
-        """Treat the contents of the terminal as unknown."""
+        """Treat the terminal's contents as unknown."""
         self._sent = [Line(self.width, self._pens.plain) for _ in self._wanted]
         self._touched = set(range(len(self._wanted)))
 
     def put(self, x: int, y: int, segments: Iterable[Segment]) -> None:
-        """Draw ``segments`` from column ``x`` of line ``y`` on, clipped at the edges."""
+        """Draw ``segments``, clipped at the edges."""
         if not 0 <= y < len(self._wanted) or not 0 <= x < self.width:
             return
         line = self._wanted[y]

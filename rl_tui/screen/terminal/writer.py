@@ -1,4 +1,4 @@
-"""Output on its way to the terminal, which never blocks the program."""
+"""Output to the terminal, which never blocks the program."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _PATIENCE: Final = 1.0  # seconds without progress until a farewell is given up
 
 
 class TerminalWriter:
-    """A thread that writes to the file descriptor of a terminal.
+    """A thread that writes to a terminal's file descriptor.
 
-    ``on_lost`` is called once from that thread when writing has become impossible.
+    It calls ``on_lost`` once when writing has become impossible.
     """
 
     def __init__(self, fileno: int, on_lost: Callable[[], None]) -> None:
@@ -51,7 +51,7 @@ class TerminalWriter:
             self._changed.notify_all()
 
     def drain(self, seconds: float) -> bool:
-        """Wait up to ``seconds`` while bytes leave. Return True if all are written."""
+        """Wait up to ``seconds``, and return whether all are written."""
         deadline = monotonic() + seconds
         before = -1
         with self._changed:
@@ -64,7 +64,7 @@ class TerminalWriter:
             return not self._lost
 
     def close(self, seconds: float) -> None:
-        """Write for up to ``seconds``, then end the thread if possible."""
+        """Write for ``seconds``, then end the thread if possible."""
         drained = self.drain(seconds)
         with self._changed:
             self._closing = True

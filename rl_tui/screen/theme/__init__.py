@@ -1,1 +1,1 @@
-"""Colours by colour depth, and sets of characters."""
+"""Colours by depth, and sets of characters."""

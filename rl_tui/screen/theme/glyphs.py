@@ -1,4 +1,4 @@
-"""The two sets of characters for drawing, and the choice between them."""
+"""The two sets of characters for drawing."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class Glyphs:
     braille: bool = _in(True, False)  # curves in braille dots; otherwise in . : ' and *
 
     def direction(self, step: tuple[int, int]) -> str:
-        """Return the arrow for a step (rows down, columns right), or the sign for staying."""
+        """Return the sign of a step (rows down, columns right) or stay."""
         rows, columns = step
         if rows and columns:
             return self.diagonals[2 * (rows > 0) + (columns > 0)]
@@ -124,7 +124,7 @@ _PUT_THERE_BY_PYTHON: Final = "C.UTF-8"
 
 
 def encoding_of(environ: Mapping[str, str], encoding: str | None, *, utf8_mode: bool) -> str | None:
-    """Return the encoding that the locale names, else ``encoding``, that of Python's output.
+    """Return the locale's encoding, else ``encoding``, that of Python's output.
 
     In the locales C and POSIX the answer is ASCII, although Python writes UTF-8 there (``utf8_mode``).
     """

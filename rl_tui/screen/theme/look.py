@@ -1,4 +1,4 @@
-"""The look of a screen: characters and colours, chosen once from the terminal and the theme.
+"""The look of a screen, chosen once from the terminal and the theme.
 
 Textual rounds RGB to the colours of the terminal. Two facts matter:
 
@@ -40,13 +40,13 @@ _PALETTES: Final[Mapping[Depth, tuple[Palette, Palette]]] = {  # light, dark
 
 
 def palette_for(depth: Depth, dark: bool) -> Palette:
-    """Return the palette of ``depth`` for a ``dark`` or a light background."""
+    """Return the palette for the background."""
     return _PALETTES[depth][dark]
 
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """Characters and colours, given to every drawing widget."""
+    """Characters and colours of every widget."""
 
     glyphs: Glyphs
     palette: Palette
@@ -72,13 +72,13 @@ def choose_look(
     environ: Mapping[str, str],
     encoding: str | None,
 ) -> Look:
-    """Return the look for a terminal of this environment and output ``encoding``."""
+    """Return the look for a terminal's environment and ``encoding``."""
     glyphs = ASCII if ascii or not can_encode(encoding) else UNICODE
     return Look(glyphs, palette_for(depth_of(colors, environ), dark))
 
 
 def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Depth:
-    """Return the colour depth asked for, else the environment's. OpenSSH does not pass COLORTERM."""
+    """Return the depth asked for, else the environment's. OpenSSH does not pass COLORTERM."""
     if colors != "auto":
         return colors
     term = environ.get("TERM", "").lower()
@@ -92,7 +92,7 @@ def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Dep
 
 
 def can_encode(encoding: str | None) -> bool:
-    """Return True if ``encoding`` can write every character of the Unicode set."""
+    """Return whether all Unicode glyphs can be written."""
     try:
         "".join(str(getattr(UNICODE, each.name)) for each in fields(UNICODE)).encode(encoding or "ascii")
     except (UnicodeEncodeError, LookupError):
@@ -101,13 +101,13 @@ def can_encode(encoding: str | None) -> bool:
 
 
 def is_native(depth: Depth) -> bool:
-    """Return True if an app of ``depth`` needs ``ansi_color=True``."""
+    """Return whether an app needs ``ansi_color=True``."""
     return depth in ("16", "none")
 
 
 @contextmanager
 def environment_for(depth: Depth) -> Iterator[None]:
-    """Set the environment to ``depth`` while an App is made."""
+    """Set the environment while an App is made."""
     term, colorterm = _TERM_OF[depth]
     wanted = {"TERM": term, "COLORTERM": colorterm, "NO_COLOR": "1" if depth == "none" else None}
     before = {name: os.environ.get(name) for name in wanted}

@@ -1,4 +1,4 @@
-"""The palettes of each colour depth, for a dark and a light background."""
+"""The palettes, dark and light."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Themes for borders, lists and boxes, per colour depth. Scroll bars."""
+"""Themes and scroll bars."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ PICTURE_LIGHT: Final = TerminalTheme((255, 255, 255), (0, 0, 0), [*_NORMAL], [*_
 
 
 def themes_for(depth: Depth, *, picture: bool = False) -> tuple[Theme, Theme]:
-    """Return the dark and the light theme of ``depth``, in RGB for a ``picture``."""
+    """Return the dark and light theme, in RGB for a ``picture``."""
     known = {"truecolor": (DARK, LIGHT), "256": (DARK_256, LIGHT_256)}
     if picture and depth not in known:
         return _in_rgb(DARK_16, PICTURE_DARK), _in_rgb(LIGHT_16, PICTURE_LIGHT)
@@ -125,12 +125,12 @@ def _in_rgb(theme: Theme, terminal: TerminalTheme) -> Theme:
 
 
 class PlainScrollBar(ScrollBarRender):
-    """A scroll bar of whole cells, so that it needs only background colours."""
+    """A scroll bar of background colours only."""
 
     VERTICAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.VERTICAL_BARS)
     HORIZONTAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.HORIZONTAL_BARS)
 
 
 def use_scroll_bars(*, ascii_only: bool) -> None:
-    """Make all scroll bars keep to ASCII, or not."""
+    """Draw all scroll bars in ASCII, or not."""
     ScrollBar.renderer = PlainScrollBar if ascii_only else ScrollBarRender

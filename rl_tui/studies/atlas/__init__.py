@@ -1,1 +1,1 @@
-"""The settings map: results of all combinations of two settings, computed while it is viewed."""
+"""The settings map: results of all combinations of two settings."""

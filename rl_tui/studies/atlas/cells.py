@@ -14,7 +14,7 @@ Places = tuple[int, ...]
 
 @dataclass(frozen=True)
 class CellGrid:
-    """The cells of all combinations of `variations`. The last setting varies fastest in their numbers."""
+    """The cells of all combinations of `variations`. The last setting varies fastest."""
 
     variations: tuple[Variation, ...]
 
@@ -44,14 +44,14 @@ class CellGrid:
         return tuple(reversed(found))
 
     def settings(self, index: int) -> dict[str, Value]:
-        """Return the value of each setting in cell `index` by name."""
+        """Return the settings of cell `index` by name."""
         return {
             each.name: each.value(place)
             for each, place in zip(self.variations, self.places(index), strict=True)
         }
 
     def moved(self, index: int, steps: Mapping[int, int]) -> int:
-        """Return the cell that is `steps` further on each axis, or at its end."""
+        """Return the cell `steps` further on each axis, or at its end."""
         places = list(self.places(index))
         for axis, step in steps.items():
             places[axis] = max(0, min(self.counts[axis] - 1, places[axis] + step))

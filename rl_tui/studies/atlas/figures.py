@@ -1,4 +1,4 @@
-"""The results of a settings map so far, and the cells tied with the best."""
+"""The results of a settings map."""
 
 from __future__ import annotations
 
@@ -27,16 +27,13 @@ class AtlasCell:
     runs: int
     """Number of runs, including failed ones."""
     failed: int = 0
-    """Number of failed runs."""
     figures: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """For each metric id the numbers in a sweep document: mean, median, low, high, count, …."""
     failure: str = ""
     """Why the first failed run broke down."""
 
     def value(self, measure: Measure) -> float | None:
-        """Return the mean of `measure`, or None without a value. If some runs never arrive, it is the mean
-        of min(arrival, end of training).
-        """
+        """Return the mean of `measure` (restricted if some runs never arrive), or None."""
         figures = self.figures.get(measure.id, {})
         found = figures.get("restricted_mean" if measure.may_never_arrive else "mean")
         return None if found is None else float(found)
@@ -47,18 +44,16 @@ class AtlasStandings:
     """Comparison of the cells by one metric."""
 
     best: int
-    """Number of the best cell."""
     alike: frozenset[int]
     """Cells statistically tied with the best, including itself."""
 
 
 @dataclass(frozen=True, slots=True)
 class Atlas:
-    """The results so far. Cells have their numbers in the plan: the last setting varies fastest."""
+    """The results so far, by the cells' numbers in the plan."""
 
     state: AtlasState = AtlasState.STARTING
     cells: Mapping[int, AtlasCell] = field(default_factory=dict)
-    """The cells with results."""
     impossible: Mapping[int, str] = field(default_factory=dict)
     """Reasons why the settings of a cell do not work together."""
     standings: Mapping[str, AtlasStandings] = field(default_factory=dict)
@@ -70,7 +65,6 @@ class Atlas:
     planned: int = 0
     """Rows in all."""
     steps: int = 0
-    """Steps taken."""
     message: str = ""
     """Reason for a failure or an early end in one line, usually empty."""
 

@@ -1,4 +1,4 @@
-"""The table of the figures of the book. It imports nothing heavy."""
+"""The table of the figures of the book, without heavy imports."""
 
 from __future__ import annotations
 
@@ -73,5 +73,5 @@ FIGURES: Final = {
 
 
 def measure(figure: BookFigure, measuring: Measuring, runs: int) -> MeasuredFigure:
-    """Recompute `figure` with means over `runs` runs. Raises UserError as training does."""
+    """Recompute `figure` with means over `runs` runs. Raises UserError."""
     return cast("_Measure", import_module(figure.module).measure)(measuring, runs)

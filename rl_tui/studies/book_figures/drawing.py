@@ -13,13 +13,13 @@ _HALF_WIDTH: Final = 1.96
 
 
 def summary_of_comparisons(what: str, table: Sequence[BookComparison]) -> str:
-    """Return a text alternative: `what` the picture shows, with the numbers of `table`."""
+    """Return the text alternative: `what` the picture shows, and the numbers."""
     figures = (f"{each.what}: {'none' if each.ours is None else number_text(each.ours)}" for each in table)
     return f"{what} {'; '.join(figures)}."
 
 
 def drawn(curve: MeasuredCurve, colour: int, *, dashed: bool = False) -> ChartCurve:
-    """Return `curve` with a band for the 95 % interval of its means."""
+    """Return `curve` with its 95 % interval."""
     return ChartCurve(
         curve.name,
         tuple(curve.x),
@@ -39,6 +39,6 @@ def _edge(curve: MeasuredCurve, errors: float) -> tuple[float | None, ...]:
 
 
 def panel_of(curves: Sequence[MeasuredCurve], name: str) -> tuple[ChartCurve, ...]:
-    """Return the curves in the panel `name`, each with its own colour."""
+    """Return the curves in the panel `name`, in different colours."""
     inside = [curve for curve in curves if curve.panel == name]
     return tuple(drawn(curve, place) for place, curve in enumerate(inside))

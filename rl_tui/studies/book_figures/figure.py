@@ -1,4 +1,4 @@
-"""A recomputed figure: curves, and our numbers next to the printed ones."""
+"""A recomputed figure: curves and numbers next to the printed ones."""
 
 from __future__ import annotations
 
@@ -13,15 +13,12 @@ _STANDARD_ERRORS: Final = 3.0
 
 @dataclass(frozen=True, slots=True)
 class BookComparison:
-    """A number of the book and ours. The book's is in [`low`, `high`], because it is rounded or read off a
-    figure.
-    """
+    """A number of the book, in [`low`, `high`] because it is rounded or read off, and ours."""
 
     what: str
     book: str
     """The book's number as text."""
     place: str
-    """Place in the book."""
     low: float
     high: float
     ours: float | None
@@ -31,7 +28,7 @@ class BookComparison:
 
     @property
     def agrees(self) -> bool:
-        """True if our number is in the book's range, or outside by at most three standard errors."""
+        """True if our number is at most three standard errors outside the range."""
         if self.ours is None:
             return False
         margin = _STANDARD_ERRORS * (self.stderr or 0.0)
@@ -40,9 +37,7 @@ class BookComparison:
 
 @dataclass(frozen=True, slots=True)
 class MeasuredCurve:
-    """The mean over runs at each `x` with its standard error, in the panel `panel`. All sequences have
-    equal lengths. A standard error is None for a single run.
-    """
+    """The mean over runs at each `x`, with its standard error."""
 
     panel: str
     name: str
@@ -62,14 +57,6 @@ class MeasuredFigure:
 
 
 def read_off(what: str, value: float, margin: float, ours: float, stderr: float | None) -> BookComparison:
-    """Return a comparison with a number read off the printed figure.
-
-    Args:
-        what: Description.
-        value: Number of the book.
-        margin: Accuracy of the reading.
-        ours: Our number.
-        stderr: Its standard error, if any.
-    """
+    """Return a comparison with `value` ± `margin`, read off the figure."""
     book = f"{value:g} ± {margin:g}".replace("-", "−")
     return BookComparison(what, book, "read off", value - margin, value + margin, ours, stderr)

@@ -14,7 +14,7 @@ HEADER: Final = ("panel", "curve", "x", "mean", "stderr")
 def document_of(
     figure: BookFigure, measured: MeasuredFigure, runs: int, seed: int, seconds: float
 ) -> dict[str, Any]:
-    """Return the document of `figure --json`. A missing bound of the book is null."""
+    """Return the document of `figure --json`. A missing bound is null."""
     document: dict[str, Any] = finite(
         {
             "figure": figure.id,
@@ -56,7 +56,7 @@ def _curve(each: MeasuredCurve) -> dict[str, Any]:
 
 
 def write_csv(stream: TextIO, measured: MeasuredFigure) -> None:
-    """Write one row for each point of each curve. Numbers keep all digits, and None is an empty field."""
+    """Write one row for each point of each curve."""
     import csv
 
     writer = csv.writer(stream, lineterminator="\n")

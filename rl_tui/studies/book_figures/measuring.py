@@ -22,7 +22,7 @@ MOST_BINS: Final = 1_000
 
 
 class Measuring:
-    """Trains for several figures, each with the seeds from `seed` on."""
+    """Trains for several figures, with seeds from `seed` on."""
 
     def __init__(
         self,
@@ -37,23 +37,13 @@ class Measuring:
         self._done = 0
 
     def expect(self, episodes: int) -> None:
-        """Add `episodes` to the expected total, for the reported progress."""
+        """Add `episodes` to the total of the progress."""
         self._episodes += episodes
 
     def train(self, scenario: str, runs: int, episodes: int, **settings: object) -> dict[str, Any]:
-        """Train a shipped scenario.
+        """Train a shipped scenario and return the document of `train --runs --json`.
 
-        Args:
-            scenario: Id of the scenario.
-            runs: Number of seeds.
-            episodes: Episodes of each run.
-            **settings: Algorithm and hyper-parameters.
-
-        Returns:
-            The document of `train --runs --json`, with a bin for each episode up to a thousand.
-
-        Raises:
-            UserError: A run broke down.
+        It has a bin for each episode up to a thousand. Raises UserError.
         """
         recipe = recipe_of(scenario, self._seed, **settings)
         before = self._done
@@ -74,7 +64,7 @@ class Measuring:
 
 
 def recipe_of(scenario: str, seed: int = 0, **settings: object) -> Recipe:
-    """Return the recipe of the shipped `scenario`, ignoring user scenarios of the same name."""
+    """Return the recipe of the shipped `scenario`, not of a user's."""
     file = shipped_folder() / f"{scenario}{SUFFIX}"
     return recipe_for(read_scenario(file), {**SETTINGS, **settings}, seed)
 
@@ -85,7 +75,7 @@ def of_runs(document: dict[str, Any], name: str) -> FloatArray:
 
 
 def mean_and_error(values: FloatArray | Sequence[float]) -> tuple[float, float | None]:
-    """Return the mean of `values`, `[n]`, and its standard error, which is None for one value."""
+    """Return the mean of `values`, `[n]`, and its standard error."""
     count = len(values)
     error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
     return float(np.mean(values)), error

@@ -1,6 +1,7 @@
-"""Figure 2.2: average performance of ε-greedy action-value methods on the ten-armed testbed. The means of
-ten arms and the noise of rewards are drawn from N(0, 1). Estimates are sample averages from 0, over 1,000
-pulls of each bandit (Sutton & Barto, 2nd ed., section 2.3).
+"""Figure 2.2: average performance of ε-greedy action-value methods on the ten-armed testbed.
+
+The means of ten arms and the noise of rewards are drawn from N(0, 1). Estimates are sample averages from 0,
+over 1,000 pulls of each bandit (Sutton & Barto, 2nd ed., section 2.3).
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def measure(measuring: Measuring, runs: int) -> MeasuredFigure:
 
 
 def name_of(epsilon: float) -> str:
-    """Return the name of the curve for `epsilon`."""
+    """Return the name of a curve."""
     return f"ε = {epsilon:g}" if epsilon else "ε = 0 (greedy)"
 
 
@@ -81,10 +82,7 @@ def _table(made: dict[float, dict[str, Any]]) -> tuple[BookComparison, ...]:
 
 
 def _last_optimal(curve: dict[str, list[Any]]) -> tuple[float, float | None]:
-    """Return the share of the best arm in the last pulls, in percent, and a bound of its standard error.
-    However the pulls of a run are correlated, the error of their mean is at most the largest of their
-    errors.
-    """
+    """Return the share of the best arm in the last pulls, in percent, and a bound of its standard error."""
     rates = curve["optimal_action_rate"][-LAST:]
     errors = [error for error in curve["optimal_action_stderr"][-LAST:] if error is not None]
     return 100.0 * sum(rates) / len(rates), 100.0 * max(errors) if errors else None

@@ -1,4 +1,4 @@
-"""Results of the visible runs under many seeds: means with errors, so far as computed."""
+"""Results of the visible runs under many seeds, so far."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class StudyState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A mean over seeds. `stderr` is its standard error (with n − 1), None for fewer than two seeds."""
+    """A mean over seeds, with its standard error (n − 1), None for fewer than two."""
 
     mean: float
     stderr: float | None
@@ -45,7 +45,7 @@ class PairedDifference:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeedCurve:
-    """The mean return per episode over seeds in B bins, or empty arrays."""
+    """The mean return per episode over seeds in B bins."""
 
     episode: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
     """Last episode of each bin, from 1, `[B]`."""
@@ -55,7 +55,7 @@ class SeedCurve:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaneStudy:
-    """One run under many seeds. Numbers have their names in `train --runs --json`."""
+    """One run under many seeds, with names as in `train --runs --json`."""
 
     estimates: Mapping[str, Estimate]
     """Each number over the finished seeds, as in the document's `summary`."""

@@ -1,4 +1,4 @@
-"""The layout of a chart: axes, bands, curves, and their names at the right ends."""
+"""The layout of a chart, with names at the right ends of curves."""
 
 from __future__ import annotations
 
@@ -87,7 +87,6 @@ def _place(chart: Chart, box: Rectangle, x: float, y: float) -> Point:
 
 
 def _points(chart: Chart, box: Rectangle, curve: ChartCurve) -> list[list[Point]]:
-    """Return the points of each stretch of `curve`."""
     return [
         [
             _place(chart, box, curve.x[place], value)
@@ -121,7 +120,6 @@ def _band(chart: Chart, box: Rectangle, curve: ChartCurve) -> Iterator[Shape]:
 
 
 def _intervals(chart: Chart, box: Rectangle, curve: ChartCurve, places: range) -> Iterator[Shape]:
-    """Yield the interval of each point as a bar."""
     colour = colours.line_colour(curve.colour)
     for place in places:
         low, high = curve.low[place], curve.high[place]
@@ -151,7 +149,6 @@ def _marks(curve: ChartCurve, stretches: Sequence[Sequence[Point]], box: Rectang
 
 
 def _mark(curve: ChartCurve, x: float, y: float) -> Shape:
-    """Return the mark of `curve`. Its form depends on the colour, and it is hollow for a dashed line."""
     colour, _ = _look(curve)
     fill = colours.BACKGROUND if curve.dashed else colour
     corners = (0, 4, 3, 5)[curve.colour % 4]
@@ -173,7 +170,6 @@ def _names(
     places: Sequence[Sequence[Sequence[Point]]],
     box: Rectangle,
 ) -> Iterator[Shape]:
-    """Write each name at the right end of its curve with a sample of the line, moved to avoid overlaps."""
     ends = [
         min(max(stretches[-1][-1][1], box.top), box.bottom) if stretches else box.bottom
         for stretches in places
@@ -189,7 +185,8 @@ def _names(
 
 def spread(wanted: Sequence[float], apart: float, first: float, last: float) -> list[float]:
     """Move ascending positions as little as needed to be at least `apart`, in [`first`, `last`].
-    Neighbours that are too close share the displacement. Without enough space, positions exceed `last`.
+
+    Neighbours share the displacement. Without enough space, positions exceed `last`.
     """
     groups: list[list[float]] = []  # wanted positions of each group
     for value in wanted:

@@ -1,4 +1,4 @@
-"""Colours of pictures on white, distinguishable by colour-blind readers and in print."""
+"""Colours on white, distinguishable by colour-blind readers and in print."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ _ON_DARK, _ON_LIGHT = "#ffffff", "#05080b"
 
 
 def line_colour(place: int) -> str:
-    """Return the colour of the curve at `place`, from 0."""
+    """Return the colour of curve `place`, from 0."""
     return LINES[place % len(LINES)]
 
 
 def line_dash(place: int, *, dashed: bool) -> str:
-    """Return the dash pattern of the curve at `place`, empty for a solid line."""
+    """Return the dash pattern of curve `place`, empty for a solid line."""
     return DASHES[(place // len(LINES) + dashed) % len(DASHES)]
 
 
 def ramp_colour(share: float) -> str:
-    """Return the interpolated colour at `share`, 0 to 1, of the ramp."""
+    """Return the interpolated colour at `share`, 0 to 1."""
     place = min(max(share, 0.0), 1.0) * (len(RAMP) - 1)
     left = min(int(place), len(RAMP) - 2)
     part = place - left

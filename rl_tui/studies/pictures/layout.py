@@ -1,6 +1,4 @@
-"""The layout of a picture in pixels: title, panels one below the other, notes. The heat map of two
-settings is laid out here too, with its colour bar and marks.
-"""
+"""The layout of a picture in pixels: title, panels, notes, and heat maps."""
 
 from __future__ import annotations
 
@@ -105,7 +103,6 @@ def _dot(cell: Rectangle, colour: str, *, in_corner: bool) -> Disc:
 
 
 def _frame(cell: Rectangle) -> Iterator[Shape]:
-    """Yield a black frame within white, visible on any colour."""
     for inset, colour, width in ((0.0, "#ffffff", 4.5), (0.0, "#05080b", 2.2)):
         inner = Rectangle(
             cell.left + inset, cell.top + inset, cell.width - 2 * inset, cell.height - 2 * inset
@@ -129,7 +126,6 @@ def _column_names(atlas: AtlasChart, box: Rectangle) -> Iterator[Shape]:
 
 
 def _thinned(count: int, room: float) -> Sequence[int]:
-    """Return the indexes of the names to show if each needs the space of `room` names."""
     return range(0, count, max(1, math.ceil(room - 1e-9)))
 
 
@@ -148,7 +144,6 @@ def _colour_bar(atlas: AtlasChart, bar: Rectangle) -> Iterator[Shape]:
 
 
 def _key(atlas: AtlasChart, left: float, y: float) -> Iterator[Shape]:
-    """Yield the legend of the marks."""
     if atlas.best is not None:
         yield from _frame(Rectangle(left + 1, y - 11, 14, 11))
         words = "the best"

@@ -1,5 +1,6 @@
-"""A picture of results as data: charts and heat maps with their axes, without colours or pixels. Values
-far from the others would flatten a chart. Its axis leaves them out, and a note says so.
+"""A picture of results as data, without colours or pixels.
+
+Outliers would flatten a chart. Its axis leaves them out, and a note says so.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ _FEWEST_LOG_TICKS: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class ChartAxis:
-    """An axis from `low` to `high` (low < high) with `labels` at ascending `ticks`."""
+    """An axis from `low` to `high` (low < high) with ascending `ticks`."""
 
     label: str
     low: float
@@ -33,7 +34,7 @@ class ChartAxis:
     logarithmic: bool = False
 
     def share(self, value: float) -> float:
-        """Return the position of `value`: 0 at the low end, 1 at the high end."""
+        """Return the position of `value`, 0 at the low end, 1 at the high end."""
         if not self.logarithmic:
             return (value - self.low) / (self.high - self.low)
         low = math.log(self.low)
@@ -49,14 +50,7 @@ class ChartAxis:
 def round_axis(
     label: str, values: Iterable[float], *, zero: bool = False, most: int = MOST_TICKS
 ) -> ChartAxis:
-    """Return an axis between round numbers with 2 to `most` ticks.
-
-    Args:
-        label: Label of the axis.
-        values: Values to include.
-        zero: Include 0.
-        most: Largest number of ticks.
-    """
+    """Return an axis between round numbers (or `zero`) with 2 to `most` ticks."""
     low, high = _range_of(values)
     if zero:
         low, high = min(low, 0.0), max(high, 0.0)
@@ -69,9 +63,7 @@ def round_axis(
 
 
 def close_axis(label: str, values: Iterable[float], *, logarithmic: bool = False) -> ChartAxis:
-    """Return an axis from the smallest to the largest of `values`, with round ticks in between. A
-    logarithmic one needs values above 0.
-    """
+    """Return an axis from the smallest to the largest value, above 0 if logarithmic."""
     low, high = _range_of(values)
     if low == high:
         low, high = (low / 2, high * 2) if logarithmic else (low - 0.5, high + 0.5)
@@ -97,7 +89,7 @@ def word_axis(label: str, words: Sequence[str]) -> ChartAxis:
 
 
 def labels_of(ticks: Sequence[float], step: float) -> tuple[str, ...]:
-    """Return the labels of `ticks` that are `step` apart, with equal numbers of decimals."""
+    """Return labels of `ticks` that are `step` apart, with equal decimals."""
     largest = max(map(abs, ticks), default=0.0)
     if largest >= _LARGEST_PLAIN or step < _SMALLEST_PLAIN:
         digits = 1 + max(0, math.floor(math.log10(largest)) - math.floor(math.log10(step)))
@@ -107,7 +99,7 @@ def labels_of(ticks: Sequence[float], step: float) -> tuple[str, ...]:
 
 
 def number_text(value: float, digits: int = 4) -> str:
-    """Format `value` with `digits` significant digits, or all integer digits, without trailing zeros."""
+    """Format `value` with `digits` significant digits, or all integer digits."""
     size = abs(value)
     if size and not _SMALLEST_PLAIN <= size < _LARGEST_PLAIN:
         text = f"{value:.{digits - 1}e}"
@@ -151,8 +143,9 @@ def _logarithmic(label: str, low: float, high: float) -> ChartAxis:
 
 @dataclass(frozen=True, slots=True)
 class ChartCurve:
-    """A line through points in the order of `x`, with an optional band from `low` to `high`. Sequences
-    have equal lengths, but `low` and `high` may be empty. None is a gap.
+    """A line through points in the order of `x`, with an optional band. None is a gap.
+
+    Sequences have equal lengths, but `low` and `high` may be empty.
     """
 
     name: str
@@ -171,14 +164,14 @@ class ChartCurve:
 
     @property
     def band_stretches(self) -> list[range]:
-        """Indexes of the points of the band between gaps."""
+        """The same for the band."""
         pairs = zip(self.low, self.high, strict=True)
         return _stretches([low is not None and high is not None for low, high in pairs])
 
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """Curves over one pair of axes. The title and the names may be empty."""
+    """Curves over one pair of axes. Texts may be empty."""
 
     title: str
     x: ChartAxis
@@ -195,17 +188,13 @@ class Chart:
 
 @dataclass(frozen=True, slots=True)
 class AtlasChart:
-    """A metric over two settings, with a cell for each pair of values. `values` and `alike` are
-    `[rows][columns]`, the lowest row first. None is a cell without a value.
-    """
+    """A metric over two settings, `[rows][columns]`, the lowest row first."""
 
     title: str
     x_label: str
     y_label: str
     columns: tuple[str, ...]
-    """Names of the columns."""
     rows: tuple[str, ...]
-    """Names of the rows."""
     values: tuple[tuple[float | None, ...], ...]
     scale: ChartAxis
     """Meaning of the colours."""
@@ -216,7 +205,7 @@ class AtlasChart:
 
     @property
     def marked(self) -> set[tuple[int, int]]:
-        """Rows and columns of the cells tied with the best, without itself."""
+        """Rows and columns of the other cells tied with the best."""
         alike = {
             (row, column)
             for row, cells in enumerate(self.alike)
@@ -228,7 +217,7 @@ class AtlasChart:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A title, `panels` one below the other, and `notes`. `summary` is the text alternative."""
+    """A title, `panels` one below the other, notes, and a text alternative."""
 
     title: str
     summary: str
@@ -271,7 +260,7 @@ def kept_range(values: Sequence[float]) -> tuple[float, float]:
 
 
 def axis_with_cut(label: str, curves: Sequence[ChartCurve]) -> tuple[ChartAxis, str]:
-    """Return an axis for `curves` with their bands, and a note about values beyond it."""
+    """Return an axis for `curves`, and a note about values beyond it."""
     values = [value for curve in curves for value in curve.y if value is not None]
     low, high = kept_range(values)
     edges = [

@@ -1,4 +1,4 @@
-"""The shapes of a picture: texts, paths and discs, in pixels from the upper left corner."""
+"""The shapes of a picture, in pixels from the upper left."""
 
 from __future__ import annotations
 
@@ -28,24 +28,24 @@ class Rectangle(NamedTuple):
 
     @property
     def right(self) -> float:
-        """Position x of its right side."""
+        """Its right side."""
         return self.left + self.width
 
     @property
     def bottom(self) -> float:
-        """Position y of its lower side."""
+        """Its lower side."""
         return self.top + self.height
 
     @property
     def corners(self) -> tuple[Point, ...]:
-        """Its corners, clockwise from the upper left."""
+        """Corners, clockwise from the upper left."""
         left, top, right, bottom = self.left, self.top, self.right, self.bottom
         return (left, top), (right, top), (right, bottom), (left, bottom)
 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A line of text with its baseline at `y`. `anchor` is the part of the text at `x`."""
+    """A line of text with its baseline at `y` and its `anchor` at `x`."""
 
     x: float
     y: float
@@ -58,8 +58,9 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """A line through `points`, or the filled area within them, clipped to `clip`. An empty colour draws
-    nothing. `dash` has alternating lengths of line and gap.
+    """A line through `points`, or the filled area within. An empty colour draws nothing.
+
+    `dash` has alternating lengths of line and gap.
     """
 
     points: tuple[Point, ...]
@@ -98,7 +99,7 @@ class DrawnPage(NamedTuple):
 
 
 def area(box: Rectangle, fill: str, stroke: str = "", width: float = 1.0) -> Path:
-    """Return `box` as a filled rectangle, with a border if `stroke` is a colour."""
+    """Return `box` as a filled rectangle, with a border of colour `stroke`."""
     return Path(box.corners, stroke=stroke, width=width, fill=fill, closed=True)
 
 
@@ -110,7 +111,7 @@ def text_width(text: str, size: float) -> float:
 
 
 def fitting(text: str, size: float, width: float) -> str:
-    """Return `text`, cut with an ellipsis if it may be wider than `width`."""
+    """Return `text`, cut with an ellipsis if it may exceed `width`."""
     if text_width(text, size) <= width:
         return text
     room = width - text_width("…", size)
@@ -124,7 +125,7 @@ def fitting(text: str, size: float, width: float) -> str:
 
 
 def wrapped(text: str, size: float, width: float) -> list[str]:
-    """Return `text` in lines of at most `width`. A wider word is cut."""
+    """Return `text` in lines of at most `width`, cutting wider words."""
     lines = [""]
     for word in (fitting(each, size, width) for each in text.split()):
         longer = f"{lines[-1]} {word}".strip()

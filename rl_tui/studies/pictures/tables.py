@@ -1,4 +1,4 @@
-"""Results for pictures: mean curves of runs, and cells of a sweep."""
+"""Results for pictures: mean curves, and cells of a sweep."""
 
 from __future__ import annotations
 
@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 Value = bool | int | float | str
-"""A value of a setting."""
 
 
 @dataclass(frozen=True, slots=True)
 class CurveTable:
-    """A mean learning curve: the lists of `curve` in `train --runs --json`, with equal lengths."""
+    """The lists of `curve` in `train --runs --json`, with equal lengths."""
 
     name: str
     """Scenario and algorithm, or the name of the file."""
@@ -22,7 +21,7 @@ class CurveTable:
 
 @dataclass(frozen=True, slots=True)
 class CellSpread:
-    """The mean of a cell in one metric with its interval, or None without a value."""
+    """The mean of a cell in one metric with its interval."""
 
     mean: float | None
     low: float | None

@@ -1,4 +1,4 @@
-"""How much the best cell loses when it is run again on fresh seeds."""
+"""How much the best cell loses on fresh seeds."""
 
 from __future__ import annotations
 
@@ -10,14 +10,10 @@ from rl_tui.studies.statistics.intervals import Summary, summary_of
 
 @dataclass(frozen=True, slots=True)
 class Shrinkage:
-    """The best cell as chosen, and again on fresh seeds.
+    """The best cell as chosen (`first`), and `again` on fresh seeds.
 
-    Attributes:
-        first: Averages when it was chosen.
-        again: Averages on fresh seeds.
-        shrunk: Loss of the mean, negative if it was better again.
-        low: Lower end of the 95 % interval of the loss, None below ten runs.
-        high: Upper end of that interval.
+    `shrunk` is the loss of the mean, negative if it was better again. `low` and `high` are its 95 % interval,
+    None below ten runs.
     """
 
     first: Summary
@@ -30,17 +26,12 @@ class Shrinkage:
 def shrinkage_of(
     first: Iterable[float], again: Iterable[float], larger_is_better: bool = True
 ) -> Shrinkage | None:
-    """Compute how much worse `again` is than `first`, on different seeds. The best of many cells looks
-    better than it is, because luck helped to choose it. The interval combines those of the two means (G.
-    Y. Zou and A. Donner, "Construction of Confidence Limits About Effect Measures: A General Approach",
-    2008). For two shares it is method 10 of R. G. Newcombe, "Interval Estimation for the Difference
-    Between Independent Proportions", 1998.
+    """Compute how much worse `again` is than `first`, on different seeds, or None without values.
 
-    Returns:
-        The loss, or None without values of one.
-
-    Raises:
-        ValueError: A value is not finite.
+    The interval combines those of the two means (G. Y. Zou and A. Donner, "Construction of Confidence Limits
+    About Effect Measures: A General Approach", 2008). For two shares it is method 10 of R. G. Newcombe,
+    "Interval Estimation for the Difference Between Independent Proportions", 1998. Raises ValueError if a
+    value is not finite.
     """
     before, after = summary_of(first), summary_of(again)
     if before is None or after is None:

@@ -1,6 +1,6 @@
-"""A cell of a sweep: one combination of settings, and the key under which its runs are stored. Equal
-training has an equal key, however the settings are written. Where the cell allows it, one call of machine
-code trains many seeds, with the same bits as one by one.
+"""A cell of a sweep: one combination of settings, and the key of its runs.
+
+Equal training has an equal key, however the settings are written.
 """
 
 from __future__ import annotations
@@ -56,7 +56,6 @@ class Cell:
     goal: Goal
     """Number of episodes of each run."""
     content: WorldContent
-    """World of its runs."""
 
     @cached_property
     def identity(self) -> dict[str, Any]:
@@ -92,7 +91,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class SkippedCell:
-    """A combination of settings that cannot work together, with the reason."""
+    """A combination of settings that cannot work together."""
 
     index: int
     settings: Mapping[str, Value]
@@ -107,9 +106,7 @@ def settings_text(settings: Mapping[str, Value]) -> str:
 def used_parameters(
     algorithm: str, values: Hyperparameters, *, is_bandit: bool
 ) -> dict[str, int | float | str]:
-    """Return the hyper-parameters with an effect, in a canonical form. Settings that the algorithm and
-    policy do not use are left out, and those without effect, such as the end of a decay of 0.
-    """
+    """Return the hyperparameters with an effect, in a canonical form."""
     used: dict[str, int | float | str] = {}
     for name in dict.fromkeys((*parameters_of(algorithm, values.policy), *_ALWAYS)):
         if name == "policy" or why_idle(name, algorithm, values, is_bandit=is_bandit):
@@ -153,11 +150,8 @@ Figures = Mapping[str, float | int | None]
 def figures_of_run(run: MeasuredRun, best: float | None, line: float | None, arrival: int | None) -> Figures:
     """Return every metric of `run`, and `arrived`.
 
-    Args:
-        run: The finished run.
-        best: Expected return of the best policy, or None if unknown.
-        line: Return that counts as arrival, or None if unknown.
-        arrival: Episodes until the greedy policy first reached `line`, or None.
+    `best` is the expected return of the best policy, `line` the return that counts as arrival, and `arrival`
+    the episodes until then.
     """
     arrived = None if line is None else int(arrival is not None)
     return {**figures_of(replace(run, best_return=best, arrival=arrival), MEASURES), ARRIVED: arrived}
@@ -167,9 +161,7 @@ def figures_of_run(run: MeasuredRun, best: float | None, line: float | None, arr
 
 
 def loop_in_batches(cell: Cell) -> Loop | None:
-    """Return the loop that trains many seeds of `cell` together. None if each seed has its own world, or
-    if the world drifts or has no table.
-    """
+    """Return the loop that trains many seeds together, or None unless they share one constant table."""
     mdp, recipe = cell.content.facts.mdp, cell.recipe
     if mdp is None or mdp.drift_std > 0.0 or cell.content.shared is None or BY_ID[recipe.algorithm].planner:
         return None
@@ -178,9 +170,7 @@ def loop_in_batches(cell: Cell) -> Loop | None:
 
 
 def runs_in_batches(cell: Cell) -> SeededRuns | None:
-    """Return the runs of `cell` for training in batches, or None if that is impossible or not compiled
-    yet.
-    """
+    """Return the runs for batches, or None if not possible or compiled."""
     if loop_in_batches(cell) not in COMPILED_LOOPS:
         return None
     facts = cell.content.facts
@@ -195,18 +185,9 @@ def batched_figures(
     line: float | None,
     check: Callable[[], None],
 ) -> list[Figures | None]:
-    """Train several seeds of a cell together.
+    """Train several seeds of a cell together and return their numbers (None if broken down).
 
-    Args:
-        cell: The cell.
-        seeded: Its runs.
-        seeds: Seeds to train.
-        marks: Ascending episodes at which the greedy policy is evaluated.
-        line: Return that counts as arrival, or None to skip marks.
-        check: Called between slow parts, and may raise to stop.
-
-    Returns:
-        The numbers of each seed, or None for a run that broke down.
+    The greedy policy is compared with `line` at the ascending `marks`. `check` may raise to stop.
     """
     facts = cell.content.facts
     marks = marks if line is not None else ()
@@ -227,7 +208,6 @@ def _arrivals(
     line: float,
     check: Callable[[], None],
 ) -> list[int | None]:
-    """Return the first of `marks` at which each greedy policy reached `line`, or None."""
     assert mdp is not None  # otherwise there would be no line
     batch, ties = runs.batch, runs.hyperparameters.ties
     found: list[int | None] = [None] * len(batch.stop)

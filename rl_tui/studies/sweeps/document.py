@@ -1,7 +1,4 @@
-"""The results of a sweep as the document of `sweep --json`, its cells in the order of the plan, and as
-CSV. The document also reports the best cell of each world, on fresh seeds too, and how sensitive each
-algorithm is to its settings over several scenarios.
-"""
+"""The results of a sweep as the document of `sweep --json`, and as CSV."""
 
 from __future__ import annotations
 
@@ -29,9 +26,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 
 def write_csv(stream: TextIO, plan: SweepPlan, store: Store) -> None:
-    """Write the rows of `plan`: settings, seed, every number, and the reason of a failure. Rows follow the
-    order of the plan, then seeds.
-    """
+    """Write the rows of `plan` in its order, with all numbers and reasons."""
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow([*plan.names, "seed", *FIGURES, "failed"])
     for index in range(plan.count):
@@ -56,8 +51,8 @@ _Settings = tuple[tuple[str, Value], ...]
 
 
 def sensitivities(plan: SweepPlan, store: Store, measure: Measure) -> list[dict[str, Any]] | None:
-    """Return the sensitivity of each algorithm to the varying settings as JSON data. None if undefined:
-    fewer than two scenarios, random points, a metric without a scale, or a scenario without exact results.
+    """Return the sensitivity of each algorithm to its settings, or None if undefined.
+
     A setting with a failed run in some scenario is left out.
     """
     varied = next((each.listed for each in plan.variations if each.name == SCENARIO), ())
@@ -120,7 +115,6 @@ def _as_json(
 
 
 def _scale(cell: Cell) -> tuple[float, float] | None:
-    """Return the returns of the random and the best policy in the world of `cell`, or None if unknown."""
     facts = cell.content.facts
     if cell.content.shared is None or facts.random is None or facts.best is None:
         return None
@@ -147,13 +141,13 @@ class CellResult:
 
     @property
     def as_json(self) -> Document:
-        """The cell in a document: settings, runs, failed, and each metric."""
+        """The cell in a document."""
         summary = self.summary
         return {**self.cell.settings, "runs": summary.runs, "failed": summary.failed, **summary.figures}
 
 
 def results(plan: SweepPlan, store: Store) -> Iterator[CellResult]:
-    """Yield each cell of `plan` with runs in `store`, one at a time in the order of the plan."""
+    """Yield each cell of `plan` with runs, one at a time."""
     for index in range(plan.count):
         found = result_of(plan, store, index)
         if found is not None:
@@ -161,7 +155,7 @@ def results(plan: SweepPlan, store: Store) -> Iterator[CellResult]:
 
 
 def result_of(plan: SweepPlan, store: Store, index: int) -> CellResult | None:
-    """Return cell `index` of `plan`, or None if it cannot work or has no run."""
+    """Return cell `index`, or None if it cannot work or has no run."""
     cell = plan.cell(index)
     if not isinstance(cell, Cell):
         return None
@@ -175,9 +169,10 @@ def fresh_seeds(plan: SweepPlan) -> range:
 
 
 def best_documents(standings: Standings, plan: SweepPlan, store: Store, *, again: bool) -> list[Document]:
-    """Return the best cell of each world as JSON data. With `again` it includes the results on fresh
-    seeds, which did not influence the choice. `shrunk` is the loss of the mean there, with a 95 %
-    interval. A cell that was not chosen among several has no `again`.
+    """Return the best cell of each world as JSON data.
+
+    `again` adds results on fresh seeds if the cell was chosen among several. `shrunk` is the loss of the mean
+    there, with a 95 % interval.
     """
     documents, chosen = list[Document](), {cell.index for cell in standings.chosen}
     for cell in standings.bests:
@@ -212,15 +207,7 @@ def _values(store: Store, cell: Cell, measure: Measure, seeds: range) -> FloatAr
 def json_pieces(
     plan: SweepPlan, store: Store, standings: Standings, bests: list[Document], **more: Any
 ) -> Iterator[str]:
-    """Yield the document in pieces, so that it is never in memory as a whole.
-
-    Args:
-        plan: Plan of the sweep.
-        store: Its rows.
-        standings: Comparison of the cells.
-        bests: Result of `best_documents`.
-        **more: Further entries at the end.
-    """
+    """Yield the document piece by piece, with `more` entries at the end."""
     head = {
         "scenario": plan.scenario.id,
         "vary": [each.text for each in plan.variations],

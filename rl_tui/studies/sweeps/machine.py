@@ -18,8 +18,9 @@ _MODELS: Final = ("model name", "CPU part", "cpu")  # keys of Intel, ARM and POW
 
 @cache
 def this_machine() -> str:
-    """Return the kind of machine and the versions as JSON. If they are equal, so are the bits. Logarithms
-    and powers depend on the C library, the exact solver on the processor.
+    """Return the kind of machine and the versions as JSON: equal ones give equal bits.
+
+    Logarithms and powers depend on the C library, the exact solver on the processor.
     """
     from rl_tui import __version__
 
@@ -36,7 +37,6 @@ def this_machine() -> str:
 
 
 def _processor() -> str:
-    """Return the model of the processor, if known."""
     try:
         lines = PROCESSORS.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:

@@ -24,9 +24,10 @@ _World = tuple[tuple[str, Value], ...]
 
 @dataclass(frozen=True, eq=False)
 class Ranking:
-    """The C cells with runs in one world, compared by one metric. Runs that never arrive count with their
-    number of episodes. The mean of a cell with failed runs or missing values is too optimistic. Such a
-    cell is best only if all cells are incomplete.
+    """The C cells with runs in one world, compared by one metric.
+
+    Runs that never arrive count with their number of episodes. Missing values make a mean too optimistic, so
+    an incomplete cell is best only if all are.
     """
 
     indexes: IntArray
@@ -41,24 +42,21 @@ class Ranking:
     """True for cells with enough runs to compare, `[C]`."""
 
     def verdict(self, index: int) -> bool | None:
-        """Return True if cell `index` of the plan is tied with the best, or None if not compared."""
+        """Return True if cell `index` ties with the best, or None."""
         place = int(np.searchsorted(self.indexes, index))
         return bool(self.alike[place]) if self.compared[place] else None
 
     @property
     def was_chosen(self) -> bool:
-        """True if the best was chosen among several, so that luck may have helped."""
+        """True if the best was chosen among several, perhaps by luck."""
         return self.best is not None and len(self.indexes) > 1
 
 
 @dataclass(frozen=True, eq=False)
 class Standings:
-    """The comparison of the cells in each world by `measure`. Returns of different worlds are not
-    comparable.
-    """
+    """The comparison of the cells, in each world alone."""
 
     measure: Measure
-    """Metric of the comparison."""
     rankings: Mapping[_World, Ranking]
     """A ranking for each world, by its varying settings, in the order of the plan."""
     skipped: int
@@ -66,10 +64,9 @@ class Standings:
     reasons: tuple[SkippedCell, ...]
     """The first of these."""
     method: str = METHOD
-    """Name of the test."""
 
     def verdict(self, cell: Cell) -> bool | None:
-        """Return True if `cell` is tied with the best in its world, or None if not compared."""
+        """Return True if `cell` ties with the best of its world, or None."""
         return self.rankings[_world(cell.settings)].verdict(cell.index)
 
     @property
@@ -83,7 +80,7 @@ class Standings:
         return [each.best for each in self.rankings.values() if each.was_chosen and each.best is not None]
 
     def first(self, ranking: Ranking, count: int) -> list[int]:
-        """Return the numbers of the `count` best cells of `ranking`, the best first."""
+        """Return the numbers of the `count` best cells, best first."""
         sign = -1.0 if self.measure.larger_is_better else 1.0
         order = np.argsort(sign * ranking.means, kind="stable")  # NaN last
         ranked = [int(ranking.indexes[place]) for place in order[: count + 1]]
@@ -94,13 +91,7 @@ class Standings:
 
 
 def standings_of(plan: SweepPlan, store: Store, measure: Measure | None = None) -> Standings:
-    """Compare the cells of `plan` with runs in `store`.
-
-    Args:
-        plan: Plan of the sweep.
-        store: Its rows.
-        measure: Metric, default the first of `JUDGED_BY` that has values.
-    """
+    """Compare the cells of `plan`, by default by the first of `JUDGED_BY` with values."""
     candidates = [measure] if measure is not None else [MEASURES[name] for name in JUDGED_BY]
     found = [_standings(plan, store, candidates[0])]
     while not found[-1].bests and len(found) < len(candidates):
@@ -109,8 +100,6 @@ def standings_of(plan: SweepPlan, store: Store, measure: Measure | None = None) 
 
 
 class _Values:
-    """The cells of one world."""
-
     def __init__(self) -> None:
         self.indexes = list[int]()
         self.values = list[FloatArray]()

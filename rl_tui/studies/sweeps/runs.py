@@ -1,7 +1,4 @@
-"""The runs of a cell: train every seed, and summarize the results. All training of a sweep is here. A loop
-runs interpreted until that has cost enough time to justify machine code. A run that breaks down gives a
-row too, with the reason.
-"""
+"""The runs of a cell: train every seed, and summarize the results."""
 
 from __future__ import annotations
 
@@ -50,9 +47,9 @@ WORTH_COMPILING: Final = 2.0
 
 
 class MachineCodeDemand:
-    """Adds up the interpreted time of each loop over all runs, and requests machine code in time. Cached
-    code is read in the calling thread, other code is compiled in parallel to the runs. Safe from several
-    threads.
+    """Adds up the interpreted time of each loop, and requests machine code in time.
+
+    Cached code is read in the calling thread, other code is compiled in parallel. Safe from several threads.
     """
 
     def __init__(self) -> None:
@@ -62,7 +59,7 @@ class MachineCodeDemand:
         self._lock = threading.Lock()
 
     def ran(self, loop: Loop, seconds: float) -> None:
-        """Add `seconds` of interpreted time, and request machine code if it pays."""
+        """Add `seconds` of interpreted time."""
         if loop in COMPILED_LOOPS or loop in BACKGROUND.failed:
             return
         with self._lock:
@@ -96,9 +93,7 @@ GoOn = Callable[[], None]
 
 @dataclass(frozen=True, slots=True)
 class RunRow:
-    """The result of one seed of a cell. `figures` has every metric by id and `arrived`, all None if the
-    run broke down with the reason `failed`. `seconds` includes training and evaluation.
-    """
+    """The result of one seed of a cell."""
 
     seed: int
     figures: Figures
@@ -116,9 +111,7 @@ def go_on() -> None:
 
 
 def run_rows(cell: Cell, seeds: Sequence[int], check: GoOn = go_on) -> Iterator[RunRow]:
-    """Yield the row of each seed in order, also for runs that break down. `check` is called regularly and
-    may raise to stop.
-    """
+    """Yield the row of each seed, also of broken runs. `check` may raise to stop."""
     waiting, marks = list(seeds), tuple(marks_up_to(cell.goal.episodes or 0))
     while waiting:
         seeded = runs_in_batches(cell) if len(waiting) > 1 else None
@@ -149,7 +142,7 @@ def _row(cell: Cell, seed: int, check: GoOn) -> RunRow:
 
 
 def marks_up_to(episodes: int) -> Iterator[int]:
-    """Yield the episodes at which a run is evaluated: 1, 2, 3, …, growing by 2^(1/4), and the last."""
+    """Yield the episodes of evaluations: 1, 2, 3, …, growing by 2^(1/4), and the last."""
     mark = 1
     while mark < episodes:
         yield mark
@@ -175,16 +168,12 @@ def _figures(cell: Cell, seed: int, check: GoOn) -> Figures:
 
 
 def _arrival_line(facts: ExactFacts) -> float | None:
-    """Return the return that counts as arrival, or None if unknown."""
     if facts.mdp is None or facts.best is None or facts.random is None:
         return None
     return facts.best - NEAR * (facts.best - facts.random)
 
 
 def _train(run: Run, episodes: int, line: float | None, check: GoOn) -> int | None:
-    """Train `run` for `episodes` and return the mark at which its greedy policy reached `line`, or None.
-    Raises UserError if it breaks down.
-    """
     arrival = None if line is None else _arrival(run, episodes, line, check)
     _advance(run, episodes, check)
     return arrival
@@ -200,7 +189,6 @@ def _arrival(run: Run, episodes: int, line: float, check: GoOn) -> int | None:
 
 
 def _advance(run: Run, episodes: int, check: GoOn) -> None:
-    """Advance `run` to `episodes` finished episodes. Raises UserError if it breaks down."""
     learner = run.learner
     while learner.episodes < episodes and not run.over:
         check()
@@ -236,15 +224,9 @@ class CellSummary:
 
 
 def values_by_seed(rows: Iterable[RunRow], measure: Measure, seeds: range) -> tuple[FloatArray | None, bool]:
-    """Return a metric by seed. Runs that never arrive count with their number of episodes.
+    """Return a metric by seed, `[N]`, NaN if missing, and True if every row has one.
 
-    Args:
-        rows: Rows of one cell.
-        measure: The metric.
-        seeds: Consecutive seeds, N in number.
-
-    Returns:
-        Values, `[N]`, NaN if missing (None without rows), and True if every row has one.
+    Runs that never arrive count with their number of episodes. Without rows there are no values.
     """
     values, count = np.full(len(seeds), np.nan), 0
     for row in rows:
@@ -280,10 +262,7 @@ def _figure(values: Sequence[float]) -> dict[str, Any]:
 
 
 def _arrivals(rows: Sequence[RunRow]) -> dict[str, Any]:
-    """Summarize arrivals, some of which are only known to be later than the end of training. Mean, iqm and
-    interval exist only if all have arrived. `restricted_mean` is the mean of min(arrival, episodes), with
-    its interval.
-    """
+    """Summarize arrivals, without a mean unless all have arrived."""
     watched = [row for row in rows if row.figures[ARRIVED] is not None]
     times = np.array([row.figures["arrival"] if row.figures[ARRIVED] else np.nan for row in watched], float)
     found = arrivals_of(times, np.array([row.figures["episodes"] for row in watched], float))

@@ -1,4 +1,4 @@
-"""Runs a sweep: trains the cells of a plan that are not stored yet."""
+"""Runs a sweep: trains the cells that are not stored yet."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Workers(Protocol):
         ...
 
     def finished(self, seconds: float) -> Sequence[tuple[Batch, RunRow]]:
-        """Return finished rows with their batches, waiting up to `seconds` for the first."""
+        """Return finished rows, waiting up to `seconds`."""
         ...
 
     def close(self) -> None:
@@ -76,7 +76,6 @@ class SweepProgress:
     reasons: list[str] = field(default_factory=list)
     """Reasons of the first of them."""
     seconds: float = 0.0
-    """Duration so far."""
 
 
 OnProgress = Callable[[SweepProgress], None]
@@ -92,7 +91,7 @@ def no_rows(cell: Cell, rows: Sequence[RunRow]) -> None:
 
 
 def never() -> bool:
-    """Return False: continue to the end."""
+    """Return False."""
     return False
 
 
@@ -110,20 +109,11 @@ def run_sweep(
     on_rows: OnRows = no_rows,
     is_over: Callable[[], bool] = never,
 ) -> SweepProgress:
-    """Train all missing rows of a plan, a coarse lattice of cells first. All callbacks run in this thread,
-    which alone writes the store. At `is_over` or KeyboardInterrupt, finished rows are kept.
+    """Train all missing rows of a plan, a coarse lattice of cells first. Raises UserError.
 
-    Args:
-        plan: Plan of the sweep.
-        store: Rows, also from earlier runs.
-        shard: Part of the plan.
-        workers: Trains the batches, default threads of this process.
-        on_progress: Called several times a second.
-        on_rows: Called with each cell's stored rows, and then with new ones.
-        is_over: Returns True to stop.
-
-    Raises:
-        UserError: The plan cannot work, or the store cannot be written.
+    All callbacks run in this thread, which alone writes the store. At `is_over` or KeyboardInterrupt,
+    finished rows are kept. `on_progress` is called several times a second, `on_rows` with each cell's stored
+    rows and then with new ones.
     """
     plan.check()
     store.note_plan(written_plan(plan))
@@ -134,7 +124,7 @@ def run_sweep(
 def run_again(
     plan: SweepPlan, cell: Cell, store: Store, workers: Workers | None = None, on_rows: OnRows = no_rows
 ) -> SweepProgress:
-    """Train `cell` with as many fresh seeds as `plan` has. Other arguments as for `run_sweep`."""
+    """Train `cell` with as many fresh seeds as `plan` has. See `run_sweep`."""
     alone = replace(
         plan,
         variations=tuple(Variation(name, (value,)) for name, value in cell.settings.items()),
@@ -146,7 +136,6 @@ def run_again(
 
 
 def _run(runner: _Runner, is_over: Callable[[], bool]) -> SweepProgress:
-    """Run `runner`, and keep finished rows whatever happens."""
     try:
         runner.run(is_over)
     finally:
@@ -155,8 +144,6 @@ def _run(runner: _Runner, is_over: Callable[[], bool]) -> SweepProgress:
 
 
 class _Runner:
-    """One pass through a plan."""
-
     def __init__(
         self,
         plan: SweepPlan,
@@ -179,7 +166,6 @@ class _Runner:
         self.progress = SweepProgress(plan.size_of(shard) * plan.runs)
 
     def run(self, is_over: Callable[[], bool]) -> None:
-        """Process the plan to its end, or until `is_over`."""
         self._tell()
         while not is_over():
             self._look_ahead()
@@ -193,13 +179,12 @@ class _Runner:
         self._tell()
 
     def take_in(self, seconds: float) -> None:
-        """Store finished rows, waiting up to `seconds`."""
         for (batch, machine), rows in groupby(self._workers.finished(seconds), key=_origin):
             self._keep(batch.cell, [row for _, row in rows], machine)
         self._store.commit(at_once=False)
 
     def _keep(self, cell: Cell, rows: list[RunRow], machine: str | None) -> None:
-        """Store the `rows` of `cell`, and pass them to all cells that wait for them."""
+        """Store the `rows` of `cell` for all cells that wait for them."""
         self._store.add(stored(cell), rows, machine)
         self.progress.trained += len(rows)
         by_cell = defaultdict[Cell, list[RunRow]](list, {cell: rows})
@@ -214,15 +199,12 @@ class _Runner:
             self._on_rows(each, of_cell)
 
     def close(self) -> None:
-        """Stop the workers, and keep finished rows."""
         self._workers.close()
         self.take_in(0.0)
         self._store.commit()
 
     def _look_ahead(self) -> None:
-        """Prepare batches until there is enough work, for a limited time: most cells may be stored
-        already.
-        """
+        """Prepare batches for a limited time: most cells may be stored already."""
         end = time.perf_counter() + _LONGEST_LOOK
         while self._workers.room > len(self._ahead) and time.perf_counter() < end:
             index = next(self._cells, None)
@@ -249,12 +231,10 @@ class _Runner:
             yield batch
 
     def _seeds_at_once(self, shard: Shard) -> int:
-        """Return the size of a batch, smaller for few cells, so that every worker has work."""
         rows = self._plan.size_of(shard) * self._plan.runs
         return max(1, min(_MOST_SEEDS, -(-rows // (4 * max(1, self._workers.room)))))
 
     def _waits(self, cell: Cell, seed: int) -> bool:
-        """Return True if the row is being trained for an equal cell."""
         place = cell.key, seed
         if place not in self._under_way:
             return False
@@ -277,13 +257,12 @@ class _Runner:
 
 
 def _origin(finished: tuple[Batch, RunRow]) -> tuple[Batch, str | None]:
-    """Return the batch of a row, and the machine that made it."""
     batch, row = finished
     return batch, row.machine
 
 
 class ThreadWorkers:
-    """Threads of this process, by default one for each core, since kernels run in parallel."""
+    """Threads of this process, by default one for each core."""
 
     def __init__(self, jobs: int | None = None) -> None:
         self._jobs = jobs or cores()
@@ -311,7 +290,7 @@ class ThreadWorkers:
         self._batches.put(batch)
 
     def finished(self, seconds: float) -> Sequence[tuple[Batch, RunRow]]:
-        """Return finished rows with their batches, waiting up to `seconds` for the first."""
+        """Return finished rows, waiting up to `seconds`."""
         found = []
         with suppress(queue.Empty):
             each = self._rows.get(timeout=seconds) if seconds else self._rows.get_nowait()

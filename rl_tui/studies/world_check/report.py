@@ -23,9 +23,9 @@ class CheckStage(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class TrialsMade:
-    """The extent of the trials: `seeds` for each algorithm, with limits for episodes and steps. Without
-    `seeds`, no trial was needed, because every policy ends. The algorithms `in_part` used up their steps
-    early or broke down, so their later learning is unknown.
+    """The extent of the trials, none (no `seeds`) if every policy ends.
+
+    The algorithms `in_part` used up their steps early or broke down.
     """
 
     seeds: tuple[int, ...]
@@ -36,18 +36,14 @@ class TrialsMade:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldReport:
-    """Results of a world check so far. None means pending, or unknown with a reason in `unknown` by field
-    name.
-    """
+    """Results so far. None means pending, or `unknown` with a reason."""
 
     stage: CheckStage = CheckStage.DONE
-    """Current stage."""
     trying: str = ""
     """Algorithm in training, or ""."""
     warnings: tuple[str, ...] = ()
     """Warnings with remedies, one line each."""
     unknown: Mapping[str, str] = field(default_factory=dict)
-    """Reasons why results are unknown."""
     random_return: float | None = None
     """Exact expected undiscounted return of the random policy within the time limit."""
     best_return: float | None = None
@@ -69,5 +65,5 @@ class WorldReport:
 
     @property
     def is_empty(self) -> bool:
-        """True if nothing is known, because the world has no table."""
+        """True if nothing is known for lack of a table."""
         return self.stage is CheckStage.DONE and self.never_reached is None and not self.unknown

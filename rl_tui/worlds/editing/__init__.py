@@ -1,1 +1,1 @@
-"""Editing of worlds: drafts, edits, saving, and the match between old and new world."""
+"""Drafts, edits, saving, and the match of old and new worlds."""

@@ -1,4 +1,4 @@
-"""The match between two worlds: which states and pairs they share."""
+"""The states and pairs that two worlds share."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ NEW: Final = -1
 
 
 class Carried(NamedTuple):
-    """Former number of each state, [S], and of each pair, [P], or NEW."""
+    """Former number of each state, [S], and pair, [P], or NEW."""
 
     states: IntArray
     pairs: IntArray
 
     def states_now(self, before: Collection[int]) -> frozenset[int]:
-        """Return the current numbers of the former states `before`. Removed states are left out."""
+        """Return the current numbers of former states, without removed ones."""
         return frozenset(np.flatnonzero(np.isin(self.states, list(before))).tolist())
 
     def pairs_now(self, before: Collection[int]) -> frozenset[int]:
-        """Return the current numbers of the former pairs `before`. Removed pairs are left out."""
+        """Return the current numbers of former pairs, without removed ones."""
         return frozenset(np.flatnonzero(np.isin(self.pairs, list(before))).tolist())
 
 
 class Keyed(NamedTuple):
-    """A space with an identity for each state, [S], and each action, [A]."""
+    """A space with identities of states, [S], and actions, [A]."""
 
     space: FiniteSpace
     states: IntArray | Sequence[Hashable]
@@ -40,7 +40,7 @@ class Keyed(NamedTuple):
 
 
 def carried(before: tuple[Draft, World], after: tuple[Draft, World]) -> Carried:
-    """Return the match of two worlds, each given as its draft and the world built from it."""
+    """Match two worlds, each given with its draft."""
     (old_draft, old), (draft, world) = before, after
     return carried_by_keys(
         Keyed(old.space, old_draft.state_keys(old), old_draft.action_keys(old)),
@@ -49,7 +49,7 @@ def carried(before: tuple[Draft, World], after: tuple[Draft, World]) -> Carried:
 
 
 def carried_by_keys(old: Keyed, new: Keyed) -> Carried:
-    """Return the match of two spaces by equal identities."""
+    """Match two spaces by equal identities."""
     states = _numbers(old.states, new.states)
     actions = _numbers(old.actions, new.actions)
     return Carried(states, _pairs(old.space, new.space, states, actions))
@@ -58,16 +58,9 @@ def carried_by_keys(old: Keyed, new: Keyed) -> Carried:
 def differing_choices(
     old: tuple[FiniteSpace, BoolArray], new: tuple[FiniteSpace, BoolArray], common: Carried
 ) -> BoolArray:
-    """Compare the chosen pairs of two worlds.
+    """Return the states of `new`, [S], that existed before and where other pairs are chosen, [P].
 
-    Args:
-        old: The former space, and its chosen pairs, [P].
-        new: The new space, and its chosen pairs, [P].
-        common: Match of the two.
-
-    Returns:
-        True for each state of `new` that existed before and where other pairs are chosen, [S]. States without
-        pairs, before or after, are False.
+    States without pairs, before or after, are False.
     """
     (was, chosen_before), (now, chosen) = old, new
     before = np.append(chosen_before, False)[common.pairs]  # index NEW (−1) reads the appended False
@@ -82,7 +75,6 @@ def differing_choices(
 
 
 def _numbers(old: IntArray | Sequence[Hashable], new: IntArray | Sequence[Hashable]) -> IntArray:
-    """Return the index of each new key among the old keys, or NEW."""
     if isinstance(old, np.ndarray) and isinstance(new, np.ndarray):
         if np.array_equal(old, new):
             return np.arange(len(new))
@@ -95,7 +87,6 @@ def _numbers(old: IntArray | Sequence[Hashable], new: IntArray | Sequence[Hashab
 
 
 def _pairs(old: FiniteSpace, new: FiniteSpace, states: IntArray, actions: IntArray) -> IntArray:
-    """Return the former number of each pair of `new`, or NEW."""
     same = (
         (states, np.arange(old.states)),
         (actions, np.arange(len(old.action_names))),

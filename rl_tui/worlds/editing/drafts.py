@@ -36,10 +36,10 @@ _MAPS: Final = "maps, graphs and bandits of scenario files, lakes and the cliff"
 
 
 def gymnasium_draft(scenario: Scenario, seed: int) -> GridDraft:
-    """Return the map that equals the Gymnasium environment of `scenario`.
+    """Return the map that equals a Gymnasium lake or cliff.
 
     Raises:
-        UserError: It is neither a lake nor a cliff, or no map describes it.
+        UserError: It is neither, or no map describes it.
     """
     section = scenario.section
     assert isinstance(section, GymnasiumSection)
@@ -57,12 +57,7 @@ def gymnasium_draft(scenario: Scenario, seed: int) -> GridDraft:
 
 
 def seen_at_once(section: GymnasiumSection, world: World) -> UserError | None:
-    """Return why `world` cannot be a map, without building one, or None.
-
-    Args:
-        section: Table of the scenario.
-        world: World built from it.
-    """
+    """Return why `world` cannot be a map, without building one."""
     if world.mdp is None:
         return _refused(section.id, _STEPPED)
     if not isinstance(world.drawing, Grid) or world.drawing.legend or None in world.drawing.directions:
@@ -90,7 +85,6 @@ def _refused(name: str, why: str) -> UserError:
 
 
 def _rules(mdp: TabularMDP) -> list[dict[str, Any]]:
-    """Return candidate rules for lakes and cliffs, with the time limit of `mdp`."""
     limit = {"time_limit": mdp.time_limit} if mdp.time_limit else {}
     cliff = {
         "moves": "clockwise",
@@ -117,7 +111,7 @@ _DRAFTED_BY: Final[Mapping[str, str]] = {
 
 
 def first_draft(scenario: Scenario, seed: int) -> Draft:
-    """Return the draft of `scenario` for `seed`. It builds the same table, bit for bit.
+    """Return a draft with the table of `scenario`, bit for bit.
 
     Raises:
         UserError: The world cannot be edited.
@@ -127,7 +121,7 @@ def first_draft(scenario: Scenario, seed: int) -> Draft:
 
 
 def refusal(scenario: Scenario, seed: int) -> str:
-    """Return why the world of `scenario` cannot be edited. Empty if it can."""
+    """Return why a world cannot be edited. Empty if it can."""
     try:
         first_draft(scenario, seed)
     except UserError as reason:
@@ -136,13 +130,9 @@ def refusal(scenario: Scenario, seed: int) -> str:
 
 
 def seen_refusal(scenario: Scenario, world: World) -> str:
-    """Return why `world` cannot be edited, quickly and without building a draft.
+    """Return why `world` cannot be edited, without building a draft.
 
-    Only :func:`first_draft` finds out that an environment does not equal any map.
-
-    Args:
-        scenario: The scenario.
-        world: World built from it.
+    Only :func:`first_draft` finds an environment that equals no map.
     """
     if scenario.kind == "gymnasium":
         from rl_tui.worlds.gym.section import GymnasiumSection

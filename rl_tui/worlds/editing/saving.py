@@ -1,7 +1,7 @@
 """The text of a scenario file after its world was edited.
 
-Comments, order and style of the old text stay. Only lines with changed content differ. The new text describes
-the same world as the draft, bit for bit.
+Comments, order and style stay; only lines with changed content differ. The new text describes the same world
+as the draft, bit for bit.
 """
 
 from __future__ import annotations
@@ -47,13 +47,7 @@ def key_text(key: str) -> str:
 
 
 def map_text(lines: Sequence[str], like: str = "") -> str:
-    """Return a map as a TOML string.
-
-    Args:
-        lines: Rows of the map.
-        like: The old string. Its quotes are used again if possible; otherwise the map becomes a block in
-            triple quotes.
-    """
+    """Return a map as a TOML string, in the quotes of `like` if possible."""
     return next(each for each in _map_texts(lines, like) if _says(each, lines))
 
 
@@ -84,7 +78,7 @@ def _map_texts(lines: Sequence[str], like: str) -> Iterator[str]:
 
 
 def section_text(kind: str, table: Mapping[str, Any]) -> str:
-    """Return the table `kind` of a scenario file as TOML, followed by its subtables."""
+    """Return the table `kind` as TOML, followed by its subtables."""
     tables = {key: value for key, value in table.items() if _is_table_of_its_own(value)}
     parts = [f"[{kind}]\n"]
     for key, value in table.items():
@@ -101,7 +95,6 @@ def section_text(kind: str, table: Mapping[str, Any]) -> str:
 
 
 def _is_table_of_its_own(value: Any) -> bool:
-    """Return True for a table of tables or lists, and for a list of tables."""
     inside = value.values() if isinstance(value, Mapping) else value
     wanted = (Mapping, list) if isinstance(value, Mapping) else Mapping
     is_nested = isinstance(value, (Mapping, list)) and len(value) > 0
@@ -133,13 +126,7 @@ _COMMENTS: Final = re.compile(r"[ \t]*#.*", re.DOTALL)
 
 
 def saved_text(text: str, draft: Draft) -> str:
-    """Return the text of a scenario file with its world replaced by `draft`.
-
-    Comments, order and style stay. Only lines with changed content differ.
-
-    Args:
-        text: Old text of the file.
-        draft: The edited world.
+    """Replace the world in the text of a scenario file by `draft`.
 
     Raises:
         UnfinishedError: The draft is not a valid MDP.
@@ -156,7 +143,6 @@ def saved_text(text: str, draft: Draft) -> str:
 
 
 def _is_faithful(text: str, kind: str, wanted: Mapping[str, Any]) -> bool:
-    """Return True if `text` reads back without errors and as the same table."""
     try:
         scenario = scenario_of(text, Path("drawn.toml"))
         return scenario.kind == kind and _same(first_draft(scenario, 0).table, wanted)
@@ -165,7 +151,6 @@ def _is_faithful(text: str, kind: str, wanted: Mapping[str, Any]) -> bool:
 
 
 def _same(one: object, other: object, key: str = "") -> bool:
-    """Return True if two values of the key `key` make the same world, bit for bit."""
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         if key == _OUTCOMES and list(one) != list(other):
             return False  # the order of mention numbers the states
@@ -185,12 +170,11 @@ def _same(one: object, other: object, key: str = "") -> bool:
 
 
 def _filled(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `table` without empty subtables."""
     return {key: value for key, value in table.items() if value != {}}
 
 
 def _changed(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
-    """Return `text` with the minimal change that makes its table `kind` equal `wanted`."""
+    # As little as possible changes
     import tomlkit
     from tomlkit.container import OutOfOrderTableProxy
     from tomlkit.items import InlineTable, Table
@@ -222,10 +206,7 @@ def _changed(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
 def _change_values(
     table: MutableTable, old: Mapping[str, Any], wanted: Mapping[str, Any], kept: str | None = None
 ) -> None:
-    """Change the values in `table` from `old` to `wanted`.
-
-    Keys that the new key `kept` replaces stay for now.
-    """
+    # Keys that the new key `kept` replaces stay for now
     for key in [each for each in old if each not in wanted]:
         if key not in _DRAWN_FROM.get(kept or "", ()):
             del table[key]
@@ -237,7 +218,6 @@ def _change_values(
 
 
 def _change_value(table: MutableMapping[str, Any], key: str, old: Any, new: Any) -> None:
-    """Change one value and keep its style."""
     import tomlkit
     from tomlkit.container import OutOfOrderTableProxy
     from tomlkit.items import AoT, Array, InlineTable, Table
@@ -263,7 +243,7 @@ def _change_value(table: MutableMapping[str, Any], key: str, old: Any, new: Any)
 
 
 def _change_entries(entries: AoT, old: Sequence[Any], new: Sequence[Any]) -> None:
-    """Change, insert and remove tables of a list, identified by state and action."""
+    # Tables are identified by state and action
     before, after = ([(each.get("state"), each.get("action")) for each in listed] for listed in (old, new))
     moved = 0
     for what, first, last, new_first, new_last in SequenceMatcher(
@@ -281,7 +261,7 @@ def _change_entries(entries: AoT, old: Sequence[Any], new: Sequence[Any]) -> Non
 
 
 def _remove_entry(entries: AoT, index: int) -> None:
-    """Remove a table, but keep the comments behind it, which describe what follows."""
+    # The comments behind it describe what follows, so they stay
     import tomlkit
 
     entry = entries[index]
@@ -299,7 +279,6 @@ def _remove_entry(entries: AoT, index: int) -> None:
 
 
 def _insert_entry(entries: AoT, index: int, entry: Mapping[str, Any]) -> None:
-    """Insert a table, separated by an empty line."""
     import tomlkit
 
     table = tomlkit.table()
@@ -310,7 +289,7 @@ def _insert_entry(entries: AoT, index: int, entry: Mapping[str, Any]) -> None:
 
 
 def _add(document: TOMLDocument, kind: str, key: str, value: Any) -> None:
-    """Add a new key to the table `kind`, in the style of the shipped files."""
+    # In the style of the shipped files
     import tomlkit
 
     table = cast("MutableTable", document[kind])
@@ -326,7 +305,7 @@ def _add(document: TOMLDocument, kind: str, key: str, value: Any) -> None:
 
 
 def _put_in_place(table: Table, key: str, value: Any) -> None:
-    """Put a key in the place of the first key that it replaces, and remove the others."""
+    # It takes the place of the first key that it replaces
     import tomlkit
 
     body = table.value.body
@@ -340,7 +319,6 @@ def _put_in_place(table: Table, key: str, value: Any) -> None:
 
 
 def _rewritten(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
-    """Return `text` with a new table `kind` instead of its old world."""
     import tomlkit
     from tomlkit.items import Whitespace
 
@@ -360,7 +338,7 @@ def _rewritten(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
 
 
 def _item(value: Any, old: Any = None) -> Item:
-    """Return `value` as TOML, with a decimal point if the old number had one."""
+    # With a decimal point if the old number had one
     import tomlkit
 
     if isinstance(old, float) and type(value) is int and float(value) == value:
@@ -369,12 +347,10 @@ def _item(value: Any, old: Any = None) -> Item:
 
 
 def _copy_surroundings(old: Item, new: Item) -> None:
-    """Copy comment and spaces from `old` to `new`."""
     for name in ("indent", "comment_ws", "comment", "trail"):
         setattr(new.trivia, name, getattr(old.trivia, name))
 
 
 def _ended_as(text: str, new: str) -> str:
-    """Return `new` with the line ends at the end of `text`."""
     body = text.rstrip("\r\n")
     return new.rstrip("\r\n") + (text[len(body) :] if body else "\n")

@@ -1,4 +1,4 @@
-"""Templates of new scenarios: blank worlds, shipped scenarios, random lakes and mazes."""
+"""Templates of new scenarios."""
 
 from __future__ import annotations
 
@@ -28,11 +28,10 @@ def template_text(template: str, seed: int = 0, rows: int | None = None, columns
     """Return the text of a new scenario file.
 
     Args:
-        template: One of ``BLANK``, ``lake`` or ``maze`` (random, always solvable), or the id of a shipped
-            scenario.
+        template: One of ``BLANK``, ``lake`` or ``maze`` (random, always solvable), or a shipped scenario.
         seed: Seed of a random map.
-        rows: Rows of a random map; None: the default.
-        columns: Columns of a random map; None: the default.
+        rows: Of a random map; None: the default.
+        columns: Of a random map; None: the default.
 
     Raises:
         UserError: The template does not exist, or the size does not fit.
@@ -56,7 +55,7 @@ def template_text(template: str, seed: int = 0, rows: int | None = None, columns
 
 
 def named(text: str, title: str) -> str:
-    """Return the text of a scenario file with another title, shortened if too long."""
+    """Replace the title of a scenario file, shortened if too long."""
     import tomlkit
 
     from rl_tui.worlds.files.scenario import LONGEST_TITLE
@@ -67,7 +66,7 @@ def named(text: str, title: str) -> str:
 
 
 def lake(rows: int, columns: int, seed: int) -> list[str]:
-    """Return the lines of a random lake with holes and a way from S to G."""
+    """Return the lines of a random lake with a way to the goal."""
     from rl_tui.worlds.grid.map import BUILT_IN, RandomMap, draw_map
 
     for holes in LAKE_HOLES:
@@ -79,9 +78,9 @@ def lake(rows: int, columns: int, seed: int) -> list[str]:
 
 
 def maze(rows: int, columns: int, seed: int) -> list[str]:
-    """Return the lines of a random maze, with exactly one way between any two cells.
+    """Return the lines of a random maze, with one way between any two cells.
 
-    It is drawn by a random walk that never enters a cell twice and goes back at dead ends.
+    A random walk never enters a cell twice and goes back at dead ends.
 
     Raises:
         UserError: `rows` or `columns` is even. Every second line is a wall.

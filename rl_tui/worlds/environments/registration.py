@@ -1,7 +1,6 @@
-"""Registration of our scenarios in Gymnasium as ``rl_tui/NAME-v0``.
+"""Registration of our scenarios in Gymnasium as ``rl_tui/NAME-v0``, by import.
 
-Gymnasium has no plugins since version 1.0. So importing this module registers them. It looks only at file
-names and reads a file when its environment is made.
+Gymnasium has no plugins since version 1.0. A file is read when its environment is made.
 """
 
 from __future__ import annotations
@@ -20,9 +19,9 @@ _OF_A_FILE: Final = "scenario"
 
 
 class ScenarioSpec(EnvSpec):  # type: ignore[misc]
-    """Gymnasium's spec of a scenario. Its id or path is ``kwargs["scenario"]``.
+    """Gymnasium's spec of the scenario ``kwargs["scenario"]``, an id or path.
 
-    `max_episode_steps` is the scenario's time limit, read on first use.
+    The time limit is read on first use.
     """
 
     _limit: int | None = None
@@ -49,7 +48,7 @@ class ScenarioSpec(EnvSpec):  # type: ignore[misc]
 
 
 def spec_of(scenario: str) -> ScenarioSpec:
-    """Return the spec for ``gymnasium.make``. `scenario` is an id or the path of a file."""
+    """Return the spec of a scenario id or file for ``gymnasium.make``."""
     name = scenario if _NAME.fullmatch(scenario) else _OF_A_FILE
     return ScenarioSpec(id=f"{OWN_IDS}{name}-v0", entry_point=_ENTRY_POINT, kwargs={"scenario": scenario})
 

@@ -1,7 +1,4 @@
-"""A scenario as a Gymnasium environment, made by ``gymnasium.make("rl_tui/NAME-v0")``.
-
-Its transition table has the form of Gymnasium's toy_text. The render mode is ``ansi``.
-"""
+"""A scenario as a Gymnasium environment, with a transition table as in toy_text."""
 
 from __future__ import annotations
 
@@ -41,13 +38,7 @@ _CHARACTERS: Final[Mapping[CellKind, str]] = {
 
 
 def text_picture(world: World, state: int, action: int | None) -> str:
-    """Return the state as text, with the map below it if there is one.
-
-    Args:
-        world: The world.
-        state: Current state.
-        action: Last action, or None.
-    """
+    """Return the state as text, above the map if there is one."""
     taken = "" if action is None else f", after {world.space.action_names[action]}"
     line = f"state {world.space.state_names[state]}{taken}"
     drawing = world.drawing
@@ -94,7 +85,7 @@ def rows_of(mdp: TabularMDP, state: int) -> list[PairRow]:
 
 
 def table_of(mdp: TabularMDP) -> dict[int, dict[int, list[Entry]]]:
-    """Return state → action → entries, for all states and actions."""
+    """Return state → action → entries."""
     return {
         state: {action: list(row.entries) for action, row in enumerate(rows_of(mdp, state))}
         for state in range(mdp.states)
@@ -122,8 +113,8 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
 
     Args:
         scenario: Scenario id, path of a file, or a :class:`Scenario`.
-        scenario_seed: Seed of a random world, 0 or more, like the seed of ``rl-tui play``. The seed of
-            ``reset`` draws the outcomes, and resets drifting arms.
+        scenario_seed: Seed of a random world, as in ``rl-tui play``. The seed of ``reset`` draws the
+            outcomes, and resets drifting arms.
         render_mode: ``"ansi"`` or None.
 
     Raises:
@@ -157,7 +148,7 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
     def P(self) -> dict[int, dict[int, list[Entry]]]:  # noqa: N802
         """State → action → [(probability, next state, reward, terminated), …].
 
-        Rewards are means, without noise and before any drift. Changing the table does not change steps.
+        Rewards are means, before any drift. Changing the table does not change steps.
 
         Raises:
             AttributeError: The world has no transition table.
@@ -228,7 +219,6 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
         return self.s, reward, terminated, False, self._info(probability)
 
     def _drift(self, offset: npt.NDArray[np.float64], pair: int) -> float:
-        """Return the drift of the reward of `pair`, then let all arms drift one step."""
         moved = float(offset[pair])
         offset += self._table("drift").drift_std * self.np_random.standard_normal(len(offset))
         return moved
@@ -254,7 +244,7 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
 
 
 def time_limit_of_scenario(scenario: str | Path | Scenario) -> int | None:
-    """Return the number of steps after which an episode is truncated, or None.
+    """Return the time limit in steps, or None.
 
     Raises:
         UserError: The scenario does not exist, or its world cannot be made.

@@ -1,4 +1,4 @@
-"""The folder of shipped scenarios, found with few imports and without reading files."""
+"""The folder of shipped scenarios, found with few imports."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _PACKAGE: Final = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspat
 
 
 def shipped_folder() -> Path:
-    """Return the folder of shipped scenarios: inside the package, or next to it in a clone."""
+    """Return the folder, inside the package or next to it in a clone."""
     from pathlib import Path  # slow to import, compared with this module
 
     return Path(_folder())
 
 
 def shipped_names() -> list[str]:
-    """Return the ids of the shipped scenarios in alphabetical order. Empty if unreadable."""
+    """Return the sorted ids of the shipped scenarios. Empty if unreadable."""
     try:
         files = os.listdir(_folder())
     except OSError:

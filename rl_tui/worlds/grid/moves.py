@@ -39,7 +39,7 @@ COMPASS: Final = tuple(MOVES[name] for name in ("four", "clockwise"))
 
 
 class Slip(NamedTuple):
-    """A slip: the move `turn` actions after the meant one (modulo 4), with `probability`."""
+    """The move `turn` actions after the meant one (modulo 4)."""
 
     turn: int
     probability: float
@@ -48,13 +48,11 @@ class Slip(NamedTuple):
 def slips_of(noise: float, slippery: bool) -> tuple[Slip, ...]:
     """Return the possible slips in the order of Gymnasium's tables.
 
-    Args:
-        noise: Probability shared by the two moves at right angles (Berkeley CS188 gridworld).
-        slippery: True for ice: all three moves are equally likely (Gymnasium's FrozenLake).
+    The two moves at right angles share `noise` (Berkeley CS188 gridworld). On `slippery` ice, all three moves
+    are equally likely (Gymnasium's FrozenLake).
     """
     if slippery:
-        # as Gymnasium computes it: 1/3 for the meant move, and half of the rest, not exactly 1/3, for each
-        # side
+        # as Gymnasium computes it: 1/3, and half of the rest, not exactly 1/3, for each side
         meant = 1.0 / 3.0
         side = (1.0 - meant) / 2.0
     else:
@@ -64,7 +62,7 @@ def slips_of(noise: float, slippery: bool) -> tuple[Slip, ...]:
 
 
 class Gust(NamedTuple):
-    """An addition to the wind, down and to the right, where it blows."""
+    """An addition to the wind, down and right, where it blows."""
 
     down: int
     right: int
@@ -74,7 +72,7 @@ STILL: Final = Gust(0, 0)
 
 
 class Landings(NamedTuple):
-    """Result of a move from n cells: landing cells, [n], and whether something was in the way, [n]."""
+    """Landing cells, [n], and whether something was in the way, [n]."""
 
     cells: CellArray
     bumped: BoolArray
@@ -86,11 +84,9 @@ class Landings(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Terrain:
-    """Open cells and wind of a map.
+    """Open cells and wind of a map, inside a border of closed cells.
 
-    A border of closed cells surrounds the map. All arrays have the shape [(rows + 2) · (columns + 2)], row by
-    row. `width` is columns + 2. `wind_down` and `wind_right` hold the strength of the wind in cells, or are
-    None.
+    All arrays are [(rows + 2) · (columns + 2)]; `width` is columns + 2. Wind is in cells, or None.
     """
 
     open_cells: BoolArray
@@ -105,17 +101,11 @@ class Terrain:
         allowed: BoolArray | None = None,
         gust: Gust = STILL,
     ) -> Landings:
-        """Return where a step leads from each of n cells.
+        """Return where a step (rows down, columns right) leads from `cells`, [n].
 
         Step and wind in opposite directions cancel. The rest of the step happens at once, even diagonally
-        between two walls, or not at all if a wall or the edge is in the way. Then the wind pushes cell by
-        cell, vertically first, until something is in the way.
-
-        Args:
-            cells: Start cells, [n].
-            step: Rows down and columns right.
-            allowed: False for cells where only the wind acts, [n]; None: all True.
-            gust: Addition to the wind.
+        between two walls, unless a wall or the edge is in the way. Then the wind pushes cell by cell,
+        vertically first, until something is in the way. Cells not `allowed`, [n], feel only the wind.
         """
         import numpy as np
 
@@ -133,7 +123,7 @@ class Terrain:
         return Landings(landed, bumped)
 
     def _pushed(self, cells: CellArray, push: CellArray | None, offset: int) -> CellArray:
-        """Push `cells` by `offset` as often as `push` says; negative counts push backwards."""
+        # Negative counts push backwards
         import numpy as np
 
         if push is None:
@@ -158,7 +148,6 @@ def _wind(wind: CellArray | None, cells: CellArray, gust: int) -> CellArray | No
 
 
 def _cancelled(step: CellArray, wind: CellArray | None) -> tuple[CellArray, CellArray | None]:
-    """Return the rest of step and wind along one axis, for steps of at most one cell."""
     import numpy as np
 
     if wind is None:

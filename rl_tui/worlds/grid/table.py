@@ -1,7 +1,4 @@
-"""The transition table of a grid world, built in whole arrays.
-
-The states are the cells that are not walls, row by row. Arrays of states are [S].
-"""
+"""The transition table of a grid world, in whole arrays. States are the open cells, row by row."""
 
 from __future__ import annotations
 
@@ -31,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class GridStates:
-    """The S states of a map in the order of their cells. Arrays are [S] unless noted."""
+    """The S states of a map. Arrays are [S] unless noted."""
 
     map: CellMap
 
@@ -42,7 +39,7 @@ class GridStates:
 
     @cached_property
     def open_cells(self) -> BoolArray:
-        """True for cells that can be entered, with a border, [(rows + 2) · (columns + 2)]."""
+        """True for open cells, with a border, [(rows + 2) · (columns + 2)]."""
         return with_border(~self._is_wall)
 
     @cached_property
@@ -79,14 +76,14 @@ class GridStates:
 
     @cached_property
     def arrival(self) -> CellArray:
-        """State after entering: itself, or the start after a fall from a cliff."""
+        """State after entering: itself, or the start after a fall."""
         arrival = np.arange(len(self.numbers), dtype=np.int32)
         arrival[self._of(lambda entry: entry.back, np.bool_)] = self.starts[0]
         return arrival
 
     @cached_property
     def jump_to(self) -> CellArray:
-        """State to which all actions lead, or −1 if they are normal moves."""
+        """State to which all actions lead, or −1."""
         code_of = {character: code for code, character in enumerate(self.map.characters)}
         target = np.full(len(self.map.entries), -1, dtype=np.int32)
         for code, entry in enumerate(self.map.entries):
@@ -116,13 +113,7 @@ class GridStates:
 
 
 def grid_drawing(states: GridStates, actions: Sequence[str], wind: Sequence[int] = ()) -> Grid:
-    """Return the drawing of a map.
-
-    Args:
-        states: States of the map.
-        actions: Names of the actions.
-        wind: Wind of each column.
-    """
+    """Return the drawing of a map."""
     rows, columns = states.map.codes.shape
     kinds = np.array([entry.kind for entry in states.map.entries], dtype=object)
     steps = [STEPS.get(name, (0, 0)) for name in actions]
@@ -138,7 +129,6 @@ def grid_drawing(states: GridStates, actions: Sequence[str], wind: Sequence[int]
 
 
 def _one_way(cells: CellMap) -> Iterator[tuple[int, tuple[int, int]]]:
-    """Yield each cell that can be left in one direction only, with its step, row by row."""
     ways = {
         code: STEPS[entry.only[0]]
         for code, entry in enumerate(cells.entries)
@@ -172,16 +162,13 @@ def variants_of(rules: GridSection) -> list[Variant]:
 
 
 def action_names(states: GridStates, rules: GridSection) -> tuple[str, ...]:
-    """Return the names of the moves, and "exit" if some cell has it."""
+    """Return the moves, and "exit" if some cell has it."""
     moves = MOVES[rules.moves]
     return (*moves, EXIT) if states.exits.any() else moves
 
 
 def grid_table(states: GridStates, rules: GridSection) -> TabularMDP:
-    """Return the transition table of a valid map, computed for all cells at once.
-
-    Cells that cannot be reached get no pairs.
-    """
+    """Return the transition table of a valid map, without pairs for unreachable cells."""
     block = _Block(states, rules)
     return mdp_of_arrays(
         NumberNames(states.numbers),
@@ -195,10 +182,7 @@ def grid_table(states: GridStates, rules: GridSection) -> TabularMDP:
 
 
 class _Block:
-    """The outcomes of n acting cells × A actions × V variants, including impossible ones.
-
-    Acting cells are reached by episodes and do not end them.
-    """
+    """Outcomes of n acting cells × A actions × V variants, even impossible ones."""
 
     def __init__(self, states: GridStates, rules: GridSection) -> None:
         self.states, self.rules = states, rules
@@ -219,7 +203,6 @@ class _Block:
         self._walk(landings)
 
     def arrays(self) -> TransitionArrays:
-        """Return the possible outcomes, pair by pair."""
         cells, actions, variants = self.shape
         probability = self._probability()
         all_possible = bool((probability > 0.0).all())
@@ -251,7 +234,6 @@ class _Block:
         )
 
     def _landings(self, acting: IntArray) -> dict[_Way, Landings]:
-        """Return the landings from the acting cells, [n], for each possible move and gust."""
         states, known = self.states, dict[_Way, Landings]()
         places = states.places[acting]
         for action, (slip, gust) in product(range(len(self.moves)), self.variants):
@@ -265,7 +247,6 @@ class _Block:
         return known
 
     def _reached(self, acting: IntArray, landings: dict[_Way, Landings]) -> BoolArray:
-        """Return which states episodes reach, [S]."""
         states = self.states
         leads_to = np.stack([states.state_at[each.cells] for each in landings.values()], axis=1)
         jumps = states.jump_to[acting] >= 0
@@ -277,7 +258,6 @@ class _Block:
         return reachable(np.cumsum(count), leads_to[goes_on].astype(np.int64), states.starts)
 
     def _walk(self, landings: dict[_Way, Landings]) -> None:
-        """Compute the state that each outcome enters, and where a move is stopped."""
         for action, (variant, (slip, gust)) in product(range(len(self.moves)), enumerate(self.variants)):
             landed = landings[(action + slip.turn) % len(self.moves), gust]
             self.entered[:, action, variant] = self.states.state_at[landed.cells]
@@ -293,7 +273,7 @@ class _Block:
         self.entered[:, len(self.moves) :] = self.acting[:, None, None]
 
     def _probability(self) -> FloatArray:
-        """Return the chance of each variant, [1 or n, 1 or A, V]."""
+        # [1 or n, 1 or A, V]
         chance = np.array([slip.probability for slip, _ in self.variants])[None, None, :]
         for axis, wind in enumerate((self.terrain.wind_down, self.terrain.wind_right)):
             if self.rules.gusts and wind is not None:
@@ -310,7 +290,7 @@ class _Block:
         return chance
 
     def _happened(self) -> IntArray:
-        """Return the action that really happens, [1 or n, A, V]."""
+        # [1 or n, A, V]
         meant = np.arange(self.shape[1], dtype=np.int64)[None, :, None]
         turn = np.array([slip.turn for slip, _ in self.variants])[None, None, :]
         happened = np.where(meant < len(self.moves), (meant + turn) % len(self.moves), meant)
@@ -319,7 +299,7 @@ class _Block:
         return happened
 
     def _reward(self) -> FloatArray:
-        """Return the reward of each outcome, [n, 1 or A, 1 or V]."""
+        # [n, 1 or A, 1 or V]
         states, rules = self.states, self.rules
         if rules.rewards == "leaving":
             reward = (states.rewards[self.acting] + rules.step_reward)[:, None, None]
@@ -333,7 +313,7 @@ class _Block:
 
 
 def _terrain(states: GridStates, rules: GridSection) -> Terrain:
-    """Return the map with its wind. Upward wind is negative, since rows count downwards."""
+    # Upward wind is negative, since rows count downwards
     rows, columns = states.map.codes.shape
 
     def everywhere(wind: CellArray) -> CellArray | None:

@@ -1,4 +1,4 @@
-"""Gymnasium's log level, which is one setting for the whole process."""
+"""Gymnasium's log level, one setting for the whole process."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 
 @contextmanager
 def advice_kept() -> Iterator[None]:
-    """Restore the log level afterwards, because making an environment silences all advice.
+    """Restore the log level afterwards: making an environment silences all advice.
 
-    Works as a decorator too. Does not import gymnasium.
+    Works as a decorator too, without importing gymnasium.
     """
     logger = _logger()
     level = None if logger is None else logger.min_level

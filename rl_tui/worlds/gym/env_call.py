@@ -1,4 +1,4 @@
-"""Calls into environments: their duration, and redirection of their output to stderr."""
+"""Calls into environments: their duration, and their output to stderr."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _SINCE: Final = dict[int, float]()
 class EnvironmentCall:
     """A context for one call into an environment. It cannot be nested.
 
-    Output of environments goes to stderr, because stdout is for results. Several threads may call
-    environments at once. If a terminal driver replaces the streams meanwhile, its change stays.
+    Output goes to stderr, because stdout is for results. Several threads may call environments at once. If a
+    terminal driver replaces the streams meanwhile, its change stays.
     """
 
     def __init__(self) -> None:
@@ -45,6 +45,6 @@ ENVIRONMENT_CALL: Final = EnvironmentCall()
 
 
 def seconds_in_call(thread: int | None) -> float:
-    """Return how many seconds `thread` (an identifier) has been in a call; 0 outside calls."""
+    """Return the seconds that a thread has been in a call, or 0."""
     since = None if thread is None else _SINCE.get(thread)
     return 0.0 if since is None else time.perf_counter() - since

@@ -24,7 +24,7 @@ class OutsideError(Exception):
 
 
 class ObservationPart(NamedTuple):
-    """A discrete part of an observation, with the values first .. first + size − 1."""
+    """A discrete part with the values first .. first + size − 1."""
 
     first: int
     size: int
@@ -33,7 +33,7 @@ class ObservationPart(NamedTuple):
 class ProductNames(Sequence[str]):
     """Names of all combinations of named parts, the last part changing fastest.
 
-    Each name is made on access. Parts with a single value are left out of the name.
+    Each is made on access. Parts with a single value are left out.
     """
 
     def __init__(self, parts: Sequence[Sequence[str]]) -> None:
@@ -64,13 +64,13 @@ class ProductNames(Sequence[str]):
 
 
 class States(Protocol):
-    """The conversion of observations to states. ``sizes[i]`` is the number of values of part i."""
+    """The conversion of observations, with ``sizes[i]`` values of part i, to states."""
 
     sizes: Sequence[int]
 
     @property
     def part_names(self) -> Sequence[Sequence[str]]:
-        """Names of the values of each part, in order."""
+        """Names of the values of each part."""
         ...
 
     def state_of(self, observation: Any) -> int:
@@ -82,7 +82,7 @@ class States(Protocol):
 
 
 class DiscreteStates:
-    """States that are all combinations of the discrete parts of a space."""
+    """All combinations of the discrete parts of a space."""
 
     def __init__(self, parts: Sequence[ObservationPart], read: Reader) -> None:
         self.sizes: Sequence[int] = [part.size for part in parts]
@@ -95,11 +95,7 @@ class DiscreteStates:
         return [NumberNames(np.arange(first, first + size)) for first, size in self._parts]
 
     def state_of(self, observation: Any) -> int:
-        """Return the number of this combination.
-
-        Raises:
-            OutsideError: The observation is outside the space.
-        """
+        """Return the number of this combination, or raise OutsideError."""
         state = 0
         for value, (first, size) in zip(self._read(observation), self._parts, strict=True):
             place = int(value) - first
@@ -110,7 +106,7 @@ class DiscreteStates:
 
 
 class BinStates:
-    """States that are all combinations of bins. `edges` are the rising inner edges per dimension."""
+    """All combinations of bins, with rising inner `edges` per dimension."""
 
     def __init__(self, edges: Sequence[Sequence[float]], names: Sequence[Sequence[str]]) -> None:
         self.part_names = names
@@ -119,15 +115,11 @@ class BinStates:
 
     @property
     def middles(self) -> tuple[tuple[float, ...], ...]:
-        """Middle of each bin of each dimension, or NaN for fewer than two edges."""
+        """Middle of each bin, or NaN for fewer than two edges."""
         return tuple(_middles(edges) for edges, _ in self._bins)
 
     def state_of(self, observation: Any) -> int:
-        """Return the state of a Box's observation. An edge belongs to the bin above it.
-
-        Raises:
-            OutsideError: A number is NaN.
-        """
+        """Return the state of an observation. NaN raises OutsideError, and an edge belongs above."""
         state = 0
         numbers = np.ravel(observation).tolist()
         for value, (edges, count) in zip(numbers, self._bins, strict=True):
@@ -138,10 +130,7 @@ class BinStates:
 
 
 def _middles(edges: Sequence[float]) -> tuple[float, ...]:
-    """Return the middles of the bins between `edges`. Outer bins are as wide as their neighbours.
-
-    Without neighbours the middle is NaN.
-    """
+    # Outer bins are as wide as their neighbours. Without neighbours the middle is NaN
     if len(edges) < 2:
         return (math.nan,) * (len(edges) + 1)
     low, high = 2 * edges[0] - edges[1], 2 * edges[-1] - edges[-2]
@@ -149,7 +138,7 @@ def _middles(edges: Sequence[float]) -> tuple[float, ...]:
 
 
 def discrete_states(space: Space[Any]) -> DiscreteStates | None:
-    """Return the states of a space with discrete parts, or None if a part is not discrete."""
+    """Return the states of a space, or None if it is not discrete."""
     found = _parts_of(space)
     return None if found is None else DiscreteStates(*found)
 
@@ -182,7 +171,7 @@ def _flat(observation: Any) -> list[Any]:
 def _together(
     inner: Sequence[tuple[list[ObservationPart], Reader] | None], split: Callable[[Any], Sequence[Any]]
 ) -> tuple[list[ObservationPart], Reader] | None:
-    """Join the parts of several spaces. `split` divides an observation among them."""
+    # `split` divides an observation among the spaces
     known = [each for each in inner if each is not None]
     if len(known) < len(inner) or not known:
         return None

@@ -1,7 +1,6 @@
 """The grid on which the states of a Gymnasium environment are drawn, and its names.
 
-Names of known environments are written here, since Gymnasium has them only in its documentation. A class is
-recognized by its name, so Gymnasium need not be imported.
+Gymnasium has the names only in its documentation. A class is recognized by its name, without importing it.
 """
 
 from __future__ import annotations
@@ -56,24 +55,13 @@ _ACROSS: Final = (BodyKind.MOUNTAIN_CAR,)
 
 
 def action_names(environment: Any, first: int, actions: int) -> tuple[str, ...]:
-    """Return the names of the actions of an unwrapped environment.
-
-    Args:
-        environment: The environment.
-        first: First action number.
-        actions: Number of actions. Unknown actions are named by their numbers.
-    """
+    """Return the names of the actions of an unwrapped environment, or numbers from `first` on."""
     names = _ACTIONS.get(type(environment).__name__, ())
     return names if len(names) == actions else tuple(str(first + action) for action in range(actions))
 
 
 def known_part_names(environment: Any, sizes: Sequence[int]) -> Sequence[Sequence[str]]:
-    """Return known names for the parts of an observation; empty ones if unknown.
-
-    Args:
-        environment: The unwrapped environment.
-        sizes: Number of values of each part.
-    """
+    """Return known names for the parts of an observation, else empty ones."""
     names = _PARTS.get(type(environment).__name__, ())
     fits = len(names) == len(sizes) and all(
         not part or len(part) == size for part, size in zip(names, sizes, strict=True)
@@ -87,12 +75,7 @@ def part_terms(environment: Any) -> Sequence[str]:
 
 
 def body_of(environment: Any, middles: Sequence[Sequence[float]]) -> Body | None:
-    """Return the body of an unwrapped environment, or None.
-
-    Args:
-        environment: The environment.
-        middles: Middles of the bins of each number.
-    """
+    """Return the body of an unwrapped environment, if known."""
     kind = _BODIES.get(type(environment).__name__)
     if kind is None or len(middles) != len(part_terms(environment)):
         return None
@@ -100,15 +83,9 @@ def body_of(environment: Any, middles: Sequence[Sequence[float]]) -> Body | None
 
 
 def grid_of(environment: Any, states: States, actions: int, part_names: Sequence[Sequence[str]]) -> Grid:
-    """Return the grid of an unwrapped environment's states; see :func:`product_grid`.
+    """Return the grid of an unwrapped environment; see :func:`product_grid`.
 
     Observations of Blackjack are drawn like its transition table.
-
-    Args:
-        environment: The environment.
-        states: Its states.
-        actions: Number of actions.
-        part_names: Names of the values of each part.
     """
     if is_blackjack(environment) and tuple(states.sizes) == OBSERVED_PARTS:
         return observed_drawing()
@@ -125,15 +102,13 @@ def product_grid(
 ) -> Grid:
     """Return the grid of states that are all combinations of several parts.
 
-    A single part fills the squarest grid. The first two parts are rows and columns. Each combination of
-    further parts is a block of its own, separated by walls. Parts with one value are ignored. Actions are not
-    directions.
-
-    A body that moves along the first of two parts has it across, and the second upwards.
+    A single part fills the squarest grid. The first two parts are rows and columns, or columns and rows for a
+    body that moves along the first. Each combination of further parts is a block of its own. Parts with one
+    value are ignored.
 
     Args:
         sizes: Number of values of each part.
-        actions: Number of actions.
+        actions: Number of actions, which are not directions.
         terms: Meaning of the parts, for the legend. Parts are numbered if unknown.
         names: Names of the values of each part, as labels.
         body: Body that the parts describe.
@@ -162,7 +137,7 @@ def product_grid(
 
 
 def _name_parts(sizes: Sequence[int], terms: Sequence[str]) -> tuple[str, ...]:
-    """Return forms such as ``angle, angular velocity``, ``angle, velocity`` and ``ang, vel``."""
+    # Forms such as "angle, angular velocity", "angle, velocity" and "ang, vel"
     if len(terms) != len(sizes):
         return ()
     known = [term for term, size in zip(terms, sizes, strict=True) if size > 1]
@@ -190,7 +165,7 @@ def _that_count(sizes: Sequence[int]) -> list[int]:
 
 
 def _legend(sizes: Sequence[int], terms: Sequence[str], *, is_upward: bool) -> str:
-    """Return text such as ``angle down, angular velocity across``. Empty for one part."""
+    # Such as "angle down, angular velocity across"
     count = sum(size > 1 for size in sizes)
     known = [term for term, size in zip(terms, sizes, strict=False) if size > 1]
     names = known if len(known) == count else [f"part {place}" for place in range(1, count + 1)]
@@ -203,7 +178,7 @@ def _legend(sizes: Sequence[int], terms: Sequence[str], *, is_upward: bool) -> s
 def _axes(
     sizes: Sequence[int], terms: Sequence[str], names: Sequence[Sequence[str]], *, is_upward: bool
 ) -> Axes | None:
-    """Return the labels of a grid with real rows and columns, or None if there are too many."""
+    # None: too many labels
     there = [place for place, size in enumerate(sizes) if size > 1]
     rows, columns = product_shape(sizes)
     if not names or len(there) < 2 or rows + columns > _MOST_LABELS:
@@ -225,7 +200,7 @@ def _axes(
 
 
 def _cells(sizes: Sequence[int], width: int) -> np.ndarray:
-    """Return the cell of each state on a grid of `width` columns, [product of `sizes`]."""
+    # [product of `sizes`]
     rows, columns, blocks = sizes[0], sizes[1], math.prod(sizes[2:])
     across = (width + 1) // (columns + 1)
     row, column, block = np.unravel_index(np.arange(rows * columns * blocks), (rows, columns, blocks))
@@ -248,7 +223,7 @@ _BLACKJACK: Final = "Blackjack"
 
 
 def known_grid(section: GymnasiumSection) -> Grid | None:
-    """Return the drawing of `section` without cells, as far as it is known, or None."""
+    """Return the known part of a drawing without cells, or None."""
     name = re.sub(r"-v\d+$", "", section.id)
     if section.bins is not None:
         sizes = section.bins.sizes
@@ -266,7 +241,6 @@ def known_grid(section: GymnasiumSection) -> Grid | None:
 
 
 def _known_product(name: str, sizes: Sequence[int], names: Sequence[Sequence[str]]) -> Grid:
-    """Return the grid of a known environment, found by its class name."""
     terms, kind = _TERMS.get(f"{name}Env", ()), _BODIES.get(f"{name}Env")
     body = None if kind is None or len(sizes) != len(terms) else Body(kind, ())
     is_upward = _is_upward(sizes, body)

@@ -1,4 +1,4 @@
-"""The grid of an environment with a transition table, its names and its slips."""
+"""The grid of an environment with a transition table, and its names."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _LETTERS: Final = {b"S": CellKind.START, b"F": CellKind.FLOOR, b"H": CellKind.HO
 
 _STEPS: Final = {"left": (0, -1), "down": (1, 0), "right": (0, 1), "up": (-1, 0)}
 
-# Gymnasium names its actions only in its documentation. A class is recognized by its name, so that nothing of
-# Gymnasium need be imported
+# Gymnasium names its actions only in its documentation. A class is recognized by its name, so Gymnasium need
+# not be imported
 _CLIFF: Final = "CliffWalkingEnv"
 _TAXI: Final = "TaxiEnv"
 _ACTION_NAMES: Final = {
@@ -60,9 +60,9 @@ TAXI_AXES: Final = Axes(
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The grid of an environment, with the names of states and actions.
+    """A grid with the names of states and actions.
 
-    `compass` says that actions are directions in circular order and that state numbers are cells.
+    `compass`: actions are directions in circular order, and state numbers are cells.
     """
 
     grid: Grid
@@ -71,20 +71,10 @@ class Layout:
     compass: bool
 
     def happened(self, state: int, action: int, place: int, count: int, next_state: int) -> int:
-        """Return the action that really happened in an outcome.
+        """Return the action that really happened in outcome `place` of `count`, or −1 if none fits.
 
         On a compass Gymnasium lists the outcomes in the order a − 1, a, a + 1 (modulo 4), or only a. A step
         off the cliff leads back to the start.
-
-        Args:
-            state: State before the step.
-            action: Meant action a.
-            place: Index of the outcome.
-            count: Number of outcomes of the pair.
-            next_state: State after the step.
-
-        Returns:
-            The action, or −1 if no action explains `next_state` on this grid.
         """
         if not self.compass or count not in (1, 3):
             return UNKNOWN_ACTION
@@ -94,7 +84,6 @@ class Layout:
         return candidate if landing == next_state or falls else UNKNOWN_ACTION
 
     def _landing(self, state: int, action: int) -> int:
-        """Return the cell after a step on a compass. At the edge it stays."""
         down, right = _STEPS[self.action_names[action]]
         row, column = divmod(state, self.grid.columns)
         row = min(max(row + down, 0), self.grid.rows - 1)
@@ -107,12 +96,6 @@ def layout_of(environment: Any, states: int, actions: int, start: Mapping[int, f
 
     States lie on the environment's own map, if its size fits. Taxi has a map of twenty towns. All others get
     the squarest grid, without directions.
-
-    Args:
-        environment: The environment.
-        states: Number of states.
-        actions: Number of actions.
-        start: Probability of each start state.
     """
     classes = [each.__name__ for each in type(environment).__mro__]
     if _TAXI in classes and (states, actions) == (_TAXI_STATES, len(_TAXI_ACTIONS)):
@@ -144,10 +127,7 @@ def layout_of(environment: Any, states: int, actions: int, start: Mapping[int, f
 
 
 def _taxi_state_names() -> tuple[str, ...]:
-    """Return names such as ``2,3 R→B``: taxi in row 2, column 3, passenger from R to B.
-
-    ``in`` is a passenger in the taxi.
-    """
+    # Such as "2,3 R→B": taxi in row 2, column 3, passenger from R (or "in" it) to B
     names = []
     for state in range(_TAXI_STATES):
         row, column, passenger, destination = _taxi_decoded(state)
@@ -156,13 +136,7 @@ def _taxi_state_names() -> tuple[str, ...]:
 
 
 def _taxi_grid(town: np.ndarray) -> Grid:
-    """Return the map of the twenty towns.
-
-    A goal is a finished ride: taxi and passenger are at the destination.
-
-    Args:
-        town: Characters of the town with its frame. A bar between two places is a wall.
-    """
+    # In `town`, a bar between two places is a wall
     kinds = [CellKind.WALL] * (_TAXI_ROWS * _TAXI_COLUMNS)
     cells, walls = [], []
     for state in range(_TAXI_STATES):

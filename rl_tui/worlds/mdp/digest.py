@@ -14,7 +14,7 @@ _PIECE: Final = 65_536  # names per piece, to save memory with large worlds
 
 
 def table_digest(mdp: TabularMDP) -> str:
-    """Return the SHA-256 of all content of `mdp` in hexadecimal. Equal tables have equal digests."""
+    """Return the SHA-256 of all content. Equal tables have equal digests."""
     digest = hashlib.sha256()
     for each in fields(mdp):
         value = getattr(mdp, each.name)

@@ -1,1 +1,1 @@
-"""The world tables of a scenario file, and the values they accept."""
+"""The world tables of a scenario file, and accepted values."""

@@ -1,4 +1,4 @@
-"""Chains: worlds whose states form a row, each leading only to itself and its neighbours."""
+"""Worlds whose states form a row, each leading only to neighbours."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _LEAST_STATES: Final = 3
 
 
 class Move(NamedTuple):
-    """A named action of a state, and the probability of each next state."""
+    """A named action, and the probability of each next state."""
 
     state: int
     action: str
@@ -23,14 +23,8 @@ def chain_order(
 ) -> tuple[int, ...]:
     """Return the states of a chain from left to right. Empty if the world is not a chain.
 
-    A row of boxes has no room for action names. So a chain has a single action, or the actions left and
-    right, which must lead that way on average. With a single action, the end with the smaller place is on the
-    left, or the smaller number without places.
-
-    Args:
-        states: Number of states.
-        moves: All actions of all states.
-        places: (column, row) of states in the drawing.
+    A chain has a single action, or the actions left and right, which must lead that way on average. With a
+    single action, the end with the smaller place, (column, row), or the smaller number, is on the left.
     """
     moves = tuple(moves)
     names = {move.action for move in moves}

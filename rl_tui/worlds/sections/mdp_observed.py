@@ -1,7 +1,7 @@
 """An MDP seen only through observations, where several states can look the same.
 
-The future then depends on the past, so there is no transition table over observations. It is a partially
-observable process (Sutton & Barto, 2nd ed., section 17.3).
+The future then depends on the past, so there is no transition table over observations: a partially observable
+process (Sutton & Barto, 2nd ed., section 17.3).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rl_tui.worlds.world import Prospect, World
 
 
 class ObservedEnvironment:
-    """A simulated transition table that returns only the observation of each state.
+    """A simulated transition table that returns only observations.
 
     An unavailable action acts like the first available one. Nothing happens after the end.
     """
@@ -65,15 +65,9 @@ class ObservedEnvironment:
 
 
 def observed_world(hidden: TabularMDP, names: Sequence[str], looks: Sequence[int], drawing: Drawing) -> World:
-    """Return the simulated world of the observations of `hidden`.
+    """Return the simulated world of the observations `looks` of the states, [S].
 
     States with equal observations must have the same actions.
-
-    Args:
-        hidden: The real MDP.
-        names: Names of the observations.
-        looks: Observation of each state, [S].
-        drawing: Drawing of the observations.
     """
     alike: list[list[int]] = [[] for _ in names]
     for state, look in enumerate(looks):
@@ -101,13 +95,7 @@ def _actions(hidden: TabularMDP, owned: Sequence[range]) -> IntArray:
 
 
 def _prospects(hidden: TabularMDP, looks: Sequence[int], pairs: Sequence[int]) -> tuple[Prospect, ...]:
-    """Return the possible observations after one action.
-
-    Args:
-        hidden: The real MDP.
-        looks: Observation of each state.
-        pairs: The pair of this action in each state with the same observation.
-    """
+    # The `pairs` are those of states that look the same
     chances = [_chances(hidden, looks, pair) for pair in pairs]
     seen = dict.fromkeys(look for each in chances for look in each)
     return tuple(_prospect(look, [each.get(look, (0.0, 0.0)) for each in chances]) for look in seen)
@@ -121,7 +109,7 @@ def _prospect(look: int, chances: Sequence[tuple[float, float]]) -> Prospect:
 
 
 def _chances(hidden: TabularMDP, looks: Sequence[int], pair: int) -> Mapping[int, tuple[float, float]]:
-    """Return observation → probability and mean reward after a hidden pair."""
+    # Observation → probability and mean reward
     sums: dict[int, tuple[float, float]] = {}
     for outcome in hidden.outcomes_of(pair):
         probability, look = float(hidden.probability[outcome]), looks[int(hidden.next_state[outcome])]

@@ -24,7 +24,6 @@ def chart(*curves: ChartCurve, title: str = "return", **more: Any) -> Chart:
 
 
 def atlas(values: Sequence[Sequence[float | None]], title: str = "", **more: Any) -> AtlasChart:
-    """A settings map with these rows, the lowest first."""
     known = [value for row in values for value in row if value is not None]
     settings: dict[str, Any] = {
         "columns": tuple(f"{column / 10:g}" for column in range(len(values[0]))),

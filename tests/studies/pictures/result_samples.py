@@ -21,13 +21,11 @@ def spread(mean: float | None, **more: Any) -> dict[str, Any]:
 
 
 def area(settings: Mapping[str, Any]) -> float:
-    """A made-up number for each cell, different everywhere."""
     words = {"sarsa": 0.5, "q-learning": 0.25, "cliff": 0.0, "maze": 3.0}
     return sum(float(words.get(value, value)) for value in settings.values() if not isinstance(value, bool))
 
 
 def sweep(*cells: Mapping[str, Any], **more: Any) -> dict[str, Any]:
-    """A document of ``sweep --json`` with these cells. The first is the best."""
     made = [
         {
             **settings,
@@ -54,7 +52,6 @@ def sweep(*cells: Mapping[str, Any], **more: Any) -> dict[str, Any]:
 
 
 def grid(*algorithms: str) -> list[dict[str, Any]]:
-    """The cells of two settings with numbers, for each of ``algorithms`` if there are any."""
     return [
         {"alpha": alpha, "epsilon": epsilon, **({"algorithm": algorithm} if algorithm else {})}
         for alpha in STEP_SIZES
@@ -64,7 +61,6 @@ def grid(*algorithms: str) -> list[dict[str, Any]]:
 
 
 def runs(columns: Mapping[str, Sequence[float | None]], count: int = 3, **more: Any) -> dict[str, Any]:
-    """A document of ``train --runs --json``."""
     rows = [{"seed": seed} for seed in range(count)]
     return {"scenario": "cliff", "algorithm": "sarsa", "runs": rows, "summary": {}, "curve": columns, **more}
 

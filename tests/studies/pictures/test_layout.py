@@ -43,7 +43,6 @@ PICTURES = {
 
 
 def box_of(text: Text) -> Rectangle:
-    """The box of a text."""
     width = text_width(text.text, text.size)
     left = text.x - {"start": 0.0, "middle": width / 2, "end": width}[text.anchor]
     return Rectangle(left, text.y - 0.75 * text.size, width, text.size)

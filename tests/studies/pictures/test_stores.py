@@ -20,7 +20,6 @@ from rl_tui.studies.sweeps.sweep import run_sweep
 
 
 def filled(path: Path) -> object:
-    """Fill a store by a small sweep, and return its document."""
     variations = tuple(map(read_variation, ("alpha=0.1,0.5", "epsilon=0.1,0.3")))
     plan = SweepPlan(find("student"), variations, episodes=20, runs=3)
     with Store.to_write(path) as store:

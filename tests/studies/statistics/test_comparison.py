@@ -1,4 +1,4 @@
-"""Cells tied with the best: compared with plain tests, checked by properties, and by error rate."""
+"""Cells tied with the best."""
 
 from __future__ import annotations
 
@@ -27,7 +27,6 @@ def five_best(seed: int = 1, runs: int = 30) -> np.ndarray:
 
 
 def plainly(values: np.ndarray) -> set[int]:
-    """The tied cells, found by one test after the other."""
     best = max(range(len(values)), key=lambda cell: np.nanmean(values[cell]))
     tests = []
     for cell in set(range(len(values))) - {best}:

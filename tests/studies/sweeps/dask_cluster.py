@@ -1,4 +1,4 @@
-"""A Dask cluster on this machine for tests: a scheduler and workers, each a process of its own."""
+"""A Dask cluster on this machine."""
 
 from __future__ import annotations
 
@@ -19,8 +19,6 @@ _QUIET: Final = {"DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning"}
 
 
 class Cluster:
-    """A scheduler and its workers. All of them end with the ``with`` block."""
-
     def __init__(self, folder: Path, allowed_failures: int | None = None) -> None:
         self._folder = folder
         self._numbers = count()
@@ -51,10 +49,7 @@ class Cluster:
     def start(
         self, number: int, environment: Mapping[str, str] | None = None, preload: str = ""
     ) -> list[str]:
-        """Start workers of one thread, each of which runs ``preload`` first and return their addresses.
-
-        ``environment`` is added to theirs.
-        """
+        """Start workers of one thread, each of which runs ``preload`` first, and return their addresses."""
         names = [f"worker{next(self._numbers)}" for _ in range(number)]
         options = ["--nthreads", "1", "--no-nanny", "--no-dashboard", "--death-timeout", "20"]
         if preload:
@@ -70,22 +65,18 @@ class Cluster:
 
     @property
     def workers(self) -> list[str]:
-        """The addresses of the present workers."""
         return list(self._addresses().values())
 
     def kill(self, address: str) -> None:
         self._signal(address, signal.SIGKILL).wait()
 
     def hold(self, address: str) -> None:
-        """Stop the worker at ``address``: it stays connected, but does nothing."""
         self._signal(address, signal.SIGSTOP)
 
     def is_busy(self, address: str) -> bool:
-        """Return whether the worker at ``address`` has work."""
         return bool(self.client.processing().get(address))
 
     def clear(self) -> None:
-        """Kill all workers, and wait until the scheduler knows."""
         for process in self._workers.values():
             process.kill()
         for process in self._workers.values():
@@ -99,11 +90,9 @@ class Cluster:
         self._scheduler.wait()
 
     def dead(self) -> int:
-        """Return the number of ended workers."""
         return sum(process.poll() is not None for process in self._workers.values())
 
     def events(self, worker: str) -> list[Mapping[str, Any]]:
-        """Return the scheduler's log of ``worker``."""
         return [event for _, event in self.client.get_events(worker)]
 
     def _signal(self, address: str, number: signal.Signals) -> subprocess.Popen[bytes]:

@@ -21,7 +21,6 @@ class DeadlyLake(FrozenLakeEnv):
         self._deadly = deadly
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
-        """Start an episode, or kill the process."""
         if seed == self._deadly and ALLOWED in os.environ:
             os.kill(os.getpid(), signal.SIGKILL)
         return super().reset(seed=seed, options=options)

@@ -1,4 +1,4 @@
-"""The key of a cell: equal for equal runs, different for different ones."""
+"""The key of a cell."""
 
 from __future__ import annotations
 
@@ -147,7 +147,6 @@ def test_identity_is_plain_json() -> None:
 
 
 def test_each_algorithm_and_policy_names_the_parameters_that_it_uses() -> None:
-    """Ties always count: they decide the greedy policy, whose metrics are reported."""
     for algorithm, policy in ((algorithm, policy) for algorithm in BY_ID for policy in POLICY_BY_ID):
         used = used_parameters(algorithm, replace(Hyperparameters(), policy=policy), is_bandit=False)
         assert "ties" in used

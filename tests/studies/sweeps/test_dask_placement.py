@@ -1,4 +1,4 @@
-"""The placement of batches on a cluster, and the blame when workers die."""
+"""The placement of batches on a cluster."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Machine code for many short runs: it is requested once they have taken long enough together."""
+"""Machine code for many short runs."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ ONE, OTHER = Loop("one", "policy", stepped=False), Loop("other", "policy", stepp
 
 
 class Compiler:
-    """Notes its requests, and never has any code."""
-
     def __init__(self) -> None:
         self.failed: dict[Loop, BaseException] = {}
         self.asked: list[object] = []

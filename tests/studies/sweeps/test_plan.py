@@ -1,4 +1,4 @@
-"""The plan of a sweep: its cells, their order, and errors that are found before the first run."""
+"""The plan of a sweep, and its errors."""
 
 from __future__ import annotations
 

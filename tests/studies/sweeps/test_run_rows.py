@@ -1,4 +1,4 @@
-"""The row of a seed in a cell: the metrics of a single run, and its episodes to 95 %."""
+"""The metrics of a single run."""
 
 from __future__ import annotations
 

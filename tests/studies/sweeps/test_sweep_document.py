@@ -1,4 +1,4 @@
-"""The result of a sweep: the best cell, ties with it, fresh seeds, and the whole document."""
+"""The result of a sweep."""
 
 from __future__ import annotations
 
@@ -21,14 +21,12 @@ from rl_tui.studies.sweeps.sweep import run_again, run_sweep
 
 
 def row(seed: int, failed: str | None = None, **figures: float | None) -> RunRow:
-    """Return a row with these ``figures``, trained for 100 episodes."""
     if failed is not None:
         return RunRow(seed, NO_FIGURES, failed)
     return RunRow(seed, {**NO_FIGURES, "episodes": 100, **figures})
 
 
 def filled(store: Store, plan: SweepPlan, rows: Mapping[int, list[RunRow]]) -> None:
-    """Put ``rows`` into ``store`` by the index of their cell in ``plan``."""
     for index, each in rows.items():
         cell = plan.cell(index)
         assert isinstance(cell, Cell)
@@ -80,7 +78,7 @@ def test_a_cell_of_which_a_run_broke_down_is_not_the_best() -> None:
 
 
 def test_a_cell_of_which_a_run_has_no_value_is_not_the_best() -> None:
-    """A greedy policy that never ends has no expected return. The mean would cover only the others."""
+    """A policy that never ends has no expected return. The mean would cover only the others."""
     with Store.without_file() as store:
         endless = [row(seed, expected_return=None if seed else -1.0) for seed in range(12)]
         filled(store, PLAN, {0: endless, 1: [row(seed, expected_return=-9.0) for seed in range(12)]})

@@ -1,7 +1,6 @@
 """Stored runs equal runs trained now: a change of their bits raises a number in the key.
 
-The expected numbers are the steps of 30 episodes and the wins of 200 pulls. They are whole numbers, equal on
-every machine, and almost any change of bits changes them.
+The expected whole numbers are equal on every machine, and almost any change of bits changes them.
 """
 
 from __future__ import annotations
@@ -21,7 +20,6 @@ SEEDS: Final = (0, 1)
 
 
 def steps_of(algorithm: str) -> tuple[int, ...]:
-    """Return the steps of each seed."""
     cell = cell_of(
         "frozenlake", f"algorithm={algorithm}", episodes=30, overrides={"initial_q": 1.0, "alpha": 0.5}
     )
@@ -29,7 +27,6 @@ def steps_of(algorithm: str) -> tuple[int, ...]:
 
 
 def winnings_of(policy: str) -> tuple[int, ...]:
-    """Return each seed's wins in 200 pulls of arms that pay 1 or 0."""
     cell = cell_of("bandit-bernoulli", f"policy={policy}", episodes=200)
     return tuple(round(200 * float(row.figures["area"] or 0)) for row in run_rows(cell, SEEDS))
 

@@ -1,4 +1,4 @@
-"""The expected update of a state, shared by the planners (Sutton & Barto, 2nd ed., section 4.1)."""
+"""The expected update of a state (Sutton & Barto, 2nd ed., section 4.1)."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ ANY = -1
 class Sweep(NamedTuple):
     """Progress of the current sweep, in arrays of one number.
 
-    `number` counts sweeps as the loop does, −1 before the first, and `sweeps` as the planner does. `change`
-    is the largest change of a value so far. It is infinite before the first sweep and after a change of the
-    discount, because it then proves nothing. `gamma` is the discount at the start.
+    Sweeps are counted as the loop does in `number`, −1 before the first, and as the planner does in `sweeps`.
+    The largest change so far, `change`, is infinite before the first sweep and after a change of the
+    discount, because it then proves nothing. The discount at the start is `gamma`.
     """
 
     number: IntArray
@@ -53,13 +53,13 @@ def note_change(progress: Sweep, params: KernelParameters, change: float) -> Non
 
 @inlined
 def at_rest(progress: Sweep, params: KernelParameters) -> bool:
-    """Return True if the last sweep changed no value by more than the accuracy, for this discount."""
+    """Return True if the last sweep changed no value by more than the accuracy."""
     still: bool = progress.change[0] <= params.accuracy
     return still and bool(progress.gamma[0] == params.gamma)
 
 
 def change_in_words(change: FloatArray) -> str:
-    """Return the largest change of a sweep, [1], as text."""
+    """Return a largest change, [1], as text."""
     if np.isinf(change[0]):
         return "γ changed on the way"
     return f"largest change {change[0]:.2g}"
@@ -75,20 +75,9 @@ def back_up_pairs(
     state: int,
     reported: int,
 ) -> Update:
-    """Set all estimates of `state` to their expected update from `v`, and count the visits.
+    """Set all estimates of `state` to their expected update from `v`, [S], and count the visits.
 
-    Args:
-        q: Estimates, [P], changed in place.
-        visits: Number of backups, [P], changed in place.
-        v: Value of each state, [S].
-        params: Hyper-parameters.
-        tables: Tables of the world.
-        state: State to back up.
-        reported: Pair to report; −1: the best one.
-
-    Returns:
-        The update of the reported pair. It gathers the expected reward and bootstraps from the expected next
-        value.
+    Returns the update of `reported` (−1: the best pair), with expected reward and next value.
     """
     first, last = pairs_of(tables, state)
     pair, before, gathered, bootstrap, after = first, 0.0, 0.0, 0.0, -np.inf

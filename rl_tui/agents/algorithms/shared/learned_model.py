@@ -1,7 +1,4 @@
-"""The deterministic model of Dyna-Q and prioritized sweeping (Sutton & Barto, 2nd ed., section 8.2).
-
-It assumes that a pair always leads to its last outcome.
-"""
+"""A model of last outcomes (Sutton & Barto, 2nd ed., section 8.2)."""
 
 from __future__ import annotations
 
@@ -19,7 +16,7 @@ THE_END: Final = -2
 
 @compiled
 def modelled_value(q: FloatArray, tables: Tables, next_state: int) -> float:
-    """Return max Q(S′,·) for a state of the model; 0 for the end or an unknown state."""
+    """Return max Q(S′,·), or 0 for the end or an unknown state."""
     value = 0.0
     if next_state >= 0:
         first, last = pairs_of(tables, next_state)

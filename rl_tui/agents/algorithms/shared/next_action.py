@@ -1,4 +1,4 @@
-"""The action A′ that on-policy methods choose on arrival, to learn from it and then take it."""
+"""The action A′ that on-policy methods choose on arrival."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ NO_PAIR = -1
 
 
 def nothing_chosen() -> IntArray:
-    """Return the memory for A′, [2]: its pair, −1 for none, and 1 if it explores."""
+    """Return memory for A′, [2]: its pair or −1, and 1 if it explores."""
     return np.array([NO_PAIR, 0], dtype=np.int64)
 
 
 def take_chosen(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    """Take A′, chosen on arrival in `state`. This is the ``act`` of algorithms that choose ahead.
+    """Take A′, chosen on arrival: the ``act`` of algorithms that choose ahead.
 
-    At the start of an episode, or after a person acted, there is no A′. Then A is chosen by the policy.
+    At the start of an episode, or after a person acted, A is chosen now.
     """
     first, last = pairs_of(tables, state)
     if first <= memory.chosen[0] < last:
@@ -34,7 +34,7 @@ def take_chosen(memory: Any, rule: Any, tables: Tables, state: int, generator: G
 
 @inlined
 def choose_next(memory: Any, rule: Any, tables: Tables, experience: Experience, generator: Generator) -> int:
-    """Choose A′ in S′ and store it, unless the time is up. Return its pair, or −1 after the end."""
+    """Choose and store A′, unless the time is up. Return its pair, or −1 after the end."""
     memory.chosen[0] = NO_PAIR
     if experience.terminated:
         return NO_PAIR

@@ -1,6 +1,6 @@
-"""A priority queue of pairs: a binary heap with the position of each pair, in preallocated arrays.
+"""A priority queue of pairs: a binary heap in preallocated arrays.
 
-With equal priorities the lower pair number comes first. So the order never depends on the layout of the heap.
+With equal priorities the lower pair number comes first, whatever the layout of the heap.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ NOT_QUEUED: Final = -1
 
 
 class Queue(NamedTuple):
-    """The queue. The first ``size[0]`` entries of `heap`, [P], are the queued pairs.
+    """The first ``size[0]`` entries of `heap`, [P], are the queued pairs.
 
-    `place`, [P], is the index of each pair in the heap, or −1. `priority`, [P], is valid for queued pairs.
+    `place`, [P], is the index in the heap, or −1. `priority`, [P], is valid for queued pairs.
     """
 
     heap: IntArray
@@ -39,7 +39,7 @@ def empty_queue(pairs: int) -> Queue:
 
 @compiled
 def enqueue(queue: Queue, pair: int, priority: float) -> None:
-    """Insert `pair`. If it is queued already, its priority can only rise."""
+    """Insert `pair`, or raise its priority."""
     at = queue.place[pair]
     if at == NOT_QUEUED:
         at = queue.size[0]
@@ -62,7 +62,7 @@ def enqueue(queue: Queue, pair: int, priority: float) -> None:
 
 @compiled
 def dequeue(queue: Queue) -> int:
-    """Remove and return the pair with the highest priority. The queue must not be empty."""
+    """Remove and return the most urgent pair. The queue must not be empty."""
     first: int = queue.heap[0]
     queue.place[first] = NOT_QUEUED
     queue.size[0] -= 1

@@ -1,7 +1,4 @@
-"""Eligibility traces of state–action pairs (Sutton & Barto, 2nd ed., chapter 12).
-
-Only pairs with a trace are visited, so a step costs the same in a large table.
-"""
+"""Eligibility traces (Sutton & Barto, 2nd ed., chapter 12). Only pairs with a trace are visited."""
 
 from __future__ import annotations
 
@@ -37,7 +34,7 @@ class TracedMemory(NamedTuple):
 
 
 def no_traces(q: FloatArray, visits: IntArray, space: FiniteSpace) -> TracedMemory:
-    """Return the memory at the start of an episode, for existing estimates and visits."""
+    """Wrap existing estimates and visits, without traces."""
     none = np.zeros(1, dtype=np.int64)
     return TracedMemory(
         q, visits, np.zeros(space.pairs), np.zeros(space.pairs, dtype=np.int64), none, nothing_chosen()
@@ -63,18 +60,8 @@ def teach(
     """Set the trace of the taken pair, update all pairs with a trace, and let the traces decay.
 
     An accumulating trace grows by 1, a replacing one becomes 1. With δ = reward + γ · bootstrap − Q(pair),
-    each pair moves by α · e · δ (equation 12.7), where e is its trace. A sample average uses the count of
-    each pair.
-
-    Args:
-        memory: Memory, changed in place.
-        params: Hyper-parameters.
-        experience: The step.
-        bootstrap: Estimate of the next state; 0 after the end.
-        decay: γλ, or 0 to cut all traces.
-
-    Returns:
-        The update of the taken pair.
+    each pair moves by α · e · δ (equation 12.7). A sample average uses the count of each pair. `decay` is γλ,
+    or 0 to cut all traces.
     """
     q, visits, trace = memory.q, memory.visits, memory.eligibility
     active, count = memory.active, memory.active_count

@@ -1,1 +1,1 @@
-"""Exact figures of many policies in a small world, by kernels that run without Python."""
+"""Exact numbers of many policies in a small world, without Python."""

@@ -1,4 +1,4 @@
-"""The Markov chain of a policy in a small world, and its parts without an end."""
+"""The Markov chain of a policy in a small world."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ class Chain(NamedTuple):
     """The chain of N live states under a policy, for some γ.
 
     State n has the ways ``first``[n] .. ``first``[n+1]. Each leads to a `target` other than n (N is the end)
-    with the probability `weight` + `weight_rest`. Per state, [N]: `earned` + `earned_rest` is the expected
-    reward, and `stop` + `stop_rest` is 1 − γ times the sum of its probabilities. `pays` is True if any reward
-    is not 0.
+    with the probability `weight` + `weight_rest`. Expected rewards are `earned` + `earned_rest`, [N]. The
+    sums `stop` + `stop_rest`, [N], are 1 − γ times all probabilities of a state. Any reward not 0 sets
+    `pays`.
     """
 
     first: IntArray
@@ -33,7 +33,7 @@ class Chain(NamedTuple):
 
 
 def new_chain(world: UnlimitedWorld) -> Chain:
-    """Return memory for the chain of any policy in `world`."""
+    """Return an empty chain."""
     states, ways = len(world.first_pair) - 1, len(world.target)
     return Chain(
         first=np.zeros(states + 1, dtype=np.int64),
@@ -50,7 +50,7 @@ def new_chain(world: UnlimitedWorld) -> Chain:
 
 @for_kernels
 def follow_policy(world: UnlimitedWorld, policies: FloatArray, row: int, gamma: float, chain: Chain) -> None:
-    """Fill `chain` for the policy ``policies``[row], one of [B, P], and `gamma` in [0, 1]."""
+    """Fill `chain` for row `row` of `policies`, [B, P]."""
     states = len(world.first_pair) - 1
     used = 0
     stop, stop_rest = two_sum(1.0, -gamma)
@@ -84,7 +84,7 @@ def leave_out_endless(chain: Chain, pays: BoolArray, unknown: BoolArray, undefin
     """Mark the states to solve, `unknown`, and those without a value, `undefined`.
 
     An endless part adds 0 without rewards. With rewards it has no value, and neither has any state that may
-    reach it. `pays` is scratch memory. All three are [N+1], with the end last.
+    reach it. Scratch memory is `pays`. All are [N+1], with the end last.
     """
     states = len(chain.earned)
     for state in range(states):
@@ -104,7 +104,6 @@ def leave_out_endless(chain: Chain, pays: BoolArray, unknown: BoolArray, undefin
 
 @for_kernels
 def _mark_those_before(first: IntArray, target: IntArray, goals: BoolArray) -> None:
-    """Mark all states that can reach one of `goals`, [N+1]."""
     states = len(first) - 1
     moved = True
     while moved:

@@ -1,8 +1,8 @@
 """Double-double arithmetic: a number is the sum of two doubles, the second much smaller.
 
-The rounding error of a sum or product is itself a double and is kept (Dekker, 1971: *A floating-point
-technique for extending the available precision*; Knuth, *Seminumerical Algorithms*, section 4.2.2). On
-overflow the result is inf or NaN.
+The rounding error of a sum or product is itself a double (Dekker, 1971: *A floating-point technique for
+extending the available precision*; Knuth, *Seminumerical Algorithms*, section 4.2.2). On overflow the result
+is inf or NaN.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Solve v = b + γ P v by eliminating states, then refine the values.
 
-Grassmann, Taksar and Heyman (1985), *Regenerative analysis and steady state distributions for Markov chains*:
-the probability to leave a state is summed, never computed as a difference. So nothing cancels, no pivoting is
-needed, and all factors are precise even near 0. The residual of equation 4.4 then corrects the values to the
-last digit.
+Grassmann, Taksar and Heyman (1985), *Regenerative analysis and steady state distributions for Markov chains*.
+The probability to leave a state is summed, never computed as a difference. So nothing cancels, no pivoting is
+needed, and all factors are precise even near 0. The residual of equation 4.4 then corrects the last digit.
 """
 
 from __future__ import annotations
@@ -29,10 +28,10 @@ SOLVABLE, ENDLESS, UNSUITABLE = range(3)
 class Factors(NamedTuple):
     """The factors of a chain whose N states are eliminated in order.
 
-    ``leaving``[n] is the weight that leaves state n when it is eliminated, [N]. Entries ``first``[2n] ..
-    ``first``[2n+1] of `entry` are the weights of its ways to later states. Those up to ``first``[2n+2] are
-    the shares of n in later states. `state` names the later state. `steps`, [N], is the expected number of
-    discounted steps. `matrix`, [N N], holds weights during elimination and is 0 otherwise.
+    State n is left with the weight ``leaving``[n] when it is eliminated. Entries ``first``[2n] ..
+    ``first``[2n+1] of `entry` are the weights of its ways to later states, named by `state`. Those up to
+    ``first``[2n+2] are the shares of n in later states. The expected number of discounted steps is `steps`,
+    [N]. Elimination holds weights in `matrix`, [N N], which is 0 otherwise.
     """
 
     matrix: FloatArray
@@ -44,7 +43,7 @@ class Factors(NamedTuple):
 
 
 def new_factors(states: int) -> Factors:
-    """Return memory for any chain with this number of states."""
+    """Return empty factors."""
     return Factors(
         matrix=np.zeros(states * states),
         leaving=np.zeros(states),
@@ -58,17 +57,11 @@ def new_factors(states: int) -> Factors:
 
 @for_kernels
 def eliminate(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) -> int:
-    """Eliminate the `unknown` states, [N+1], of the chain. All other values are known.
-
-    Args:
-        chain: The chain.
-        gamma: Discount of the chain.
-        unknown: States to eliminate, [N+1].
-        factors: Receives the factors.
+    """Eliminate the `unknown` states, [N+1], of the chain into `factors`.
 
     Returns:
-        ``SOLVABLE``, ``ENDLESS`` if some states are never left (γ = 1), or ``UNSUITABLE`` if there are too
-        many steps or too much work.
+        ``SOLVABLE``, ``ENDLESS`` if some states are never left (γ = 1), or ``UNSUITABLE`` for too many steps
+        or too much work.
     """
     states = len(chain.earned)
     matrix, leaving, first = factors.matrix, factors.leaving, factors.first
@@ -111,7 +104,7 @@ def eliminate(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) 
 
 @for_kernels
 def _fill(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) -> None:
-    """Fill `matrix` with the weights between unknown states, and `leaving` with all others."""
+    # Weights between unknown states go to `matrix`, all others to `leaving`
     states = len(chain.earned)
     for state in range(states):
         if unknown[state]:
@@ -127,7 +120,7 @@ def _fill(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) -> N
 
 @for_kernels
 def _is_well_conditioned(unknown: BoolArray, factors: Factors) -> bool:
-    """Compute the `steps` of the unknown states, and return True if they are few enough."""
+    # Computes `steps`. Few of them mean that rounding does no harm
     states = len(factors.steps)
     steps, first = factors.steps, factors.first
     for state in range(states):
@@ -156,10 +149,10 @@ _NEGLIGIBLE: Final = 2.0**-64
 
 
 class Unknowns(NamedTuple):
-    """Values of N live states as `value` + `rest`, and the residual of their equations, [N] each.
+    """Values of N live states as `value` + `rest`, and their residual, [N] each.
 
-    `unknown` marks values to find, `undefined` states without a value, [N+1] each, with the end last. All
-    others are 0. `pays`, [N+1], is scratch memory.
+    Unmarked values are 0: `unknown` marks values to find, `undefined` missing ones, [N+1] each, with the end
+    last. Scratch memory is `pays`, [N+1].
     """
 
     value: FloatArray
@@ -171,7 +164,7 @@ class Unknowns(NamedTuple):
 
 
 def new_unknowns(states: int) -> Unknowns:
-    """Return memory for any chain with this number of states."""
+    """Return empty values."""
     return Unknowns(
         value=np.zeros(states),
         rest=np.zeros(states),
@@ -184,7 +177,7 @@ def new_unknowns(states: int) -> Unknowns:
 
 @for_kernels
 def refine(chain: Chain, gamma: float, factors: Factors, found: Unknowns) -> bool:
-    """Compute the values of the unknown states, corrected to full double precision.
+    """Compute the values of the unknown states to full double precision.
 
     Returns False if the corrections do not converge, for example after overflow.
     """
@@ -206,10 +199,7 @@ def refine(chain: Chain, gamma: float, factors: Factors, found: Unknowns) -> boo
 
 @for_kernels
 def _correct(factors: Factors, found: Unknowns) -> tuple[float, float]:
-    """Add the solution for `residual` to the values. The residual is overwritten.
-
-    Returns the largest correction and the largest value, as magnitudes. The correction is NaN if any is.
-    """
+    # Largest correction (NaN if any is), and largest value
     states = len(found.value)
     first, residual = factors.first, found.residual
     for taken in range(states):
@@ -235,7 +225,7 @@ def _correct(factors: Factors, found: Unknowns) -> tuple[float, float]:
 
 @for_kernels
 def _find_residual(chain: Chain, gamma: float, found: Unknowns) -> None:
-    """Compute E[R + γ v(S′)] − v(s) of the unknown states, 0 for others."""
+    # E[R + γ v(S′)] − v(s) of the unknown states, 0 for others
     states = len(chain.earned)
     for state in range(states):
         found.residual[state] = 0.0

@@ -1,4 +1,4 @@
-"""Exact figures of many policies in a world: small worlds by one kernel call, others one by one."""
+"""Exact numbers of many policies, by one kernel call in small worlds."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, smallest_mdp
 class Values(NamedTuple):
     """Values of B policies: `v`, [B, N], for N live states, and `at_start`, [B].
 
-    NaN marks values that do not exist. Policies marked in `left`, [B], were not solved.
+    NaN marks missing values. Policies in `left`, [B], were not solved.
     """
 
     v: FloatArray
@@ -43,7 +43,7 @@ class Values(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Scratch memory of the kernel, for one call at a time."""
+    """Scratch memory for one call at a time."""
 
     chain: Chain
     factors: Factors
@@ -51,13 +51,13 @@ class Memory(NamedTuple):
 
 
 def new_values(world: UnlimitedWorld, policies: int) -> Values:
-    """Return memory for the values of `policies` policies."""
+    """Return empty values."""
     states = len(world.first_pair) - 1
     return Values(np.zeros((policies, states)), np.zeros(policies), np.zeros(policies, dtype=np.bool_))
 
 
 def new_memory(world: UnlimitedWorld) -> Memory:
-    """Return scratch memory for any policies in `world`."""
+    """Return scratch memory."""
     states = len(world.first_pair) - 1
     return Memory(new_chain(world), new_factors(states), new_unknowns(states))
 
@@ -72,9 +72,9 @@ def _no_policies() -> tuple[Any, ...]:
 def find_values(
     world: UnlimitedWorld, policies: FloatArray, gamma: float, values: Values, memory: Memory
 ) -> None:
-    """Compute the values of `policies`, [B, P], for `gamma` in [0, 1], exact up to final rounding.
+    """Compute the values of `policies`, [B, P], exact up to final rounding.
 
-    Policies that need too many steps or too much work for doubles are marked in ``values.left``.
+    Policies that need too many steps or too much work are marked in ``values.left``.
     """
     chain, factors, found = memory.chain, memory.factors, memory.unknowns
     for row in range(len(policies)):
@@ -94,7 +94,6 @@ def find_values(
 
 @for_kernels
 def _average_at_start(world: UnlimitedWorld, v: FloatArray, row: int, rest: FloatArray) -> float:
-    """Return the mean of ``v``[row] + `rest`, [N], over the start distribution."""
     average, average_rest = 0.0, 0.0
     for place in range(len(world.start)):
         state, chance = world.start[place], world.start_probability[place]
@@ -124,7 +123,7 @@ class Taken(NamedTuple):
 
 
 def new_taken(world: LimitedWorld) -> Taken:
-    """Return memory for the pairs of any policy in `world`."""
+    """Return memory for the pairs of any policy."""
     states, pairs, outcomes = len(world.first_pair) - 1, len(world.reward), len(world.landing)
     return Taken(
         first_pair=np.zeros(states + 1, dtype=np.int64),
@@ -147,7 +146,7 @@ def _within_limit_no_policies() -> tuple[Any, ...]:
 def find_returns(
     world: LimitedWorld, policies: FloatArray, steps: int, earned: FloatArray, taken: Taken
 ) -> None:
-    """Compute the return of each of `policies`, [B, P], within `steps` steps into `earned`, [B]."""
+    """Write the returns of `policies`, [B, P], within `steps` steps to `earned`, [B]."""
     for row in range(len(policies)):
         _take(world, policies, row, taken)
         earned[row] = _sum_of_rewards(world, steps, taken)
@@ -155,7 +154,6 @@ def find_returns(
 
 @for_kernels
 def _take(world: LimitedWorld, policies: FloatArray, row: int, taken: Taken) -> None:
-    """Store the pairs that the policy ``policies``[row], one of [B, P], may take."""
     states = len(world.first_pair) - 1
     pairs, outcomes = 0, 0
     for state in range(states):
@@ -176,7 +174,6 @@ def _take(world: LimitedWorld, policies: FloatArray, row: int, taken: Taken) -> 
 
 @for_kernels
 def _sum_of_rewards(world: LimitedWorld, steps: int, taken: Taken) -> float:
-    """Return the expected sum of rewards of `steps` steps from the start."""
     states = len(world.first_pair) - 1
     values = taken.values
     for place in range(2 * states):
@@ -210,8 +207,7 @@ ChainOf = Callable[[int], PolicyChain]
 class ValuesOfPolicies(NamedTuple):
     """Values of B policies over an unlimited horizon: `v`, [B, S], and their mean `at_start`, [B].
 
-    NaN marks values that do not exist. If rounding would spoil a policy, all its values are NaN and `exact`,
-    [B], is False.
+    NaN marks missing values. If rounding would spoil a policy, all are NaN and `exact`, [B], is False.
     """
 
     v: FloatArray
@@ -220,15 +216,10 @@ class ValuesOfPolicies(NamedTuple):
 
 
 def values_of(mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: ChainOf) -> ValuesOfPolicies:
-    """Compute the values of many policies. Results do not depend on the other policies or on compilation.
+    """Compute the values of `policies`, [B, P], independent of each other and of compilation.
 
-    At γ = 1 an endless part adds 0 without rewards, and has no value with rewards.
-
-    Args:
-        mdp: The world.
-        policies: Probabilities, [B, P].
-        gamma: Discount, 0 to 1.
-        chain_of: Makes the chain of a policy that the kernels skip.
+    At γ = 1 an endless part adds 0 without rewards, and has no value with rewards. The chain of a policy that
+    the kernels skip comes from `chain_of`.
     """
     found = ValuesOfPolicies(
         np.zeros((len(policies), mdp.states)),
@@ -255,16 +246,10 @@ def values_of(mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: Cha
 
 
 def returns_of(mdp: TabularMDP, policies: FloatArray, chain_of: ChainOf) -> FloatArray:
-    """Compute the expected undiscounted return of many policies within the time limit.
+    """Compute the expected undiscounted return, [B], of `policies`, [B, P], within any time limit.
 
-    Args:
-        mdp: The world.
-        policies: Probabilities, [B, P].
-        chain_of: Makes the chain of a policy that the kernels skip.
-
-    Returns:
-        Returns, [B]. Without a time limit NaN means that a policy may collect rewards forever, or that
-        rounding would spoil the number.
+    NaN means that it may grow forever, or that rounding would spoil it. The chain of a policy that the
+    kernels skip comes from `chain_of`.
     """
     if not mdp.time_limit:
         return values_of(mdp, policies, 1.0, chain_of).at_start
@@ -283,7 +268,7 @@ def _writable(policies: FloatArray) -> FloatArray:
 
 
 def distinct_policies(policies: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the distinct rows of `policies`, [D, P], and the row of each policy there, [B]."""
+    """Return the distinct `policies`, [D, P], and the row of each, [B]."""
     rows = np.ascontiguousarray(policies)
     if len(rows) < 2:
         return rows, np.zeros(len(rows), dtype=np.int64)

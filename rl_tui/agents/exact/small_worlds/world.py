@@ -1,4 +1,4 @@
-"""A small world for the kernels: live states are renumbered, and numbers may be double-doubles."""
+"""A small world for the kernels, with renumbered states and double-doubles."""
 
 from __future__ import annotations
 
@@ -44,8 +44,7 @@ class LimitedWorld(NamedTuple):
     """The same world within a time limit.
 
     Pair p has the continuing outcomes ``first_outcome``[p] .. ``first_outcome``[p+1], each with `landing` and
-    `chance`, and the expected `reward`, as in :func:`~rl_tui.agents.exact.backward_induction.model_of`. The
-    rest is as in :class:`UnlimitedWorld`.
+    `chance`, and the expected `reward`, as in :func:`~rl_tui.agents.exact.backward_induction.model_of`.
     """
 
     first_pair: IntArray
@@ -65,7 +64,7 @@ class SmallWorld(NamedTuple):
 
 
 def small_world(mdp: TabularMDP) -> SmallWorld | None:
-    """Return `mdp` in the form for kernels, or None if it is too large."""
+    """Return `mdp` for the kernels, or None if it is too large."""
     largest = float(np.abs(mdp.reward).max()) * max(mdp.time_limit, 1)
     is_small = np.count_nonzero(np.diff(mdp.first_pair)) <= MOST_STATES and largest < _LARGEST_RETURN
     return as_small_world(mdp) if is_small else None
@@ -73,7 +72,7 @@ def small_world(mdp: TabularMDP) -> SmallWorld | None:
 
 @lru_cache(maxsize=_WORLDS_KEPT)
 def as_small_world(mdp: TabularMDP) -> SmallWorld:
-    """Return `mdp` in the form for kernels. The latest few are cached."""
+    """Return `mdp` for the kernels. The latest few are cached."""
     model = exact_model(mdp)
     number = np.full(mdp.states + 1, len(model.live))
     number[model.live] = np.arange(len(model.live))
@@ -101,10 +100,8 @@ def as_small_world(mdp: TabularMDP) -> SmallWorld:
 
 
 def _ways(model: ExactModel, number: IntArray) -> tuple[IntArray, IntArray, ExtendedArray]:
-    """Return the first way of each pair, [P+1], and target and probability of each way.
-
-    `number`, [S+1], gives the new numbers of states and end.
-    """
+    # The first way of each pair, [P+1], and target and probability of each way. New numbers of states and end
+    # are in `number`, [S+1]
     source, target = number[model.pair_state[model.outcome_pair]], number[model.landing]
     width = int(number[-1]) + 1
     way = model.outcome_pair * width + target
@@ -119,7 +116,7 @@ def _ways(model: ExactModel, number: IntArray) -> tuple[IntArray, IntArray, Exte
 
 
 def _offsets(owner: IntArray, owners: int) -> IntArray:
-    """Return where the parts of each owner begin, [owners + 1]. `owner`, [n], rises."""
+    # Return the start of each owner's parts. `owner`, [n], rises
     return np.searchsorted(owner, np.arange(owners + 1))
 
 

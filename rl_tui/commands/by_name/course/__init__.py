@@ -1,1 +1,1 @@
-"""Commands for lessons: take one, and grade results."""
+"""Commands for lessons."""

@@ -1,1 +1,1 @@
-"""Commands for people who draw worlds."""
+"""Commands for drawing worlds."""

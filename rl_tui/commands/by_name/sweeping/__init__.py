@@ -1,1 +1,1 @@
-"""Commands that train many settings, and draw the results."""
+"""Commands that train many settings, and draw results."""

@@ -1,4 +1,4 @@
-"""``rl-tui figure``: recompute a figure of the book and compare it with the printed one."""
+"""``rl-tui figure``: recompute a figure of the book."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ def command(
 ) -> None:
     """Recompute a figure of the book.
 
-    Sutton & Barto, 2nd edition: 2.2 is the ten-armed testbed, cliff the rewards of example 6.6, 6.3 three
-    methods on the cliff by step size, 8.2 planning in the Dyna maze. Every number is learned here and
-    compared with the book's. An example:
+    The figures are from Sutton & Barto, 2nd edition. 2.2: the ten-armed testbed. cliff: the rewards of
+    example 6.6. 6.3: three methods on the cliff, by step size. 8.2: planning in the Dyna maze. Every number
+    is learned here, and compared with the number in the book. An example:
 
     rl-tui figure 8.2 --out maze.svg
     """

@@ -1,1 +1,1 @@
-"""Possible bugs of a program, one subject per module, with their proofs."""
+"""Possible bugs of a program, with their proofs."""

@@ -1,6 +1,4 @@
-"""Bugs in which cell of the table moves: the wrong one, or several at once. They are proved without
-knowing the update rule. `Proof` is the form of every proved bug.
-"""
+"""Bugs in which cell of the table moves, proved without knowing the update rule."""
 
 from __future__ import annotations
 
@@ -40,8 +38,9 @@ class CodePlace(Enum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proof:
-    """Evidence for `fault`. `steps` are the numbers of supporting steps, oldest first. `against` counts
-    opposing ones (0 for a fault), and `neither` those with another result.
+    """The form of every proved bug. `steps` support it, oldest first.
+
+    `against` counts opposing steps (0 for a fault), `neither` those with another result.
     """
 
     fault: CodeFault
@@ -62,19 +61,19 @@ class Proof:
 
 
 def some_of(places: IntArray, most: int = MOST_STEPS) -> IntArray:
-    """Return `places`, or the first and last ones if there are too many."""
+    """Return the first and last of too many `places`."""
     if len(places) <= most:
         return places
     return np.concatenate((places[: most // 2], places[-(most - most // 2) :]))
 
 
 def step_text(step: int) -> str:
-    """Return `step` for a sentence, counted from 1."""
+    """Name `step` in a sentence, counted from 1."""
     return f"step {step_number(step):,}"
 
 
 def written(number: float) -> str:
-    """Format `number` with four significant digits for a sentence."""
+    """Format `number` with four significant digits."""
     return f"{number:.4g}".replace("-", "−")
 
 
@@ -96,7 +95,7 @@ _PATIENCE: Final = 1_000.0
 
 
 def proof_of_cell(evidence: Evidence, names: CodeNames, *, plans: bool = False) -> Proof | None:
-    """Prove that always a wrong cell moves, or return None. A program that `plans` may move any cell."""
+    """Prove that always a wrong cell moves. A program that `plans` may move any."""
     if plans:
         return None
     cell = evidence.only_change[0]
@@ -120,9 +119,7 @@ def proof_of_cell(evidence: Evidence, names: CodeNames, *, plans: bool = False) 
 
 
 def _is_renumbered(evidence: Evidence, at: IntArray) -> bool:
-    """Return True if the moved cells may be those of the steps, in a table with other numbers of states and
-    actions. An update carries values to further states, so one state says nothing of their numbers.
-    """
+    """Return True if the table may number states and actions in another way."""
     state, moved = evidence.state[at], evidence.only_change[0][at]
     if state.min() == state.max() and (moved // evidence.actions != state).any():
         return False
@@ -131,7 +128,6 @@ def _is_renumbered(evidence: Evidence, at: IntArray) -> bool:
 
 
 def _is_one_to_one(one: IntArray, other: IntArray) -> bool:
-    """Return True if `other` names the numbers of `one` differently, with few exceptions."""
     pairs, counts = np.unique(np.column_stack((one, other)), axis=0, return_counts=True)
     order = np.lexsort((-counts, pairs[:, 0]))
     usual = order[np.flatnonzero(np.diff(pairs[order, 0], prepend=-1))]
@@ -140,7 +136,6 @@ def _is_one_to_one(one: IntArray, other: IntArray) -> bool:
 
 
 def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
-    """Return the cells, `[n]`, that may move instead of (s, a), −1 if there is none."""
     actions, state, action = evidence.actions, evidence.state[at], evidence.action[at]
     following, next_state = evidence.next_action[at], evidence.next_state[at]
     initial = evidence.recording.initial
@@ -159,7 +154,7 @@ def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
 
 
 def _mixed_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
-    """Return the cells, `[n]`, that mix this step with the step before or with the best action."""
+    """Return the cells, `[n]`, that mix this step with the one before or with the best action."""
     actions, state, action = evidence.actions, evidence.state[at], evidence.action[at]
     next_state, before = evidence.next_state[at], evidence.previous_cell[at]
     has_before = before != NO_ACTION
@@ -172,9 +167,6 @@ def _mixed_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
 
 
 def _is_untaken(evidence: Evidence, at: IntArray) -> BoolArray:
-    """Return True for steps at the indexes `at` that move a cell which was never taken until then, `[n]`.
-    An update that is late, traced or remembered moves cells that were taken.
-    """
     recording, steps = evidence.recording, evidence.recording.steps
     if recording.first:
         return np.zeros(len(at), np.bool_)
@@ -192,9 +184,6 @@ def _proof(
     names: CodeNames,
     telling: IntArray | None = None,
 ) -> Proof:
-    """Count the steps for and against `wrong`, where it differs from the step's own cell. Only steps of
-    `telling` speak for it, if they are given.
-    """
     moved, own = evidence.only_change[0][at], evidence.cell[at]
     known = wrong >= 0
     differ = known & (wrong != own)
@@ -240,10 +229,7 @@ def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
 
 
 def _takes_own_value(evidence: Evidence, at: IntArray, place: str) -> bool:
-    """Return True if steps that move a cell of s′ have a value of s in their target instead of one of s′.
-    The change of a cell is a sum of reward, value and old value with constant factors, and only the right
-    value solves all steps.
-    """
+    """Return True if only a value of s, in place of one of s′, gives constant factors."""
     at = at[~(evidence.terminated | evidence.truncated)[at]][:_MOST_SOLVED]
     if len(at) < FEWEST_STEPS:
         return False
@@ -270,7 +256,7 @@ def _is_solved_by(evidence: Evidence, at: IntArray, maximum: FloatArray) -> bool
 
 
 def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames) -> Proof | None:
-    """Prove that rows of the table are the same object, if that was observed."""
+    """Prove that rows are the same object."""
     if shared_at is None:
         return None
     changes = evidence.recording.changes

@@ -1,4 +1,4 @@
-"""Stand-ins for course modules that an agent imports, for use without the course."""
+"""Stand-ins for course modules that an agent imports."""
 
 from __future__ import annotations
 
@@ -27,25 +27,23 @@ class _StandIn(MetaPathFinder, Loader):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return the specification of a stand-in module, or None for other names."""
         if fullname not in self._modules:
             return None
         return ModuleSpec(fullname, self, is_package=any(f"{fullname}." in each for each in self._modules))
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        """Let Python create the module."""
         return None
 
     def exec_module(self, module: ModuleType) -> None:
-        """Fill `module` with the names of its stand-in."""
         source = import_module(f"{__name__}.{self._modules[module.__name__]}")
         public = {name: value for name, value in vars(source).items() if not name.startswith("_")}
         module.__dict__.update(public)
 
 
 def offer_stand_ins(style: Style, own_name: str) -> None:
-    """Make the stand-ins of `style` importable, unless such modules exist. A stand-in with the name of the
-    agent's own file has precedence over that file, because no agent imports itself.
+    """Make the stand-ins of `style` importable, unless such modules exist.
+
+    A stand-in with the name of the agent's own file comes first, because no agent imports itself.
     """
     modules = _MODULES.get(style, {})
     if own_name in modules:

@@ -9,11 +9,11 @@ class BaseAgent:
     """A base class for RL-Glue agents."""
 
     def agent_init(self, agent_info: dict[str, Any] | None = None) -> None:
-        """Prepare for learning. Nothing to do here."""
+        """Do nothing before learning."""
 
     def agent_cleanup(self) -> None:
-        """Clean up after learning. Nothing to do here."""
+        """Do nothing after learning."""
 
     def agent_message(self, message: str) -> str:
-        """Return the answer to `message`, which is empty here."""
+        """Return no answer to `message`."""
         return ""

@@ -1,1 +1,1 @@
-"""The code inside a watched program's process, which records steps and finds the table."""
+"""Recording steps and finding the table, inside a watched program's process."""

@@ -1,4 +1,4 @@
-"""Running an agent that has no loop of its own, in one of our scenarios."""
+"""Running an agent that has no loop, in one of our scenarios."""
 
 from __future__ import annotations
 
@@ -16,12 +16,10 @@ from rl_tui.programs.watched.messages import MessageKind
 
 
 def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
-    """Train the agent described by `said` to its end. `gymnasium.make` is already replaced. `tell` sends a
-    message of a kind.
+    """Train the agent described by `said`, after `gymnasium.make` is replaced.
 
-    Raises:
-        UserError: The file has no such agent, or a parameter cannot be bound.
-        Exception: Any exception of the agent.
+    Raises UserError if the file has no such agent, or a parameter cannot be bound, and any exception of the
+    agent.
     """
     path = Path(said["path"])
     script = read_script(path)

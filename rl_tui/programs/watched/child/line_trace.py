@@ -22,12 +22,9 @@ MOST_LINES: Final = 20_000
 
 
 class LineTrace:
-    """Finds the lines that change the table. It ends after enough changes or `stop`, and leaves the code
-    at full speed.
+    """Finds the lines that change the table, then leaves the code at full speed.
 
-    Args:
-        look: Returns a value that changes with the table, called at each line.
-        tell: Called at the end with the number of changes by line.
+    `look` returns a value that changes with the table, and `tell` receives the number of changes by line.
     """
 
     def __init__(
@@ -50,13 +47,13 @@ class LineTrace:
         return self._wanted > 0
 
     def begin(self, changes: int) -> None:
-        """Trace the lines of the next `changes` changes, in the calling code."""
+        """Trace the next `changes` changes, in the calling code."""
         if changes > 0 and (self.is_on or self._hooks.begin(sys._getframe(1))):
             self._wanted, self._lines_left = changes, MOST_LINES
             self._seen, self._place = self._look(), self._place_of(sys._getframe(1))
 
     def stop(self) -> None:
-        """Stop tracing, and report the results."""
+        """Stop, and report the results."""
         if self.is_on:
             self._wanted = 0
             self._hooks.stop(sys._getframe(1))
@@ -67,7 +64,7 @@ class LineTrace:
             self._tell(found)
 
     def is_users(self, code: CodeType) -> bool:
-        """Return True if `code` is the user's own."""
+        """Return True for the user's own code."""
         file = code.co_filename
         known = self._is_users.get(file)
         if known is None:
@@ -75,7 +72,7 @@ class LineTrace:
         return known
 
     def at_line(self, file: str, line: int) -> None:
-        """Record that a line is about to run. A change since then was made by the previous line."""
+        """Note a line about to run. The previous one made any change."""
         self._find_change()
         self._place = (file, line)
         self._lines_left -= 1
@@ -83,7 +80,7 @@ class LineTrace:
             self.stop()
 
     def at_return(self, caller: FrameType | None) -> None:
-        """Record that a function returns to `caller`, whose line continues."""
+        """Note a return to `caller`, whose line continues."""
         self._find_change()
         self._place = self._place_of(caller)
 
@@ -101,15 +98,11 @@ class LineTrace:
 
 
 class _Tracing:
-    """Traces lines with `sys.settrace`."""
-
     def __init__(self, trace: LineTrace) -> None:
         self._trace = trace
 
     def begin(self, frame: FrameType | None) -> bool:
-        """Trace the user's functions that led to `frame`, and those called from now on. Return False if a
-        debugger is active.
-        """
+        """Return False if a debugger is active."""
         if sys.gettrace() is not None:
             return False
         while frame is not None:
@@ -120,7 +113,6 @@ class _Tracing:
         return True
 
     def stop(self, frame: FrameType | None) -> None:
-        """Stop tracing."""
         sys.settrace(None)
         while frame is not None:
             if frame.f_trace == self._in_function:
@@ -139,14 +131,12 @@ class _Tracing:
 
 
 class _Monitoring:
-    """Traces lines with `sys.monitoring`, available from Python 3.12."""
-
     def __init__(self, trace: LineTrace) -> None:
         self._trace = trace
         self._tool = -1
 
     def begin(self, _: FrameType | None) -> bool:
-        """Trace lines from now on. Return False if all tool ids are taken."""
+        """Return False if all tool ids are taken."""
         if sys.version_info >= (3, 12):
             monitoring = sys.monitoring
             free = [tool for tool in range(5, -1, -1) if monitoring.get_tool(tool) is None]
@@ -162,7 +152,6 @@ class _Monitoring:
         return True
 
     def stop(self, _: FrameType | None) -> None:
-        """Stop tracing."""
         if sys.version_info >= (3, 12):
             events = sys.monitoring.events
             sys.monitoring.set_events(self._tool, 0)
@@ -186,20 +175,16 @@ class _Monitoring:
 
 
 def _never_again() -> Any:
-    """Return the value that disables events for this place."""
     if sys.version_info >= (3, 12):
         return sys.monitoring.DISABLE
     return None
 
 
 class _Statements:
-    """The first lines of statements, by file."""
-
     def __init__(self) -> None:
         self._first_lines: dict[str, dict[int, int]] = {}
 
     def first_line(self, file: str, line: int) -> int:
-        """Return the first line of the innermost statement on `line`, or `line` itself."""
         if file not in self._first_lines:
             self._first_lines[file] = self._read(file)
         return self._first_lines[file].get(line, line)

@@ -1,4 +1,4 @@
-"""Replacements for what only shows or logs: functions of notebooks, and modules that are not installed."""
+"""Replacements for functions of notebooks, and for missing modules for logs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SHELL: Final = "get_ipython() belongs to notebooks: its commands are skipped"
 
 
 class Nothing:
-    """Accepts every call and every attribute, and does nothing."""
+    """Accepts every call and attribute, and does nothing."""
 
     def __init__(self, *_: Any, **__: Any) -> None:
         pass
@@ -48,7 +48,7 @@ class Nothing:
 
 
 def stand_in(note: Note) -> None:
-    """Offer the functions of notebooks, and modules for logs. `note` receives a message at the first use."""
+    """Offer the replacements, and `note` the first use of each."""
 
     def get_ipython() -> Nothing:
         if not is_users_file(sys._getframe(1).f_code.co_filename):  # a library looks for a notebook
@@ -62,15 +62,12 @@ def stand_in(note: Note) -> None:
 
 
 class _LastFinder:
-    """Finds the modules of `_LOGGING`, after all other finders have failed."""
-
     def __init__(self, note: Note) -> None:
         self._note = note
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return a spec for a module that only shows or logs."""
         top, _, inner = fullname.partition(".")
         if top not in _LOGGING or (
             inner and not isinstance(getattr(sys.modules[top], "__loader__", None), _LastFinder)
@@ -79,11 +76,9 @@ class _LastFinder:
         return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """Return an empty module."""
         return ModuleType(spec.name)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Let `module` have every attribute."""
         top = module.__name__.partition(".")[0]
         self._note(f"{top} is not installed: its functions do nothing")
         shows_nothing = {"display": print} if top == "IPython" else {}

@@ -1,7 +1,4 @@
-"""The area under the moving mean, and the band of the middle half.
-
-The area is drawn in eighths of a character, the band in halves.
-"""
+"""The area under the moving mean, and the band of the middle half."""
 
 from __future__ import annotations
 
@@ -34,7 +31,7 @@ class Area(NamedTuple):
 
 
 def values_of(plot: Plot, mean: MovingMean) -> FloatArray:
-    """Return the mean at the right edge of each column, [columns], or NaN."""
+    """Return the mean at each right edge, [columns], or NaN."""
     ends = plot.ends_of_columns(mean.finished)
     there = ~np.isnan(ends)
     ends[there] = mean.at(ends[there])
@@ -42,7 +39,7 @@ def values_of(plot: Plot, mean: MovingMean) -> FloatArray:
 
 
 def area_of(plot: Plot, mean: MovingMean) -> Area:
-    """Return the area under ``mean``."""
+    """Fill the area under ``mean``."""
     values = values_of(plot, mean)
     share = np.clip((values - plot.scale.low) / (plot.top - plot.scale.low), 0.0, 1.0)
     level = np.rint(np.nan_to_num(share) * (FULL * plot.rows)).astype(np.int64)
@@ -52,7 +49,7 @@ def area_of(plot: Plot, mean: MovingMean) -> Area:
 
 @lru_cache(64)
 def area_styles(palette: Palette, rows: int) -> tuple[Style, ...]:
-    """Return the style of each row, highest first."""
+    """Return each row's style, highest first."""
     if not palette.has_shades:
         return (palette.episodes,) * rows
     return tuple(_shade(palette, _DEEPEST + (_PALEST - _DEEPEST) * (row + 0.5) / rows) for row in range(rows))
@@ -76,7 +73,7 @@ _PAGE, _AREA, _BAND, _MEAN = range(4)
 
 
 class MiddleHalf(NamedTuple):
-    """The quartiles of the returns in each column's window, [columns] each, or NaN."""
+    """The returns' quartiles in each column's window, [columns] each, or NaN."""
 
     low: FloatArray
     high: FloatArray
@@ -101,7 +98,7 @@ def says_something(plot: Plot, curve: Curve, mean: MovingMean, look: Look) -> bo
 
 
 def middle_half(plot: Plot, curve: Curve, mean: MovingMean) -> MiddleHalf:
-    """Return the quartiles at the right edge of each column."""
+    """Return the quartiles at each right edge."""
     ends = plot.ends_of_columns(mean.finished)
     behind = np.ceil(ends / curve.sample_every)  # number of samples up to there, NaN beyond the last episode
     first = np.ceil(np.maximum(ends - mean.window, 0.0) / curve.sample_every)
@@ -117,7 +114,7 @@ def middle_half(plot: Plot, curve: Curve, mean: MovingMean) -> MiddleHalf:
 
 
 def band_cells(plot: Plot, band: MiddleHalf, mean: MovingMean) -> tuple[IntArray, IntArray]:
-    """Return the characters (0: none) and kinds of cells, [rows, columns] each.
+    """Return characters (0: none) and kinds of cells, [rows, columns] each.
 
     The kind is 4 × the upper pixel + the lower one: 0 page, 1 area, 2 band, 3 mean.
     """
@@ -135,13 +132,13 @@ def band_cells(plot: Plot, band: MiddleHalf, mean: MovingMean) -> tuple[IntArray
 
 @lru_cache(64)
 def pixel_styles(palette: Palette) -> tuple[Style, ...]:
-    """Return the inks of area, band and mean."""
+    """Return inks of area, band and mean."""
     return tuple(_shade(palette, share) for share in _SHARES)
 
 
 @lru_cache(64)
 def band_styles(palette: Palette) -> list[Style]:
-    """Return the styles of the kinds from :func:`band_cells`."""
+    """Return the styles of :func:`band_cells`."""
     colours = (None, *(style.color for style in pixel_styles(palette)))
     return [
         Style(color=lower if upper is None else upper, bgcolor=None if upper is None else lower)

@@ -1,4 +1,4 @@
-"""The band of many seeds behind the curve, with its texts."""
+"""The band of many seeds."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LATE: Final = 0.25  # share of bins after which the axis makes space for the ba
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeedBand:
-    """One run under ``seeds`` seeds: mean return ± two standard errors.
+    """One run's mean return ± two standard errors.
 
     ``until``: end of the seeds, if not the current episode.
     """
@@ -40,12 +40,12 @@ class SeedBand:
 
     @property
     def value(self) -> float | None:
-        """The last value of the band, or None."""
+        """The band's last value, or None."""
         return None if self.last_100 is None else self.last_100.mean
 
 
 def seed_bands(snapshot: Snapshot, window: int) -> tuple[SeedBand, ...]:
-    """Return a band for each run, of means of the last ``window`` episodes."""
+    """Return each run's band."""
     study = current_study(snapshot)
     if study is None:
         return ()
@@ -70,7 +70,7 @@ def seed_bands(snapshot: Snapshot, window: int) -> tuple[SeedBand, ...]:
 
 
 def with_room_for(known: tuple[float, float], seeds: Sequence[SeedBand]) -> tuple[float, float]:
-    """Return the range of ``known`` and of later means over seeds."""
+    """Widen ``known`` to the means over seeds."""
     means = [(each.band.low + each.band.high) / 2.0 for each in seeds]
     values = np.concatenate((*(mean[int(_LATE * len(mean)) :] for mean in means), known))
     values = values[np.isfinite(values)]
@@ -78,7 +78,7 @@ def with_room_for(known: tuple[float, float], seeds: Sequence[SeedBand]) -> tupl
 
 
 def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntArray, IntArray]:
-    """Return characters (0: none) and run numbers of bands, [rows, columns] each."""
+    """Return characters (0: none) and run numbers, [rows, columns] each."""
     codes = np.zeros((plot.rows, plot.columns), dtype=np.int64)
     whose = np.zeros_like(codes)
     for each in seeds:
@@ -93,7 +93,7 @@ def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntAr
 
 
 def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
-    """Return forms of a note on the bands, longest first."""
+    """Return forms of a note on the bands."""
     estimates = {each.number: each.last_100 for each in seeds if each.last_100 is not None}
     decimals = decimals_of([*estimates.values()])
     texts = [f"{number}) {estimate_text(each, decimals, look.glyphs)}" for number, each in estimates.items()]

@@ -1,1 +1,1 @@
-"""The World panel for worlds drawn as a graph."""
+"""The World panel of graphs."""

@@ -1,4 +1,4 @@
-"""Placement of edge labels beside their lines, on free cells."""
+"""Edge labels on free cells."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LineOf = tuple[int, int]  # pair, and index of its branch: the first one starts 
 
 
 class EdgeLabel(NamedTuple):
-    """One line of text that belongs to ``pair``."""
+    """One line of text for ``pair``."""
 
     pair: int
     x: int
@@ -42,7 +42,7 @@ class LineRun(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class WantedLabel:
-    """A label to place along ``runs``, or on a short line if ``inline``."""
+    """A label along ``runs``, or on a short line if ``inline``."""
 
     line: LineOf
     text: str
@@ -52,7 +52,7 @@ class WantedLabel:
 
 @dataclass
 class Obstacles:
-    """Occupied cells: boxes, and lines with their owners."""
+    """Cells of boxes, and of lines with owners."""
 
     width: int
     height: int
@@ -61,7 +61,7 @@ class Obstacles:
 
 
 def runs_of(cells: Sequence[Cell], directions: Sequence[int]) -> tuple[LineRun, ...]:
-    """Return the straight parts of a line, from cells and directions of entry."""
+    """Split a line into straight parts."""
     runs: list[LineRun] = []
     first = 0
     for index in range(1, len(cells) + 1):
@@ -73,7 +73,7 @@ def runs_of(cells: Sequence[Cell], directions: Sequence[int]) -> tuple[LineRun, 
 
 
 def place_labels(obstacles: Obstacles, wanted: Iterable[WantedLabel]) -> tuple[list[EdgeLabel], float, int]:
-    """Return the placed labels, their cost, and the number without a place."""
+    """Return labels, their cost, and the number left out."""
     choices = sorted(
         ((each, list(_choices(obstacles, each))) for each in wanted), key=lambda choice: len(choice[1])
     )
@@ -173,7 +173,7 @@ def _is_free(obstacles: Obstacles, label: EdgeLabel) -> bool:
 
 
 def _surroundings(obstacles: Obstacles, text: set[Cell], line: LineOf, block: Block) -> float | None:
-    """Return the cost of a block's neighbours, or None if it touches ``text``."""
+    """Return the neighbours' cost, or None if the block touches ``text``."""
     cost = 0.0
     strangers: set[LineOf] = set()
     for label in block:

@@ -1,4 +1,4 @@
-"""Orthogonal routes between boxes on a sheet of character cells."""
+"""Orthogonal routes between boxes, in character cells."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def reverse(direction: int) -> int:
 
 
 def next_cell(cell: Cell, direction: int) -> Cell:
-    """Return the neighbour of ``cell`` in ``direction``."""
+    """Return the neighbour in ``direction``."""
     dx, dy = STEP[direction]
     return cell[0] + dx, cell[1] + dy
 
@@ -44,13 +44,13 @@ class Box(NamedTuple):
     height: int
 
     def cells(self) -> Iterable[Cell]:
-        """Return all cells of the box."""
+        """Return all cells."""
         return (
             (x, y) for y in range(self.y, self.y + self.height) for x in range(self.x, self.x + self.width)
         )
 
     def ports(self, side: int) -> list[Cell]:
-        """Return the border cells for routes on a side, away from corners."""
+        """Return a side's cells, away from corners."""
         if side in HORIZONTAL:
             x = self.x + self.width - 1 if side == RIGHT else self.x
             return [(x, y) for y in range(self.y + 1, self.y + self.height - 1)]
@@ -59,14 +59,14 @@ class Box(NamedTuple):
 
 
 class Port(NamedTuple):
-    """The end of a route: a cell outside it, and the direction of travel."""
+    """A cell outside the box, and the direction of travel."""
 
     cell: Cell
     direction: int
 
 
 class Route(NamedTuple):
-    """The cells of a line, and the direction of entry into each."""
+    """Cells, and the direction of entry into each."""
 
     start: Port
     end: Port
@@ -75,14 +75,14 @@ class Route(NamedTuple):
     cost: float
 
     def arms(self, index: int) -> tuple[int, int]:
-        """Return the directions in which the line leaves cell ``index``."""
+        """Return the line's directions in cell ``index``."""
         after = self.directions[index + 1] if index + 1 < len(self.cells) else self.end.direction
         return reverse(self.directions[index]), after
 
 
 @dataclass
 class RoutingSheet:
-    """Cells occupied by boxes or lines, or barred."""
+    """The occupied and barred cells."""
 
     width: int
     height: int
@@ -101,13 +101,13 @@ class RoutingSheet:
         self.bar(route.cells[-1])
 
     def bar(self, cell: Cell) -> None:
-        """Forbid other lines to enter ``cell``."""
+        """Keep other lines out of ``cell``."""
         self.barred.add(cell)
         for costs in self._entry_costs:
             costs.clear()
 
     def entry_cost(self, cell: Cell, direction: int) -> float:
-        """Return the cost of entering ``cell``, infinite if occupied."""
+        """Return the cost of ``cell``, infinite if occupied."""
         known = self._entry_costs[direction]
         cost = known.get(cell)
         if cost is None:
@@ -133,7 +133,7 @@ class RoutingSheet:
 
 
 def route(sheet: RoutingSheet, starts: Mapping[Port, float], ends: Mapping[Port, float]) -> Route | None:
-    """Return the cheapest route between ports with extra costs, or None."""
+    """Return the cheapest route between ports with extra costs."""
     order = count()
     queue: list[tuple[float, int, Port, float]] = []
     came_from: dict[Port, Port] = {}

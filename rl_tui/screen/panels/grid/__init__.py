@@ -1,1 +1,1 @@
-"""The World panel for worlds drawn as a map."""
+"""The World panel of maps."""

@@ -1,4 +1,4 @@
-"""The arrangement of actions in a cell, by cell size."""
+"""The arrangement of actions in a cell."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LEAST_PART: Final = 5  # visible rows and columns of cells, for a map that does
 
 
 class Places(Enum):
-    """The arrangement of the actions in a cell."""
+    """The places of actions in a cell."""
 
     CROSS = auto()  # each number on its side of the middle
     KEYPAD = auto()  # the same with diagonals, in three rows
@@ -31,12 +31,12 @@ class Places(Enum):
 
     @property
     def is_list(self) -> bool:
-        """Whether every action has its sign before it."""
+        """True if every action follows its sign."""
         return self in (Places.LIST, Places.TWO_LISTS)
 
 
 class ActionForm(NamedTuple):
-    """A cell of ``width`` × ``height`` characters with actions in ``places``."""
+    """A cell's size and its actions' ``places``."""
 
     places: Places
     width: int
@@ -54,7 +54,7 @@ class ActionForm(NamedTuple):
 
     @property
     def has_header(self) -> bool:
-        """Whether a list has a row above for marks."""
+        """True if a list has a row of marks."""
         return self.places is Places.LIST and self.height > self.most_actions
 
     @property
@@ -64,20 +64,19 @@ class ActionForm(NamedTuple):
 
     @property
     def tinted_width(self) -> int:
-        """The coloured columns, with a blank between neighbours if it fits."""
+        """The coloured columns."""
         return self.width - (self.width > _LEAST_TINTED)
 
     @property
     def is_framed(self) -> bool:
-        """Whether a greedy number has marks on both sides."""
+        """True if greedy numbers have marks on both sides."""
         return not self.places.is_list or self.entry_width > self.sign_width + self.digits + FRAME
 
 
 class ActionKinds(NamedTuple):
     """The actions of a map, as far as they decide their form.
 
-    ``have_sides``: states have distinct directions only, or at most three actions without one. ``most``:
-    actions of a state.
+    ``have_sides``: states have distinct directions only, or at most three actions without one.
     """
 
     have_sides: bool
@@ -86,7 +85,7 @@ class ActionKinds(NamedTuple):
 
 
 def action_kinds(space: FiniteSpace, grid: Grid) -> ActionKinds:
-    """Return the kinds of actions in all states."""
+    """Examine the actions of all states."""
     sides = [side_of(step) for step in grid.directions]
     counts = np.diff(space.first_pair)
     has_side = np.array([side is not None for side in sides])[space.pair_action]
@@ -102,7 +101,7 @@ def action_kinds(space: FiniteSpace, grid: Grid) -> ActionKinds:
 
 
 def side_of(sign: tuple[int, int] | str | None) -> tuple[int, int] | None:
-    """Return the side (row and column, −1 to 1) of an action, or None."""
+    """Return a side (row and column, −1 to 1)."""
     if sign is None or isinstance(sign, str) or not any(sign):
         return None
     rows, columns = sign
@@ -112,7 +111,7 @@ def side_of(sign: tuple[int, int] | str | None) -> tuple[int, int] | None:
 def forms_for(
     kinds: ActionKinds, width: int, height: int, digits: int = LEAST_DIGITS, sign_width: int = 1
 ) -> Iterable[ActionForm]:
-    """Yield the forms that fit cells of this size, best first."""
+    """Yield the fitting forms, best first."""
     if kinds.have_sides:
         yield from _with_sides(kinds, width, height, digits)
     rows = kinds.most
@@ -151,10 +150,7 @@ def whole_map_form(
     *,
     tints: bool,
 ) -> ActionForm | None:
-    """Return the form in which the whole map fits, or None.
-
-    The form without numbers needs ``tints``.
-    """
+    """Return the form in which the whole map fits. The form without numbers needs ``tints``."""
     cell_height = min(MOST_HEIGHT, height // rows)
     cell_width = min(4 * cell_height + 3, width // columns)  # characters are about twice as high as wide
     forms = forms_for(kinds, cell_width, cell_height, digits, sign_width)
@@ -164,10 +160,7 @@ def whole_map_form(
 def part_form(
     kinds: ActionKinds, rows: int, columns: int, width: int, height: int, digits: int, sign_width: int
 ) -> ActionForm | None:
-    """Return the form with numbers that shows the largest part of a map.
-
-    None if fewer than five rows or columns of cells are visible.
-    """
+    """Return the form that shows the most numbers, or None below five rows or columns."""
     entry, down = sign_width + digits + 1, -(-kinds.most // 2)
     sides = [(2 * digits + 6, _ROWS), (3 * digits + 7, _ROWS)] if kinds.have_sides else []
     apart = [*sides, (2 * entry + 2, down + 1), (entry + 2, kinds.most + 1)]

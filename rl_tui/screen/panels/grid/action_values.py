@@ -1,4 +1,4 @@
-"""Map cells that show Q of every action."""
+"""Map cells with Q of every action."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _AROUND_MIDDLE: Final = 5  # columns between the numbers beside the middle, if t
 
 
 class ActionEntry(NamedTuple):
-    """One action as drawn. ``text`` is a dot if it is new."""
+    """One action. ``text``: a dot if new."""
 
     sign: Sign
     text: str
@@ -47,7 +47,7 @@ class ActionEntry(NamedTuple):
 
 
 class ActionFace(NamedTuple):
-    """Everything that decides the look of a cell. See :class:`CellContent`."""
+    """Everything that decides a cell's look. See :class:`CellContent`."""
 
     kind: CellKind
     agent: bool
@@ -73,7 +73,7 @@ class ActionArtist:
         self._text = lru_cache(_MOST_TEXTS)(partial(value_text, look=look))
 
     def shown_reward(self, reward: CellReward) -> str:
-        """Return the reward of a cell as displayed."""
+        """Write a cell's reward."""
         return reward_text(reward, _reward_room(self.form), self.look)
 
     def _strips(self, faces: tuple[ActionFace | Face, ...], width: int) -> tuple[Strip, ...]:
@@ -83,7 +83,7 @@ class ActionArtist:
     def face(
         self, cell: CellContent, scale: ValueScale, number_form: NumberForm, range_of_v: ValueScale
     ) -> ActionFace | Face:
-        """Return the look of ``cell``, with actions coloured on ``scale``."""
+        """Return a cell's look, actions coloured on ``scale``."""
         if not cell.actions:
             return self._idle.face(cell, scale, number_form, range_of_v)
         field = max(LEAST_DIGITS, number_form.cells)  # steady: the widest number so far
@@ -156,10 +156,7 @@ def _draw_sides(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) 
 
 
 def _parts_of_side(block: _Block, side: tuple[int, int], form: ActionForm) -> list[tuple[int, int, int]]:
-    """Return the rows of a side of the cell: row, first column, last column + 1.
-
-    The sides form a ring that separates the cell from its neighbours.
-    """
+    """Return row, first column, and last column + 1 of each part."""
     down, across = side
     row, digits = block.middle + down, form.digits
     is_tight = block.end == form.width
@@ -185,7 +182,6 @@ def _parts_of_side(block: _Block, side: tuple[int, int], form: ActionForm) -> li
 def _put_marks_amid(
     canvas: Canvas, face: ActionFace, form: ActionForm, block: _Block, *, is_taken: bool, look: Look
 ) -> None:
-    """Put the marks of the state between the numbers."""
     first, last = block.left + form.digits + 1, block.right - 2
     if is_taken:
         first, last = block.left - 1, block.left - 1
@@ -217,7 +213,7 @@ def _reward_room(form: ActionForm) -> int:
 
 
 def name_room(form: ActionForm) -> int:
-    """Return the width available for a state's name."""
+    """Return the columns for a state's name."""
     match form.places:
         case Places.CROSS | Places.SPREAD_KEYPAD:
             return _reward_room(form)
@@ -306,7 +302,6 @@ def _edge(form: ActionForm, diagonals: bool) -> int:
 
 
 def _rows_of_side(side: tuple[int, int], height: int, diagonals: bool) -> range:
-    """Return the rows of a side. Without diagonals, left and right use all."""
     if side[0] < 0:
         return range(height // 2 if height == 2 else 1)
     if side[0] > 0:
@@ -361,7 +356,6 @@ def _put_number(canvas: Canvas, x: int, y: int, entry: ActionEntry, form: Action
 def _put_mark(
     canvas: Canvas, x: int, y: int, face: ActionFace, look: Look, beside: int | None = None
 ) -> None:
-    """Put agent or start, and a breakpoint beside or instead."""
     palette, text = look.palette, mark_of(face.kind, face.agent, face.extra.way, look)
     if face.stops and (beside is None or not text):
         canvas.put(x, y, look.glyphs.agent if face.agent else look.glyphs.breakpoint, palette.breakpoint)
@@ -390,10 +384,7 @@ def draw_grid(
     width: int,
     height: int,
 ) -> list[Strip]:
-    """Return ``cells`` of ``part`` in ``width`` × ``height`` characters.
-
-    The lead of greedy actions is relative to ``range_of_v``.
-    """
+    """Draw the cells of ``part``. The lead of greedy actions is relative to ``range_of_v``."""
     text = artist.look.palette.text
     faces = [artist.face(cell, scale, number_form, range_of_v) for cell in cells]
     blank, strips = Strip([Segment(" " * width, text)], width), list[Strip]()

@@ -25,7 +25,7 @@ _APART: Final = 5  # columns of a cell from which its sign has blanks around it
 
 
 class DraftCell(NamedTuple):
-    """A cell of a draft: kind, restricted exits, and reward."""
+    """Kind, restricted exits, and reward."""
 
     kind: CellKind
     ways: tuple[Sign, ...] = ()
@@ -33,10 +33,7 @@ class DraftCell(NamedTuple):
 
 
 def draft_cells(editor: EditorView, grid: Grid, part: MapPart) -> dict[int, DraftCell]:
-    """Return the drafted cells of ``part`` that differ from ``grid``.
-
-    New rows and columns have no place there and are left out.
-    """
+    """Return the drafted cells that differ, without new rows and columns."""
     draft, base = editor.draft, editor.base
     if draft is base or not isinstance(draft, GridDraft) or not isinstance(base, GridDraft):
         return {}
@@ -57,7 +54,6 @@ def draft_cells(editor: EditorView, grid: Grid, part: MapPart) -> dict[int, Draf
 
 
 def _places(base: tuple[int, ...], draft: tuple[int, ...], lines: range) -> Mapping[int, int]:
-    """Return the draft positions of ``lines`` that still exist."""
     if base == draft:
         return {line: line for line in lines}
     place_of = {each: place for place, each in enumerate(draft)}
@@ -73,7 +69,7 @@ def _cell(entry: LegendEntry | None) -> DraftCell:
 def draw_draft_cell(
     canvas: Canvas, label: str, reward: str, style: Style, look: Look, *, is_wall: bool, row: int
 ) -> None:
-    """Hatch a cell, with ``label`` in ``row`` and the reward below or beside."""
+    """Hatch a cell, with ``label`` and reward."""
     for each in range(canvas.height):
         canvas.put(0, each, look.glyphs.drafted * canvas.width, look.palette.dim)
         for column in range(0, canvas.width * is_wall, 2):

@@ -23,7 +23,7 @@ _LEAST_NUMBERED: Final = (11, 5)
 
 
 class CellForm(NamedTuple):
-    """The size of a cell in characters, which decides its contents.
+    """A cell's size in characters, which decides its contents.
 
     From 9 × 4 on, the greedy action is a block arrow, else a letter. From 5 columns on, seams separate
     neighbours if they fit.
@@ -35,44 +35,44 @@ class CellForm(NamedTuple):
 
     @property
     def has_values(self) -> bool:
-        """Whether V(s) fits beside the arrow."""
+        """True if V(s) fits beside the arrow."""
         return self.width >= _least_width(self.height, self.least_digits)
 
     @property
     def has_seam(self) -> bool:
-        """Whether the last column is a seam."""
+        """True if the last column is a seam."""
         is_free = self.height > 1 or self.width != _least_width(1, self.least_digits)
         return self.width >= _LEAST_WITH_SEAM and is_free
 
     @property
     def inner(self) -> int:
-        """The columns without the seam."""
+        """The columns without seam."""
         return self.width - self.has_seam
 
     @property
     def has_blocks(self) -> bool:
-        """Whether holes are blocks, and step paths are shown."""
+        """True if holes are blocks, and step paths shown."""
         return self.width >= _LEAST_BLOCKS[0] and self.height >= _LEAST_BLOCKS[1]
 
     @property
     def has_block_arrows(self) -> bool:
-        """Whether greedy actions are blocks."""
+        """True if greedy actions are blocks."""
         return self.has_blocks and self.arrow_rows >= _LEAST_ARROW_ROWS
 
     @property
     def has_block_values(self) -> bool:
-        """Whether values have three rows."""
+        """True if values have three rows."""
         return self.height >= _LEAST_WITH_BLOCK_VALUES
 
     @property
     def arrow_rows(self) -> int:
-        """The rows of an arrow in blocks."""
+        """The rows of a block arrow."""
         rows = sign_size(self.width, self.height)[1]
         return min(rows, self.height - _AROUND_AN_ARROW) if self.has_block_values else rows
 
     @property
     def plate_rows(self) -> int:
-        """The rows of the agent in blocks, 0 for a letter in the corner."""
+        """The agent's rows in blocks, 0 for a letter."""
         sizes = (
             rows for width, height, rows in _LEAST_PLATES if self.width >= width and self.height >= height
         )
@@ -80,44 +80,44 @@ class CellForm(NamedTuple):
 
     @property
     def has_number(self) -> bool:
-        """Whether the corner always has the state number."""
+        """True if the corner always has the number."""
         return self.width >= _LEAST_NUMBERED[0] and self.height >= _LEAST_NUMBERED[1]
 
     @property
     def says_start(self) -> bool:
-        """Whether the start has more than a letter."""
+        """True if the start has more than a letter."""
         return self.width >= _LEAST_START and self.height > 1
 
     @property
     def value_row(self) -> int:
-        """The row of the value and the cursor."""
+        """The row of value and cursor."""
         return self.height - 1
 
     @property
     def most_signs(self) -> int:
-        """The greedy letters that fit in an unmarked cell."""
+        """The greedy letters in an unmarked cell."""
         if not self.has_values:
             return 1
         return self.width - 2 if self.height > 1 else max(1, self.inner - self.digits - 1)
 
     @property
     def has_corner(self) -> bool:
-        """Whether state names have a corner, or replace the value."""
+        """True if names have a corner, or replace the value."""
         return self.height > 2 or (self.height == 2 and self.width >= _WITH_CORNER)
 
     @property
     def longest_name(self) -> int:
-        """The longest state name that fits."""
+        """The longest state name."""
         return self.digits if self.has_values and not self.has_corner else self.width - 1
 
     @property
     def most_digits(self) -> int:
-        """The characters available for a whole number."""
+        """The characters of a whole number."""
         return self.inner if self.height > 1 else self.digits
 
     @property
     def digits(self) -> int:
-        """The characters available for a value."""
+        """The characters of a value."""
         if self.height == 1:
             return self.least_digits if self.width < 8 else 4
         return 6 if self.width >= 12 else min(4, self.width - 1)
@@ -129,10 +129,9 @@ def digits_needed(least: float) -> int:
 
 
 def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LEAST_DIGITS) -> CellForm:
-    """Return the largest form in which all cells fit ``width`` × ``height`` characters.
+    """Return the largest form in which all cells fit, with values of ``digits`` characters.
 
-    Values need ``digits`` characters and go first. If the map still does not fit, the smallest form with
-    values shows a part.
+    Values go first. If the map still does not fit, the smallest form with values shows a part.
     """
     if rows > height or columns * LEAST_ARROWS > width:
         # the map scrolls anyway, so separate long values from arrows

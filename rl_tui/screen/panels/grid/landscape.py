@@ -49,7 +49,7 @@ _BLACK, _WHITE = ColorTriplet(0, 0, 0), ColorTriplet(255, 255, 255)
 
 
 class Plate(NamedTuple):
-    """A ``text`` over the landscape from column ``x`` on."""
+    """A ``text`` over the landscape."""
 
     x: int
     text: str
@@ -57,7 +57,7 @@ class Plate(NamedTuple):
 
 
 def has_landscape(world: World, cell: Size | None, look: Look) -> bool:
-    """Return whether a world in cells of this size can be a landscape."""
+    """Return whether such cells can be a landscape."""
     is_large = cell is not None and cell.width >= _LEAST_CELL.width and cell.height >= _LEAST_CELL.height
     return is_large and isinstance(world.drawing, Grid) and look.palette.has_shades and look.glyphs.braille
 
@@ -81,7 +81,7 @@ def line_step(values: FloatArray, scale: ValueScale) -> float:
 
 
 def relief(values: FloatArray, scale: ValueScale) -> FloatArray:
-    """Return heights, 0 to 1, from V on its scale and its rank.
+    """Return heights, 0 to 1, from V's place on its scale and its rank.
 
     On a signed scale, 0 has the height .5.
     """
@@ -114,7 +114,7 @@ def heights(values: FloatArray, cell: Size) -> FloatArray:
 
 
 def _around(values: FloatArray) -> FloatArray:
-    """Return each cell of ``values`` with its neighbours, [rows, columns, 3, 3], NaN beyond an edge."""
+    """Return each cell with its neighbours, [rows, columns, 3, 3], NaN beyond an edge."""
     return sliding_window_view(np.pad(values, 1, constant_values=math.nan), (3, 3))
 
 
@@ -125,7 +125,7 @@ def _slopes(values: FloatArray) -> FloatArray:
 
 
 def pixels(values: FloatArray, cell: Size, scale: ValueScale, every: float) -> IntArray:
-    """Return the colour of each pixel as an index into :func:`_colours`, −1 in walls.
+    """Return each pixel's index into :func:`_colours`, −1 in walls.
 
     Lines are ``every`` apart, unless they would touch. None is at 0, where plains often are.
     """
@@ -186,7 +186,7 @@ def _plates_of(content: CellContent, x: int, width: int, look: Look) -> Iterator
 
 
 class LandscapeArtist:
-    """Draws landscapes of one look, equal rows only once."""
+    """Draws equal rows only once."""
 
     def __init__(self, look: Look) -> None:
         self.look = look
@@ -200,7 +200,7 @@ class LandscapeArtist:
     def strips(
         self, cells: Sequence[CellContent], part: MapPart, cell: Size, scale: ValueScale, size: Size
     ) -> list[Strip] | None:
-        """Return the landscape of ``cells``, or None without visible differences."""
+        """Draw a landscape, if not flat."""
         if not has_relief([each.value for each in cells if each.value is not None], scale):
             return None
         values = _values(cells, part, scale)
@@ -239,7 +239,6 @@ class LandscapeArtist:
         return Style(color=self._colour(upper, is_signed), bgcolor=self._colour(lower, is_signed))
 
     def _ink_on(self, pixel: int, is_signed: bool) -> Style:
-        """Return the style of ink that contrasts with ``pixel``."""
         ground = self._colour(pixel, is_signed)
         inks = map(Color.from_triplet, (_BLACK, _WHITE))
         return Style(color=max(inks, key=lambda ink: contrast(ink, ground)), bgcolor=ground, bold=True)
@@ -250,7 +249,6 @@ class LandscapeArtist:
 
 @lru_cache(8)
 def _colours(palette: Palette, is_signed: bool) -> tuple[Color, ...]:
-    """Return the colour of every pixel, by tint, light and ink, walls last."""
     ramp = [each.bgcolor for each in (palette.signed if is_signed else palette.values)]
     wall = palette.wall.bgcolor
     assert wall is not None

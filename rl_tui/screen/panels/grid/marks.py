@@ -1,4 +1,4 @@
-"""Marks of map cells: agent, start, rewards, exits and differences."""
+"""Marks of map cells."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MOST_CELLS: Final = 10_000
 
 
 class CellReward(NamedTuple):
-    """The ``reward`` of a cell. ``good``: above the usual one."""
+    """A cell's reward. ``good``: above the usual one."""
 
     reward: float
     good: bool
@@ -57,7 +57,7 @@ def cell_rewards(space: FiniteSpace, grid: Grid) -> dict[int, CellReward]:
 
 
 def _only_reward(states: int, state: IntArray, reward: FloatArray) -> FloatArray:
-    """Return the common reward of all outcomes at each state, [S], or NaN."""
+    """Return the common reward of each state's outcomes, [S], or NaN."""
     low, high = np.full(states, np.inf), np.full(states, -np.inf)
     np.minimum.at(low, state, reward)
     np.maximum.at(high, state, reward)
@@ -74,44 +74,41 @@ _BOLD: Final = Style(bold=True)
 
 
 def value_text(x: float, number_form: NumberForm, look: Look) -> str:
-    """Return a value in the common format, or a dash."""
+    """Write a value, or a dash."""
     return numbers.missing(look.glyphs) if math.isnan(x) else number_form.text(x, look.glyphs)
 
 
 def sign_text(sign: Sign, look: Look) -> str:
-    """Return the arrow or letter of an action."""
+    """Return an action's arrow or letter."""
     return look.glyphs.direction(sign) if isinstance(sign, tuple) else sign
 
 
 def differing_style(style: Style) -> Style:
-    """Return ``style`` for a differing arrow without space beside it."""
+    """Restyle a differing arrow without space beside it."""
     return style + Style(reverse=not style.reverse)
 
 
 def one_way_sign(way: Direction, look: Look) -> str:
-    """Return the sign of a cell with one exit."""
+    """Return the sign of a single exit."""
     return look.glyphs.one_way[_ONE_WAYS.index(way)]
 
 
 def mark_of(kind: CellKind, agent: bool, way: Direction | None, look: Look) -> str:
-    """Return the mark of a cell: agent, start, or only exit."""
+    """Return agent, start, or only exit."""
     if agent:
         return look.glyphs.agent
     return START if kind is CellKind.START else "" if way is None else one_way_sign(way, look)
 
 
 def put_reward(canvas: Canvas, x: int, y: int, room: int, reward: CellReward | None, look: Look) -> None:
-    """Put the reward of a cell, or its sign if short of space.
-
-    The panel's background keeps it readable.
-    """
+    """Put a reward or its sign, on a readable background."""
     if reward is None or room < 1:
         return
     canvas.put(x, y, reward_text(reward, room, look), reward_style(reward, look))
 
 
 def reward_text(reward: CellReward, room: int, look: Look) -> str:
-    """Return a reward in ``room`` characters, or only its sign."""
+    """Write a reward, or only its sign."""
     text = ("+" if reward.reward > 0.0 else "") + numbers.brief(reward.reward, look.glyphs, decimals=2)
     if len(text) <= room:
         return text
@@ -119,7 +116,7 @@ def reward_text(reward: CellReward, room: int, look: Look) -> str:
 
 
 def reward_style(reward: CellReward, look: Look) -> Style:
-    """Return the style of a cell's reward."""
+    """Return the style of a reward."""
     return (look.palette.good if reward.good else look.palette.bad) + _BOLD
 
 
@@ -127,5 +124,5 @@ _CLEAR_LEAD: Final = 0.15  # share of the range of V
 
 
 def clear_lead(range_of_v: ValueScale) -> float:
-    """Return the lead from which a greedy action has full colour."""
+    """Return the lead that has full colour."""
     return _CLEAR_LEAD * (range_of_v.high - range_of_v.low)

@@ -1,4 +1,4 @@
-"""The update of the last step, rounded for recalculation."""
+"""The last update, rounded for recalculation."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class _Rounding(NamedTuple):
 
 
 def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
-    """Return the numbers of ``last``, with the fewest consistent decimals.
+    """Write ``last`` with the fewest consistent decimals.
 
     Results agree within half of the last digit, or one if half takes too many decimals. Without
     ``bootstraps``, the target is ``gathered``.
@@ -67,7 +67,7 @@ def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstrap
 
 
 def subtracts(text: UpdateText, glyphs: Glyphs) -> bool:
-    """Return whether the printed target − before is exactly δ."""
+    """Return whether target − before is δ as printed."""
     target, before, error = (parsed(each, glyphs) for each in (text.target, text.before, text.error))
     return abs(target - before - error) <= _EXACT * max(abs(target), abs(before))
 
@@ -98,7 +98,7 @@ def _written(
 
 
 def setting(x: float, glyphs: Glyphs) -> str:
-    """Return a hyperparameter with at least two decimals: ``.10``, ``.125``, ``1``."""
+    """Write two decimals at least: ``.10``, ``.125``, ``1``."""
     if _has_no_more_decimals(x, 0):
         return numbers.brief(x, glyphs)
     if _has_no_more_decimals(x, 2):
@@ -114,7 +114,6 @@ def _step_size(last: LastStep, alpha: float | str, decimals: int, glyphs: Glyphs
 
 
 def _factor(x: float, factor: float, decimals: int, glyphs: Glyphs) -> str:
-    """Return ``x`` with enough digits for its product with ``factor``."""
     short = setting(x, glyphs)
     if abs(parsed(short, glyphs) - x) <= 1e-12 * abs(x):
         return short
@@ -127,7 +126,6 @@ def _largest(last: LastStep) -> float:
 
 
 def _decimals_that_show(last: LastStep) -> int:
-    """Return the fewest decimals that show the change and δ honestly."""
     terms = (last.before, last.bootstrap, last.after, last.td_error)
     zeros = leading_zeros(last.before, last.target, last.after)
     most = _MOST_FOR_CHANGE + zeros

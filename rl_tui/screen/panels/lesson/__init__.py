@@ -1,1 +1,1 @@
-"""The panel of a lesson: its pages, questions and progress."""
+"""The panel of a lesson."""

@@ -1,1 +1,1 @@
-"""The microscope: the last step in detail."""
+"""The microscope."""

@@ -1,1 +1,1 @@
-"""The panel of policies, and the studied policy in other panels."""
+"""The panel of policies, and the studied policy."""

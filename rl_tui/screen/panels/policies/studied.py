@@ -1,4 +1,4 @@
-"""The studied policy, as other panels show and name it."""
+"""The studied policy in other panels."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ POLICY_NAMES: Final = {
 
 
 def policy_name(kind: PolicyKind) -> str:
-    """Return the name of a policy after ``V of``."""
+    """Name a policy as after ``V of``."""
     return "the agent" if kind is PolicyKind.BEHAVIOUR else f"the {POLICY_NAMES[kind]} policy"
 
 
 def policy_ink(kind: PolicyKind, palette: Palette) -> Style:
-    """Return the colour of a policy in every panel."""
+    """Return a policy's colour in every panel."""
     inks = palette.text, palette.greedy_line, palette.episodes, palette.dim, palette.you
     return dict(zip(POLICY_NAMES, inks, strict=True))[kind]
 
 
 def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
-    """Return whether the return of a policy must be hidden.
+    """Return whether a policy's return must be hidden.
 
     Any policy of a bandit reveals its means. If a lesson hides the answer, only the random policy is shown.
     """
@@ -49,7 +49,7 @@ def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
 
 
 def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:
-    """Return the values of the studied policy, or None if hidden."""
+    """Return the studied policy's values, unless hidden."""
     answers = snapshot.answers
     if answers.studied is None or is_kept_back(snapshot, answers.studied):
         return None
@@ -58,7 +58,7 @@ def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:
 
 
 def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
-    """Return the policy that a world shows, or None if learned."""
+    """Return the studied policy, or None if learned."""
     if isinstance(snapshot.world.drawing, Arms) or studied_answer(snapshot) is None:
         return None
     return snapshot.answers.studied
@@ -67,10 +67,7 @@ def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
 def study_headings(
     snapshot: Snapshot, shown: PolicyKind | None, title: str, what: str, *, names_key: bool
 ) -> tuple[str, ...]:
-    """Return headings for ``what`` (V or Q) of ``shown``, longest first.
-
-    They also mention a policy that waits for a pause.
-    """
+    """Return headings for ``what`` (V or Q) of ``shown``, and of a policy that waits for a pause."""
     if shown is not None:
         said = f"{what} of {policy_name(shown)}"
         forms = (f"{title} · {said}", said)
@@ -86,7 +83,7 @@ def study_headings(
 
 
 def shown_actions(snapshot: Snapshot, kind: PolicyKind, policy: FloatArray) -> BoolArray:
-    """Return the likeliest, or drawn, actions of ``policy``, [P]."""
+    """Return the likeliest, or drawn, actions, [P]."""
     space = snapshot.world.space
     likeliest = best_pairs(space, policy)
     if kind is PolicyKind.DRAWN:
@@ -97,7 +94,7 @@ def shown_actions(snapshot: Snapshot, kind: PolicyKind, policy: FloatArray) -> B
 
 
 def as_studied(snapshot: Snapshot) -> Snapshot:
-    """Return ``snapshot`` with the studied policy in place of the learned one."""
+    """Put the studied policy in place of the learned one."""
     answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.policy is None or answer.v is None or answer.q is None:
         return snapshot

@@ -1,4 +1,4 @@
-"""The layers of the Q-table: numbers, texts and styles."""
+"""The layers of the Q-table."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _OF_THE_MAP: Final = (Layer.Q, *EXACT_LAYERS, Layer.VISITS)  # layers with the s
 
 
 def policy_q(snapshot: Snapshot) -> Exact | None:
-    """Return Q and likeliest pairs of the studied policy, [P] each, or None."""
+    """Return Q and likeliest pairs of the studied policy, [P] each."""
     answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.q is None or answer.policy is None:
         return None
@@ -46,13 +46,13 @@ def policy_q(snapshot: Snapshot) -> Exact | None:
 
 
 def lacks_values(snapshot: Snapshot, layer: Layer) -> bool:
-    """Return whether ``layer`` lacks values, because a policy may never end."""
+    """Return whether values are missing because a policy may never end."""
     known = policy_q(snapshot) if layer is Layer.POLICY else None
     return known is not None and bool(np.isnan(known[0]).any())
 
 
 def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
-    """Return the exact numbers and framed pairs of ``layer``, or None."""
+    """Return exact numbers and framed pairs."""
     if layer is Layer.POLICY:
         return policy_q(snapshot)
     if layer is Layer.OPTIMAL:
@@ -75,23 +75,23 @@ def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
 
 
 class Lit(NamedTuple):
-    """The ``pair`` just updated, and the sign of its ``error``."""
+    """The updated ``pair``, and its ``error``'s sign."""
 
     pair: int
     error: int
 
 
 def lit_pair(snapshot: Snapshot) -> Lit | None:
-    """Return the pair just updated, or None if too fast."""
+    """Return the updated pair, unless too fast."""
     last = followed_step(snapshot)
     return None if last is None else Lit(last.updated_pair, last.error_sign)
 
 
 class Figures:
-    """The numbers of one layer at one moment, with texts and styles.
+    """The numbers of one layer at one moment.
 
     Greedy pairs are exactly equal, as the agent compares. ``sources``: pairs looked up by the last update.
-    ``numbers`` of both runs share a form, kept steady by ``forms``.
+    Both runs' ``numbers`` share a form, kept steady by ``forms``.
     """
 
     def __init__(
@@ -125,7 +125,7 @@ class Figures:
         self._forms: dict[int, NumberForm] = {}
 
     def text(self, pair: int, width: int) -> str:
-        """Return the number of ``pair``, or a dot without one."""
+        """Write the number, or a dot without one."""
         if self._held is not None and not self._held[pair]:
             return ""
         x = self._values[pair].item()
@@ -141,13 +141,13 @@ class Figures:
         return self._form(width).text(x, glyphs)
 
     def cells(self, width: int) -> int:
-        """Return the width of the longest number."""
+        """Return the longest number's width."""
         if self.layer is Layer.VISITS:
             return len(numbers.count(int(self.high), width))
         return self._form(width).cells
 
     def style(self, pair: int, *, is_tinted: bool = True) -> Style:
-        """Return the style of ``pair``'s number."""
+        """Return a number's style."""
         palette = self._look.palette
         if is_tinted and self._held is not None and not self._held[pair]:
             return palette.text
@@ -158,13 +158,13 @@ class Figures:
         return self._tint(self._values[pair].item()) if is_tinted else palette.text
 
     def share(self, pair: int) -> float:
-        """Return the share of visits at ``pair``, 0 to 1."""
+        """Return the share of visits, 0 to 1."""
         if self._total_visits is None:
             self._total_visits = int(self._visits.sum())
         return int(self._visits[pair]) / max(1, self._total_visits)
 
     def error(self, pair: int) -> int | None:
-        """Return the sign of the last error of ``pair``, or None."""
+        """Return the last error's sign."""
         return self._lit.error if self._lit is not None and pair == self._lit.pair else None
 
     def side(self, pair: int) -> int:
@@ -174,7 +174,7 @@ class Figures:
         return self._scale.side(self._values[pair].item())
 
     def greedy(self, pairs: range) -> tuple[int, ...]:
-        """Return the greedy ones of a state's ``pairs``."""
+        """Return the greedy ones of ``pairs``."""
         if self._held is not None and not self._held[pairs.start]:
             return ()
         inside = slice(pairs.start, pairs.stop)
@@ -189,7 +189,7 @@ class Figures:
         return tuple(pairs.start + place for place in np.flatnonzero(marked).tolist())
 
     def framed(self, pairs: range) -> tuple[int, ...]:
-        """Return the greedy ones, unless all are equal."""
+        """Return the greedy ones, if not all."""
         greedy = self.greedy(pairs)
         return greedy if len(greedy) < len(pairs) else ()
 

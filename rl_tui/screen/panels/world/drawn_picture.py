@@ -1,4 +1,4 @@
-"""A picture of a world on which a person draws."""
+"""A picture on which a person draws."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ class DrawnPicture(PolicyPicture):
             self.redraw()
 
     def place_at(self, x: int, y: int) -> int | None:
-        """Return the place at column ``x`` of row ``y``, or None."""
+        """Return the place here, or None."""
         raise NotImplementedError
 
     def part_at(self, x: int, y: int) -> tuple[int, int] | None:
-        """Return the side of its place at this position, or None."""
+        """Return the side of the place here."""
         here = self.place_at(x, y)
         columns = [each for each in range(self.size.width) if self.place_at(each, y) == here]
         rows = [each for each in range(self.size.height) if self.place_at(x, each) == here]
@@ -56,11 +56,11 @@ class DrawnPicture(PolicyPicture):
         return (1 if down > 0 else -1), 0
 
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
-        """Return the place in ``now`` that was ``place``, or None."""
+        """Return where ``place`` is in ``now``."""
         return self.place_in(place, before.world, now.world)
 
     def place_in(self, place: int, world: World, other: World) -> int | None:
-        """Return the place in ``other`` that matches, or None."""
+        """Return the matching place in ``other``."""
         return state_in(place, world, other)
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
@@ -72,7 +72,7 @@ class DrawnPicture(PolicyPicture):
             self.redraw()
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Continue the stroke straight, because a fast pointer skips places."""
+        """Continue straight: a fast pointer skips places."""
         offset = event.get_content_offset(self) if self._stroke else None
         if offset is None:
             return
@@ -84,7 +84,7 @@ class DrawnPicture(PolicyPicture):
                 self.redraw()
 
     def on_mouse_up(self) -> None:
-        """End the stroke and report it."""
+        """Report the stroke."""
         if self._stroke:
             self.release_mouse()
             stroke, self._stroke = self._stroke, ()
@@ -92,7 +92,7 @@ class DrawnPicture(PolicyPicture):
             self.post_message(PointerStroke(self, stroke))
 
     def turns(self, event: events.MouseEvent, lines: int) -> bool:
-        """Report a turn of the wheel. Return whether a person draws."""
+        """Report the wheel, and return whether a person draws."""
         place = self._place_under(event) if self.is_drawn_on else None
         if place is not None:
             amount = -1.0 if lines > 0 else 1.0

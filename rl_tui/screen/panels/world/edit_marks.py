@@ -1,4 +1,4 @@
-"""Marks while editing: changed optimal actions, and no way to an end."""
+"""Marks while editing."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from rl_tui.screen.theme.look import Look
 
 
 class EditMarks(NamedTuple):
-    """Marks of a state: no way to an end, changed optimal actions."""
+    """No way to an end, and changed optimal actions."""
 
     is_endless: bool = False
     is_turned: bool = False
 
     def signs(self, look: Look) -> Iterator[tuple[str, Style]]:
-        """Yield the signs, most serious first, readable on every colour."""
+        """Yield signs, serious ones first, readable on every colour."""
         bold = Style(bold=True)
         if self.is_endless:
             yield look.glyphs.endless, look.palette.bad + bold
@@ -32,12 +32,12 @@ UNMARKED = EditMarks()
 
 
 def marks_of(editor: EditorView, state: int) -> EditMarks:
-    """Return the marks of ``state``."""
+    """Return a state's marks."""
     return EditMarks(state in editor.endless, state in editor.turned)
 
 
 def put_marks(canvas: Canvas, marks: EditMarks, wish: tuple[int, int], look: Look) -> None:
-    """Put the signs into free cells, preferably at ``wish``."""
+    """Put the signs, preferably at ``wish``."""
     signs = list(marks.signs(look))
     if not signs:
         return
@@ -51,7 +51,7 @@ def put_marks(canvas: Canvas, marks: EditMarks, wish: tuple[int, int], look: Loo
 
 
 def edit_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:
-    """Yield the legend entries of drafts and marks."""
+    """Yield the entries of drafts and marks."""
     if editor.draft is not editor.base:
         yield LegendSign(look.glyphs.drafted, "drawn", look.palette.dim)
     yield from mark_signs(editor, look)
@@ -64,7 +64,7 @@ def with_signs(titles: Sequence[str], editor: EditorView, look: Look) -> tuple[s
 
 
 def mark_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:
-    """Yield the legend entries of marks."""
+    """Yield the entries of marks."""
     if editor.endless:
         ((sign, style),) = EditMarks(is_endless=True).signs(look)
         yield LegendSign(sign, "no end", style, "no path to a terminal state")

@@ -1,4 +1,4 @@
-"""Values and actions in a picture: learned, or of a studied policy."""
+"""A picture's values and actions: learned, or of a studied policy."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ AT_RANDOM: Final = "?"  # no action drawn: random
 
 
 def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
-    """Return the action drawn in each state, or None if not shown."""
+    """Return each state's drawn action, if shown."""
     answers = snapshot.answers
     return dict(answers.drawn.choices) if answers.studied is PolicyKind.DRAWN else None
 
 
 def drawn_pairs(space: FiniteSpace, snapshot: Snapshot) -> tuple[frozenset[int], frozenset[int]] | None:
-    """Return the drawn pairs and the states without one, or None."""
+    """Return the drawn pairs and the states without one."""
     drawn = drawn_actions(snapshot)
     if drawn is None:
         return None
@@ -52,13 +52,13 @@ def drawn_pairs(space: FiniteSpace, snapshot: Snapshot) -> tuple[frozenset[int],
 
 
 def is_off_way(snapshot: Snapshot, state: int) -> bool:
-    """Return whether ``state``, without a drawn action, is never reached."""
+    """Return whether an undrawn ``state`` is never reached."""
     left = snapshot.answers.left_to_chance
     return left is not None and not left[state]
 
 
 def off_way_style(style: Style, look: Look) -> Style:
-    """Return ``style`` for states that are never reached."""
+    """Restyle states that are never reached."""
     return style + look.palette.dim + Style(bold=False)
 
 
@@ -69,7 +69,7 @@ TITLE: Final = "World"
 
 
 class PolicyPicture(Panel):
-    """A picture with values and actions of states."""
+    """A picture with values and actions."""
 
     cell: Size | None = None
     """The cell size set by the board: 0 × 0 without a map, None in a preview."""
@@ -86,7 +86,7 @@ class PolicyPicture(Panel):
     tints = ValueScale()  # scale of the last colours
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot`` with the studied policy, else the agent's."""
+        """Draw the studied policy, else the agent's."""
         shown, program = as_studied(snapshot), snapshot.program
         self.studied = studied_kind(snapshot)
         self.shows_drawing = snapshot.answers.studied is PolicyKind.DRAWN
@@ -96,7 +96,7 @@ class PolicyPicture(Panel):
         super().show(shown)
 
     def begins_anew(self, snapshot: Snapshot) -> bool:
-        """Return whether the numbers are unrelated to those before."""
+        """Return whether the numbers are unrelated to before."""
         before = self.snapshot
         if before is None or before.answers.studied is snapshot.answers.studied:
             return is_new_run(before, snapshot)
@@ -104,18 +104,18 @@ class PolicyPicture(Panel):
 
     @staticmethod
     def waits_for_study(snapshot: Snapshot) -> bool:
-        """Return whether values of a policy will come soon."""
+        """Return whether a policy's values will come soon."""
         return snapshot.answers.studied is not None and studied_kind(snapshot) is None
 
     def study_headings(self, what: str) -> tuple[str, ...]:
-        """Return headings that name the policy of ``what``."""
+        """Return headings that name the policy."""
         if self.snapshot is None:
             return ()
         key = self.names_policies_key
         return study_headings(self.snapshot, self.studied, TITLE, what, names_key=key)
 
     def random_signs(self) -> Legend:
-        """Return the signs of states without a drawn action."""
+        """Return the sign of undrawn states."""
         if not self.shows_drawing:
             return ()
         palette = self.look.palette
@@ -125,7 +125,7 @@ class PolicyPicture(Panel):
         )
 
     def valueless_signs(self) -> Legend:
-        """Return the sign of states without a value."""
+        """Return the sign of a missing value."""
         snapshot = self.snapshot
         if snapshot is None or self.studied is None or not np.isnan(snapshot.agent.values).any():
             return ()
@@ -147,8 +147,8 @@ _DECIMALS: Final = 2
 class StateValues:
     """Values and actions of all states.
 
-    ``value``: V(s), None without actions. ``greedy``: pairs with ties, or drawn ones. ``at_random``: states
-    without a drawn action. ``off_way``: those never reached. ``numbers`` share a form.
+    ``value``: V(s), None without actions. ``greedy``: pairs with ties, or drawn ones. ``at_random``: without
+    a drawn action. ``off_way``: those never reached.
     """
 
     value: tuple[float | None, ...]
@@ -165,7 +165,7 @@ class StateValues:
         return forms.form(ramp, self.numbers, width, 0 if ramp is Ramp.VISITS else _DECIMALS)
 
     def text(self, state: int, form: NumberForm, look: Look) -> str:
-        """Return a state's value: a dash for NaN, empty without actions."""
+        """Write a state's value: a dash for NaN, empty without actions."""
         value = self.value[state]
         if value is None:
             return ""
@@ -178,7 +178,7 @@ class StateValues:
         return look.glyphs.differs if state in differing else ""
 
     def flag_style(self, state: int, style: Style, look: Look) -> Style:
-        """Return the style of the flag on ``style``."""
+        """Return the flag's style on ``style``."""
         return off_way_style(style, look) if state in self.off_way else style
 
     def style(self, state: int, look: Look) -> Style:
@@ -192,7 +192,7 @@ class StateValues:
 
 
 def state_values(space: FiniteSpace, snapshot: Snapshot, scale: ValueScale) -> StateValues:
-    """Return the values of ``snapshot``, coloured on ``scale``."""
+    """Return the values, coloured on ``scale``."""
     values: list[float | None] = []
     known, greedy = set(), set()
     agent = snapshot.agent

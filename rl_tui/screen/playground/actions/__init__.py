@@ -1,1 +1,1 @@
-"""The actions of the playground: an object per subject, a method per key."""
+"""Actions: an object per subject, a method per key."""

@@ -1,4 +1,4 @@
-"""Changes to the agent, and why nothing is learned yet."""
+"""Changes to the agent."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ class AgentActions(Subject):
 
     @property
     def recipe(self) -> Recipe:
-        """The recipe that a restart would use."""
+        """The recipe of a restart."""
         return self.link.wanted.recipe
 
     def why_not(self, deed: str) -> str:
-        """Return why there is no policy, tie or slider to set."""
+        """Explain why there is nothing to set."""
         if deed.startswith("focus_slider("):
             number = int(deed[-2])
             has_one = len(self.board.controls.query(Slider)) >= number
@@ -66,7 +66,7 @@ class AgentActions(Subject):
         return ""
 
     def value(self, deed: str) -> str:
-        """Return the current value of the setting of ``deed``."""
+        """Return the setting's value."""
         recipe, values = self.recipe, self.recipe.hyperparameters
         if recipe.algorithm not in BY_ID or self.why_not(deed):  # a watched program has unknown settings
             return ""
@@ -92,7 +92,7 @@ class AgentActions(Subject):
             self.ask(choice, partial(self.set_parameter, "policy"))
 
     def next_ties(self) -> None:
-        """Switch to the other way to break ties."""
+        """Break ties the other way."""
         ties = "first" if self.recipe.hyperparameters.ties == "random" else "random"
         self.set_parameter("ties", ties)
         snapshot = self.snapshot
@@ -119,7 +119,7 @@ class AgentActions(Subject):
         self.screen.app.push_screen(Options(self.screen.look, lambda: self.recipe, self.ask_parameter))
 
     def ask_parameter(self, name: str) -> None:
-        """Ask for a value of the setting ``name``, then set it."""
+        """Ask for a setting's value, then set it."""
         if name == "policy":
             self.choose_policy()
         else:
@@ -127,7 +127,7 @@ class AgentActions(Subject):
             self.ask(ask_value(name, value, self.glyphs), partial(self.set_parameter, name))
 
     def set_parameter(self, name: str, value: float | str) -> None:
-        """Set ``name`` of the running agent. Initial Q restarts the run."""
+        """Set a value. Initial Q restarts the run."""
         setting = SetParameter(name, value)
         if name == "initial_q":
             self.link.send(Restart(changed_recipe(self.recipe, setting)))
@@ -150,7 +150,7 @@ class AgentActions(Subject):
                 self.link.send(Apply(each))
 
     def set_what_waits(self) -> None:
-        """Apply the settings asked for before the first snapshot."""
+        """Apply what was asked for before the first snapshot."""
         waiting, self._waiting = self._waiting, []
         for setting in waiting:
             self.set_parameter(setting.name, setting.value)
@@ -179,7 +179,7 @@ class WhyActions(Subject):
     agent: AgentActions
 
     def explain(self) -> None:
-        """Open the dialog about the wait, its cause and remedies."""
+        """Show the wait's cause and remedies."""
         if self.snapshot is None:
             return
         self.link.send(AskWhy(is_asked=True))

@@ -1,4 +1,4 @@
-"""Things that the open page of a lesson hides until it is done."""
+"""Things that a lesson's page hides until it is done."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ PREDICT_FIRST: Final = "predict first. enter: answer"
 
 
 class KeptBack(Subject):
-    """Refusals of steps before a prediction, and of views that would reveal an answer."""
+    """Refusals of steps before a prediction, and of revealing views."""
 
     @property
     def record(self) -> LessonRecord | None:
-        """The progress in the lesson, or None."""
+        """The progress in the lesson, if any."""
         return self.link.wanted.lesson
 
     def why_not_yet(self, action: Action) -> str:
-        """Return why a lesson page forbids ``action`` now, or ""."""
+        """Return why a page forbids ``action`` now."""
         record = self.record
         if record is None:
             return ""
@@ -38,7 +38,7 @@ class KeptBack(Subject):
         return "" if page is None else _kept_until(record, page)
 
     def refuses_to_act(self) -> bool:
-        """Refuse a step if a prediction is open. Return True if so."""
+        """Refuse a step before a prediction, returning True."""
         is_open = self.record is not None and "run" in self.record.hidden
         if is_open:
             self.screen.refuse(PREDICT_FIRST)
@@ -46,7 +46,7 @@ class KeptBack(Subject):
 
     @property
     def notes(self) -> str:
-        """The help's text in place of hidden scenario notes, or empty."""
+        """The text in place of hidden notes, or empty."""
         record = self.record
         if record is None:
             return ""
@@ -54,13 +54,13 @@ class KeptBack(Subject):
         return "" if page is None else f"They are {_kept_until(record, page)}."
 
     def show_world_for(self, action: Action | None) -> None:
-        """Show the world instead of the page if ``action`` is about the world."""
+        """Show the world if ``action`` is about it."""
         keeps_page = action is None or action.of_lesson or action.keeps_page
         if not keeps_page and not self.board.lesson.is_docked:
             self.board.lesson.reads = False
 
     def close_what_is_kept(self, record: LessonRecord) -> None:
-        """Close the panels and policies that the open page of ``record`` hides."""
+        """Close what the page hides."""
         opened = self.board.opened
         if opened is not None and record.hidden.intersection(self.board.rows[opened].shows):
             self.board.close()

@@ -1,4 +1,4 @@
-"""The menus: their rows, with current values and reasons of unavailable ones."""
+"""The menus and their rows."""
 
 from __future__ import annotations
 

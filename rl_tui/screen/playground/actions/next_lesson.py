@@ -1,4 +1,4 @@
-"""The way from the last page of a lesson to the next lesson."""
+"""The way to the next lesson."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class LessonWanted(Message):
 
 @dataclass(eq=False)
 class NextLesson(Subject):
-    """The way to the next lesson: find it, name it, and open it with one more press."""
+    """Names and opens the next lesson."""
 
     _following: Lesson | None = None
     _looked: bool = False
     _has_said_so: bool = False
 
     def look_for(self, record: LessonRecord) -> None:
-        """Start to look for the next lesson when the last page is open."""
+        """Look for the next lesson on the last page."""
         if not is_last_page(record):
             self._has_said_so = False
         elif not self._looked:
@@ -40,7 +40,7 @@ class NextLesson(Subject):
             self.screen.run_worker(self._find(record.lesson), name="find the next lesson", group="lessons")
 
     def turn(self) -> None:
-        """Name the next lesson, and open it at the second press."""
+        """Name the next lesson, then open it."""
         if self._following is None:
             self.screen.tell(LAST_PAGE)
         elif self._has_said_so:

@@ -1,1 +1,1 @@
-"""Modes of the playground, which take some keys whatever panel has the focus."""
+"""Modes, which take keys whatever has the focus."""

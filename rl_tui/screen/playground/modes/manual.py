@@ -1,4 +1,4 @@
-"""The mode in which a person acts in place of the agent."""
+"""A person acts for the agent."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _HAND_BACK: Final = " · y: hand back"
 
 
 class ManualControl(KeyMode):
-    """The mode in which a person takes the agent's steps."""
+    """A person takes the agent's steps."""
 
     keys: ClassVar[Mapping[str, str]] = {
         **dict.fromkeys(STEPS, "Go there"),
@@ -43,18 +43,18 @@ class ManualControl(KeyMode):
     _has_resumed = False
 
     def takes(self, key: str) -> bool:
-        """Return True if ``key`` acts or hands back."""
+        """Return whether ``key`` acts or hands back."""
         snapshot = self.snapshot
         if key in STEPS:
             return snapshot is not None and has_directions(snapshot.world)
         return key in DIGITS or key == LEAVE
 
     def has_on_a_page(self, key: str) -> bool:
-        """Return True for digits while a lesson page has the focus."""
+        """Return True for digits on a lesson page."""
         return key in DIGITS and self.screen.focused is self.board.lesson.panel
 
     def press(self, key: str) -> None:
-        """Take the action of ``key`` in view of the world, or hand back."""
+        """Take the key's action in view of the world, or hand back."""
         snapshot = self.snapshot
         if not self.board.lesson.is_docked:
             self.board.lesson.reads = False
@@ -68,7 +68,7 @@ class ManualControl(KeyMode):
             self._take(snapshot, digit_keys(snapshot.world, acts_in(snapshot)).get(key), key)
 
     def why_not(self, deed: str) -> str:
-        """Return why a person cannot act now."""
+        """Explain why a person cannot act now."""
         return "" if self.is_on or self.snapshot is None else _refused(self.snapshot)
 
     def toggle(self) -> None:
@@ -92,7 +92,7 @@ class ManualControl(KeyMode):
         self.screen.tell(text)
 
     def resume(self, snapshot: Snapshot) -> None:
-        """Take over again, once, if a resumed lesson follows a person's step."""
+        """Take over once, if a resumed lesson follows a person's step."""
         if self._has_resumed or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
             return
         self._has_resumed = True
@@ -118,7 +118,7 @@ class ManualControl(KeyMode):
             self.leave()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the available actions in ``snapshot``, or hand back if there are none."""
+        """Show the available actions, or hand back."""
         refused = _refused(snapshot)
         if refused:
             self.leave()
@@ -149,16 +149,10 @@ class ManualControl(KeyMode):
             each.redraw()
 
 
-_HINTS: Final = (
-    ("y", "hand back"),
-    ("s", "agent's step"),
-    ("space", "run"),
-    ("?", "keys"),
-)
+_HINTS: Final = (("y", "hand back"), ("s", "agent's step"), ("space", "run"), ("?", "keys"))
 
 
 def _refused(snapshot: Snapshot) -> str:
-    """Return why a person cannot act for the agent, or an empty string."""
     name = snapshot.agent.row.name
     if snapshot.agent.row.planner:
         return f"{name} takes no actions: it plans. a a: choose an agent"
@@ -166,7 +160,7 @@ def _refused(snapshot: Snapshot) -> str:
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return the title of a panel, longest form first."""
+    """Return titles of a panel, longest first."""
     state = acts_in(snapshot)
     if isinstance(snapshot.world.drawing, Arms) or state == snapshot.counters.state:
         return (MANUAL_TITLE,)
@@ -175,7 +169,7 @@ def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
 
 
 def prompts(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return the available actions and the way back, longest form first."""
+    """Return actions and the way back."""
     keys = _keys(snapshot)
     brief = (f"{keys}: act{_HAND_BACK}", f"{keys}: act", "y: hand back")
     forms = actions_in_a_line(snapshot.world, acts_in(snapshot), glyphs)

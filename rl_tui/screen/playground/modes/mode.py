@@ -1,4 +1,4 @@
-"""The base of modes: their keys and texts."""
+"""The base of modes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LEAVE: Final = "escape"
 
 
 def mode_bindings(*modes: type[KeyMode]) -> list[BindingType]:
-    """Return the bindings of all keys of ``modes``, which come first."""
+    """Return the bindings of all modes' keys, which come first."""
     words = {key: word for mode in modes for key, word in mode.keys.items()}
     return [
         Binding(key, f"mode_key('{key}')", key, show=False, priority=True, id=f"mode.{key}", tooltip=word)
@@ -39,21 +39,21 @@ class Modes:
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """The additional actions of the active mode."""
+        """The active mode's actions."""
         return () if self.current is None else self.current.actions
 
     def takes(self, key: str) -> bool:
-        """Return True if ``key`` is for the mode, not for the panels."""
+        """Return whether ``key`` is for the mode, not for panels."""
         mode = self.current
         return mode is not None and (mode.has_keys or mode.has_on_a_page(key)) and mode.takes(key)
 
     def press(self, key: str) -> None:
-        """Do what ``key`` means in the mode."""
+        """Press ``key`` in the mode."""
         if self.current is not None:
             self.current.press(key)
 
     def point(self, event: Touched, snapshot: Snapshot | None) -> None:
-        """Pass an event of the pointer to the mode."""
+        """Pass on an event of the pointer."""
         if self.current is None or snapshot is None:
             return
         if isinstance(event, PartPointed):
@@ -63,12 +63,12 @@ class Modes:
         self.show(snapshot)  # unless the click has ended the mode
 
     def note(self, command: Command) -> None:
-        """Tell the mode about ``command``, which is being sent."""
+        """Tell the mode about a command being sent."""
         if self.current is not None:
             self.current.note(command)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the available actions in ``snapshot``."""
+        """Show the available actions."""
         if self.current is not None:
             self.current.show(snapshot)
 
@@ -77,8 +77,8 @@ class Modes:
 class KeyMode(Subject):
     """A subject with its own keys while it is active and a world has the focus.
 
-    Without ``needs_focus`` its keys also count while nothing has the focus. In other panels the border of the
-    world shows ``way_back``, longest form first.
+    Without ``needs_focus`` they also count while nothing has the focus. In other panels the world's border
+    shows ``way_back``.
     """
 
     modes: Modes
@@ -90,27 +90,27 @@ class KeyMode(Subject):
 
     @property
     def is_on(self) -> bool:
-        """True while it is active."""
+        """True if it is active."""
         return self.modes.current is self
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """Its actions, which hide others with the same key or menu."""
+        """Its actions, which hide others with the same key."""
         return ()
 
     @property
     def has_keys(self) -> bool:
-        """True if its keys count, because no other panel has the focus."""
+        """True if its keys count: no other panel has the focus."""
         focused = self.screen.focused
         is_free = focused is None and not self.needs_focus
         return self.is_on and (is_free or isinstance(focused, WorldView))
 
     def has_on_a_page(self, key: str) -> bool:
-        """Return True if ``key`` counts while a lesson page has the focus."""
+        """Return whether ``key`` counts on a lesson page."""
         return False
 
     def takes(self, key: str) -> bool:
-        """Return True if ``key`` means something while a world has the focus."""
+        """Return whether ``key`` counts on a world."""
         raise NotImplementedError
 
     def press(self, key: str) -> None:
@@ -118,24 +118,24 @@ class KeyMode(Subject):
         raise NotImplementedError
 
     def toggle(self) -> None:
-        """Enter the mode, or leave it with a message."""
+        """Enter the mode, or leave with a message."""
         raise NotImplementedError
 
     def point(self, step: tuple[int, int] | None) -> None:
-        """Handle a second click, towards a side or in the middle (None)."""
+        """Handle a second click, sideways or in the middle (None)."""
 
     def draw(self, event: Touched) -> None:
-        """Handle a stroke, a wheel or a click."""
+        """Handle stroke, wheel or click."""
 
     def note(self, command: Command) -> None:
         """Handle ``command``, which is being sent."""
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the available actions in ``snapshot``."""
+        """Show the available actions."""
         raise NotImplementedError
 
     def enter(self) -> None:
-        """Activate its keys, and focus the world."""
+        """Take keys, and focus the world."""
         if self.modes.current is not None:
             self.modes.current.leave()
         self.modes.current = self
@@ -145,7 +145,7 @@ class KeyMode(Subject):
             self.screen.set_focus(self.board.world)
 
     def leave(self) -> None:
-        """Deactivate its keys, and return the focus."""
+        """Return keys and focus."""
         if self.is_on:
             if self.has_keys:
                 before = self._focused_before
@@ -155,7 +155,6 @@ class KeyMode(Subject):
             self._write((), (), ())
 
     def _write(self, title: Sequence[str], prompt: Sequence[str], hints: Hints) -> None:
-        """Write title and prompt on the world's border, and ``hints`` below."""
         has_keys = self.has_keys
         if self.board.world is not None:
             prompts = tuple(prompt) if has_keys or not self.is_on else self.way_back

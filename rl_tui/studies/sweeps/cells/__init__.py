@@ -1,1 +1,1 @@
-"""Parts of a cell of a sweep: its world, its order, and its varying settings."""
+"""Parts of a cell of a sweep: world, order, varying settings."""

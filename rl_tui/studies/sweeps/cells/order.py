@@ -9,18 +9,18 @@ from math import prod
 
 @dataclass(frozen=True)
 class Axis:
-    """A side of a grid with `count` values. In a `spread`, values between others can wait."""
+    """A side of a grid. In a `spread`, values between others can wait."""
 
     count: int
     spread: bool
 
     @property
     def levels(self) -> int:
-        """Number of the finest level. Level 0 has the two ends, and each further level values in between."""
+        """Number of the finest level. Level 0 has the two ends."""
         return (self.count - 2).bit_length() if self.spread and self.count > 2 else 0
 
     def up_to(self, level: int) -> tuple[range, bool]:
-        """Return the positions up to `level`: a range, and whether the last position is added."""
+        """Return the positions up to `level`: a range, and whether to add the last one."""
         if level >= self.levels:
             return range(self.count), False
         coarse = range(0, self.count - 1, 2 ** (self.levels - level))
@@ -34,9 +34,7 @@ class Axis:
 
 
 def coarse_first(axes: Sequence[Axis]) -> Iterator[int]:
-    """Yield the number of each cell once, a coarse lattice first. The last axis varies fastest in the
-    numbers. Memory does not depend on the size of the grid.
-    """
+    """Yield each cell once, a coarse lattice first. The last axis varies fastest in its number."""
     for level in range(max((axis.levels for axis in axes), default=0) + 1):
         places = [axis.up_to(level) for axis in axes]
         sizes = [len(coarse) + has_last for coarse, has_last in places]

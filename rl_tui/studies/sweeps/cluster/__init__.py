@@ -1,1 +1,1 @@
-"""Sweeps on a Dask cluster: batches are sent as futures, and rows return to the single writer."""
+"""Sweeps on a Dask cluster: batches are sent as futures, rows return to the single writer."""

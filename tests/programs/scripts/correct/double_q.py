@@ -1,4 +1,4 @@
-# expect: {"rule": "unknown", "alpha": null, "gamma": null}
+# expect: {"rule": "double-q-learning", "alpha": 0.2, "gamma": 0.95, "table": "Q1"}
 import random
 
 import gymnasium as gym

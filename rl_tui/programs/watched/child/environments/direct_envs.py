@@ -1,4 +1,4 @@
-"""Environments that a program makes from their class, or takes out of their wrappers."""
+"""Environments made from their class, or taken out of their wrappers."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ class MetWorlds(Protocol):
     """Watches worlds without spaces."""
 
     def step(self, it: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
-        """Take a step of `it` for the program at `frame`."""
+        """Take a step of `it` for `frame`."""
         ...
 
     def reset(self, it: Any, frame: Any, begin: Callable[..., Any], given: Given) -> Any:
-        """Begin an episode of `it` for the program at `frame`."""
+        """Begin an episode of `it` for `frame`."""
         ...
 
 
@@ -39,12 +39,7 @@ def _as_it_is(frame: Any, method: str, result: Any) -> Any:
 
 
 class DirectEnvs:
-    """Lets environments report their own steps, by another class with the same name.
-
-    Args:
-        announce: Reports a new environment, and returns None if it cannot be watched.
-        announce_again: Reports that an environment is used without its wrappers.
-    """
+    """Lets environments report their own steps, by another class with the same name."""
 
     def __init__(
         self,
@@ -60,7 +55,7 @@ class DirectEnvs:
         self._classes: dict[type, type] = {}
 
     def install(self, seed: int) -> None:
-        """Watch each environment that the program makes. Their generators start from `seed`."""
+        """Watch each environment. Their generators start from `seed`."""
         made, count = gymnasium.Env.__new__, 0
         original = seeding.np_random
 
@@ -77,7 +72,7 @@ class DirectEnvs:
         seeding.np_random = np_random
 
     def hand_out(self, env: gymnasium.Env[Any, Any], reports: StepReports | None) -> None:
-        """Let `env` report its steps through `reports`, if any, unless a wrapper does."""
+        """Let `env` report through `reports`, unless a wrapper does."""
         if _KEY not in env.__dict__:
             env.__class__ = self._class_of(type(env))
             env.__dict__[_KEY] = reports
@@ -86,7 +81,7 @@ class DirectEnvs:
                 env.__dict__[_IS_INNER] = True
 
     def step(self, env: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
-        """Take a step of `env` for the program at `frame`."""
+        """Take a step of `env` for `frame`."""
         arguments, more = given
         reports = self._reports_of(env)
         if reports is None and self.without_spaces is not None and _KEY in env.__dict__:
@@ -97,7 +92,7 @@ class DirectEnvs:
         return reports.step(frame, lambda _: take(env, *arguments, **more), action)
 
     def reset(self, env: Any, frame: Any, begin: Callable[..., Any], given: Given) -> Any:
-        """Begin an episode of `env` for the program at `frame`."""
+        """Begin an episode of `env` for `frame`."""
         arguments, more = given
         reports = self._reports_of(env)
         if reports is None and self.without_spaces is not None and _KEY in env.__dict__:
@@ -124,7 +119,6 @@ class DirectEnvs:
         return found
 
     def _class_of(self, cls: Any) -> type:
-        """Return a subclass of `cls` with its name, whose methods report."""
         if cls not in self._classes:
             self._classes[cls] = self._watched_class(cls)
         return self._classes[cls]

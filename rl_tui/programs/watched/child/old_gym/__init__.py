@@ -1,1 +1,1 @@
-"""The old Gym for watched programs: Gymnasium under its old names and in its old form."""
+"""The old Gym for watched programs, made of Gymnasium."""

@@ -1,1 +1,1 @@
-"""The table of a watched program: its forms, the search for it, and its changes."""
+"""The forms of a program's table, its search, and its changes."""

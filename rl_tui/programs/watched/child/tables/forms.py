@@ -1,6 +1,7 @@
-"""The forms of a program's table: how each is recognised, read and compared. Reading calls nothing of the
-user's: no property, no method of a user's class, no `__getitem__` that would add an entry. `isinstance`
-may ask an object for its `__class__`, so types are compared instead.
+"""Recognising, reading and comparing the forms of a table.
+
+Reading calls nothing of the user's: no property, no method of a user's class, no `__getitem__` that would add
+an entry. `isinstance` may ask an object for its `__class__`, so types are compared instead.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ MOST_CELLS: Final = 1_000_000
 
 
 def number_of(value: object) -> float:
-    """Return an entry of a table as a number, NaN if it is not one."""
+    """Return a table's entry, NaN if it is no number."""
     if type(value) is float:
         return value
     if type(value) is np.ndarray and value.size == 1 and value.dtype.kind in "fiu":
@@ -37,12 +38,12 @@ def number_of(value: object) -> float:
 
 
 def is_number(value: Any) -> bool:
-    """Return True if `value` is a number for tables: not bool, not complex."""
+    """Return True for a number, but not bool or complex."""
     return type(value) in (float, int) or (issubclass(type(value), np.number) and value.dtype.kind in "fiu")
 
 
 def is_row(row: Any, actions: int) -> bool:
-    """Return True if `row` is a row with a number for each of `actions`."""
+    """Return True for a row with a number for each action."""
     if type(row) is np.ndarray:
         return row.shape == (actions,) and row.dtype.kind in "fiu"
     return type(row) in (list, tuple) and len(row) == actions and all(map(_is_entry, row))
@@ -53,19 +54,19 @@ def _is_entry(value: object) -> bool:
 
 
 def raw_rows(rows: list[Any]) -> list[Any]:
-    """Return `rows` in a form that is quick to compare."""
+    """Make `rows` quick to compare."""
     if rows and type(rows[0]) is np.ndarray:
         return list(map(np.ndarray.tobytes, rows))
     return rows
 
 
 def raw_row(row: Any) -> object:
-    """Return a row in a form that is quick to compare."""
+    """Make a row quick to compare."""
     return row.tobytes() if type(row) is np.ndarray else row
 
 
 def plain_rows(table: Any) -> list[Any]:
-    """Return the rows of a list or an array of objects."""
+    """Return the rows of lists or arrays of objects."""
     if type(table) is np.ndarray:
         rows: list[Any] = table.reshape(-1, table.shape[-1]).tolist()
         return rows
@@ -77,7 +78,7 @@ def _is_plain(key: object) -> bool:
 
 
 def state_of(numbering: Numbering, key: Any) -> int | None:
-    """Return the state of a key of a dict, or None if it is not an observation."""
+    """Return the state of a dict's key, if any."""
     is_fit = (type(key) is tuple and all(map(_is_plain, key))) if numbering.is_tuple else _is_plain(key)
     try:
         return numbering.state(tuple(map(int, key)) if numbering.is_tuple else int(key)) if is_fit else None
@@ -86,7 +87,7 @@ def state_of(numbering: Numbering, key: Any) -> int | None:
 
 
 def cell_of(numbering: Numbering, key: Any) -> int:
-    """Return the cell of a key (observation, action), or −1."""
+    """Return the cell of (observation, action), or −1."""
     if type(key) is tuple and len(key) == 2 and _is_plain(key[1]):
         state, action = state_of(numbering, key[0]), int(key[1]) - numbering.first_action
         if state is not None and 0 <= action < numbering.actions:
@@ -101,7 +102,7 @@ def add_difference(cell: int, before: float, after: float, found: list[float]) -
 
 
 def add_differences(first_cell: int, pairs: Iterable[tuple[float, float]], found: list[float]) -> None:
-    """Append the differences in `pairs`, (before, after) of the cells from `first_cell` on, to `found`."""
+    """Append the differences in (before, after) `pairs` of neighbouring cells."""
     for cell, (before, after) in enumerate(pairs, first_cell):
         if before != after and (before == before or after == after):  # two NaN count as equal
             found += (cell, before, after)
@@ -121,7 +122,7 @@ class ArrayTable(HeldTable):
     name = "array"
 
     def take(self, table: Any) -> None:
-        """Store the content of `table`."""
+        """Store the table."""
         self._dtype = table.dtype
         self._kept = bytearray(table.tobytes())
         self._width = self.actions * table.dtype.itemsize
@@ -130,16 +131,16 @@ class ArrayTable(HeldTable):
         self.is_compared_whole = len(self._kept) <= _SMALL
 
     def values(self) -> Doubles:
-        """Return the stored content, `[S·A]`."""
+        """Return the stored table."""
         return np.frombuffer(self._kept, self._dtype).astype(np.float64)
 
     def row(self, state: int) -> Sequence[float]:
-        """Return a stored row, `[A]`."""
+        """Return a stored row."""
         begin = state * self._width
         return list(self._numbers(self._kept[begin : begin + self._width]))
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return and store what has changed in the rows of `states`, or anywhere in a small table."""
+        """Compare these rows, or all of a small table."""
         found: list[float] = []
         kept, width = self._kept, self._width
         if self.is_compared_whole:
@@ -161,12 +162,12 @@ class ArrayTable(HeldTable):
         return found
 
     def all_differences(self, table: Any) -> list[float]:
-        """Return and store what has changed anywhere."""
+        """Compare everything."""
         now = table.tobytes()
         return [] if now == self._kept else self._compare_all(now)
 
     def peek(self, table: Any, state: int) -> object:
-        """Return the current row of `state`."""
+        """Return the current row."""
         return table[self.numbering.place(state)].tobytes()
 
     def _take_row(self, state: int, before: bytearray, now: bytes, found: list[float]) -> None:
@@ -189,16 +190,16 @@ class ArrayTable(HeldTable):
 
 
 class ListedTable(HeldTable):
-    """A table whose content is kept in one list."""
+    """A table kept in one list."""
 
     _numbers: list[float]
 
     def values(self) -> Doubles:
-        """Return the stored content, `[S·A]`."""
+        """Return the stored table."""
         return np.array(self._numbers, np.float64)
 
     def row(self, state: int) -> Sequence[float]:
-        """Return a stored row, `[A]`."""
+        """Return a stored row."""
         return self._numbers[state * self.actions : (state + 1) * self.actions]
 
 
@@ -211,7 +212,7 @@ class PairTable(ListedTable):
     name = "dict-of-pairs"
 
     def take(self, table: Any) -> None:
-        """Store the content of `table`."""
+        """Store the table."""
         self._numbers = [NAN] * self.cells
         self._known: dict[object, int] = {}
         self._row_keys: dict[int, list[object]] = {}
@@ -220,7 +221,7 @@ class PairTable(ListedTable):
         self.all_differences(table)
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return and store what has changed in the rows of `states`."""
+        """Compare the rows of `states`."""
         if self.is_compared_whole or dict.__len__(table) != len(self._cells):
             return self.all_differences(table)
         found: list[float] = []
@@ -236,7 +237,7 @@ class PairTable(ListedTable):
         return found
 
     def all_differences(self, table: Any) -> list[float]:
-        """Return and store what has changed anywhere."""
+        """Compare everything."""
         if dict.__len__(table) != len(self._cells):
             self._read_keys(table)
             self._kept = []
@@ -258,12 +259,11 @@ class PairTable(ListedTable):
         return found
 
     def peek(self, table: Any, state: int) -> list[Any]:
-        """Return the current row of `state`, None for missing entries."""
+        """Return the current row, None for missing entries."""
         keys = self._row_keys.get(state) or self._keys_of_row(state)
         return list(map(dict.get, repeat(table), keys))
 
     def _read_keys(self, table: Any) -> None:
-        """Find the cell of each entry in order, −1 for others."""
         self._cells = [self._cell(key) for key in dict.keys(table)]
         self._place = {cell: place for place, cell in enumerate(self._cells)}
         self._key_of = dict(zip(self._cells, dict.keys(table), strict=True))
@@ -294,9 +294,7 @@ class PairTable(ListedTable):
 
 
 class RowTable(ListedTable):
-    """A row for each state: a list of rows, an array of objects, or a dict of rows by observation. Rows
-    are stored by key: the observation in a dict, else the index.
-    """
+    """Rows by state: a list, an array of objects, or a dict by observation."""
 
     def __init__(self, numbering: Numbering, name: str) -> None:
         super().__init__(numbering)
@@ -306,14 +304,14 @@ class RowTable(ListedTable):
         self._are_keys_states = not is_dict or numbering.counts_from_0
 
     def take(self, table: Any) -> None:
-        """Store the content of `table`."""
+        """Store the table."""
         self._numbers = [NAN] * self.cells
         self._kept: list[Any] = []
         self._place: dict[Any, int] = {}
         self.all_differences(table)
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return and store what has changed in the rows of `states`."""
+        """Compare the rows of `states`."""
         is_array = type(table) is ndarray
         if self.is_compared_whole or is_array or self._length(table) != len(self._kept):
             return self.all_differences(table)
@@ -331,7 +329,7 @@ class RowTable(ListedTable):
         return found
 
     def all_differences(self, table: Any) -> list[float]:
-        """Return and store what has changed anywhere."""
+        """Compare everything."""
         rows, kept = self._rows(table), self._kept
         now = raw_rows(rows)
         found: list[float] = []
@@ -345,7 +343,7 @@ class RowTable(ListedTable):
         return found
 
     def peek(self, table: Any, state: int) -> object:
-        """Return the current row of `state`, or None."""
+        """Return the current row, or None."""
         if type(table) is ndarray:
             return table[self.numbering.place(state)].tolist()
         row = dict.get(table, self._key(state)) if issubclass(type(table), dict) else table[state]
@@ -368,7 +366,6 @@ class RowTable(ListedTable):
         return key if self.name != "dict-of-arrays" else state_of(self.numbering, key)
 
     def _find_places(self, table: Any, found: list[float]) -> None:
-        """Update the positions of the rows after some were added or removed."""
         keys = list(dict.keys(table)) if issubclass(type(table), dict) else range(len(table))
         if type(table) is ndarray:
             keys = range(self.numbering.states)

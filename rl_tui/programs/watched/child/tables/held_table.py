@@ -16,8 +16,9 @@ _FEW: Final = 64  # cells of a small table
 
 
 class HeldTable(ABC):
-    """A table as last seen: `[S·A]` numbers, NaN for missing entries. Differences are flat lists of cell,
-    old value and new value.
+    """A table as last seen: `[S·A]` numbers, NaN for missing entries.
+
+    Differences are flat lists of cell, old value and new value.
     """
 
     name: str
@@ -46,19 +47,19 @@ class HeldTable(ABC):
 
     @abstractmethod
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return and store what has changed in the rows of `states`."""
+        """Return and store the changes in the rows of `states`."""
         ...
 
     @abstractmethod
     def all_differences(self, table: Any) -> list[float]:
-        """Return and store what has changed anywhere."""
+        """Return and store all changes."""
         ...
 
     @abstractmethod
     def peek(self, table: Any, state: int) -> object:
-        """Return the current row of `state` in a comparable form, or None."""
+        """Return the current row in a comparable form, or None."""
         ...
 
     def rows_are_shared(self, table: Any) -> bool:
-        """Return True if rows of the table are the same object."""
+        """Return True if rows are the same object."""
         return False

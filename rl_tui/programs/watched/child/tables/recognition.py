@@ -24,7 +24,7 @@ from rl_tui.programs.watched.child.worlds.met import MetNumbering
 
 
 def form_of(value: Any, numbering: Numbering) -> HeldTable | None:
-    """Return the form of `value` as a table for `numbering`, or None."""
+    """Return `value` as a table, if it is one."""
     if isinstance(numbering, MetNumbering):
         return keyed_form(value, numbering)
     if not 0 < numbering.states * numbering.actions <= MOST_CELLS:

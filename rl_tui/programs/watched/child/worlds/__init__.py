@@ -1,1 +1,1 @@
-"""Worlds of a program's own: classes with reset and step that are not environments of Gymnasium."""
+"""Worlds of a program's own, which are not Gymnasium's."""

@@ -1,4 +1,4 @@
-"""Functions of the program that take a step: step(state, action), which return (next state, reward)."""
+"""The program's functions step(state, action), which return (next state, reward)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _DECORATOR: Final = "__rl_tui_watched_function__"
 
 
 def with_watched_functions(script: Script, path: Path, worlds: OwnWorlds) -> Script:
-    """Return `script` with a hook around each function at its top that may take a step."""
+    """Return `script` with hooks around functions that may take a step."""
     found = [
         each for each in script.tree.body if isinstance(each, ast.FunctionDef) and _may_take_a_step(each)
     ]
